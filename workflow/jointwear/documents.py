@@ -47,7 +47,7 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     """
     path = Path(path)
     try:
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_StrictLoader)  # noqa: S506 - a SafeLoader
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_StrictLoader)
     except FileNotFoundError:
         siblings = [p.name for p in path.parent.glob("*.yaml")] if path.parent.is_dir() else []
         raise InputError(f"{path}: no such file{nearest(path.name, siblings)}") from None
@@ -146,7 +146,7 @@ def check(data: dict[str, Any], schema: dict[str, Any], name: str | Path) -> Non
     ------
     InputError : one line that names the document, the key, what is allowed and the nearest valid value.
     """
-    from jsonschema import Draft202012Validator  # noqa: PLC0415 - 60 ms that an error-free parse need not pay twice
+    from jsonschema import Draft202012Validator
 
     errors = sorted(
         Draft202012Validator(schema).iter_errors(data),

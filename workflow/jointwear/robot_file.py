@@ -107,13 +107,17 @@ def _joints_of_urdf(path: Path, data: dict[str, Any]) -> list[dict[str, Any]]:
         elements = by_parent.get(chain.pop(), [])
         moving = [e for e in elements if e.get("type") != "fixed"]
         if len(moving) > 1:
-            raise InputError(f"{urdf}: link '{moving[0].find('parent').get('link')}' branches; only serial arms are known")
+            raise InputError(
+                f"{urdf}: link '{moving[0].find('parent').get('link')}' branches; only serial arms are known"
+            )
         for element in elements:
             chain.append(element.find("child").get("link"))
             if element.get("type") == "fixed":
                 continue
             if element.get("type") not in ("revolute", "continuous"):
-                raise InputError(f"{urdf}: joint '{element.get('name')}' is {element.get('type')}; allowed: revolute, continuous")
+                raise InputError(
+                    f"{urdf}: joint '{element.get('name')}' is {element.get('type')}; allowed: revolute, continuous"
+                )
             found[element.get("name")] = _joint_of_element(element)
     given = data.get("joints", [])
     for i, joint in enumerate(given):

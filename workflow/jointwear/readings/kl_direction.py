@@ -1,0 +1,26 @@
+"""In which direction is the Kullback-Leibler divergence taken?"""
+
+STAGE = "features"
+PAPER = "KL distance of each axis from a reference distribution; between the initial distribution and ..."
+DEFAULT = "hour_from_reference"
+
+
+def _divergence(p, q):
+    import numpy as np
+
+    return np.maximum((p * (np.log(p) - np.log(q))).sum(axis=-1), 0.0)
+
+
+def hour_from_reference(hour, reference):
+    """D(hour || reference)."""
+    return _divergence(hour, reference)
+
+
+def reference_from_hour(hour, reference):
+    """D(reference || hour)."""
+    return _divergence(reference, hour)
+
+
+def symmetric(hour, reference):
+    """The mean of both directions."""
+    return (_divergence(hour, reference) + _divergence(reference, hour)) / 2

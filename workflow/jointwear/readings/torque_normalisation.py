@@ -1,0 +1,20 @@
+"""By which maximum is the torque divided before it is binned?"""
+
+STAGE = "features"
+PAPER = "These sixty values are then normalized with respect to maximum torque"
+DEFAULT = "reference_hour"
+
+
+def reference_hour(hourly, reference_hour, reference_period):
+    """The largest |torque| of the axis in the first hour of normal operation."""
+    return reference_hour[:, None, :]
+
+
+def hourly_maximum(hourly, reference_hour, reference_period):
+    """The largest |torque| of the axis in the same hour; growth that scales all samples then leaves no trace."""
+    return hourly
+
+
+def training_maximum(hourly, reference_hour, reference_period):
+    """The largest |torque| of the axis in the whole training period."""
+    return reference_period[:, None, :]

@@ -1,0 +1,59 @@
+import os
+import sys
+from pathlib import Path
+
+# The library beside this Snakefile counts, here and in every script that a job starts, installed or not.
+LIBRARY = Path(workflow.basedir) / "workflow"
+sys.path.insert(0, str(LIBRARY))
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    [str(LIBRARY), *filter(None, [os.environ.get("PYTHONPATH")])]
+)
+
+# Snakemake would import pandas, a quarter of a second, only to ask whether a parameter is a data frame; none is.
+sys.modules.setdefault("pandas", None)
+
+from jointwear.configuration import check_experiment, prepare, reading_of
+from jointwear.errors import InputError
+from jointwear.modules import imported_by
+
+try:
+    config = prepare(config, workflow.configfiles)
+    check_experiment(config)
+except InputError as error:
+    sys.exit(f"jointwear: {error}")
+
+
+wildcard_constraints:
+    task="[A-Za-z][A-Za-z0-9]*",
+    axis="[1-9][0-9]*",
+    increase="[0-9]+(\\.[0-9]+)?",
+    run="training|normal|axis[1-9][0-9]*_[0-9]+(\\.[0-9]+)?percent",
+
+
+def modules_of(rule):
+    """Library files that the script of a rule imports; an edit of one of them reruns the rule."""
+    script = LIBRARY / "scripts" / f"{rule}.py"
+    root = Path(workflow.basedir)
+    return [str(path.relative_to(root)) for path in imported_by(script)]
+
+
+def percent(value):
+    """An increase as it stands in file names: 10.0 is 10, 12.5 stays."""
+    return f"{value:g}"
+
+
+CELLS = [
+    f"axis{axis}_{percent(increase)}percent"
+    for axis in config["wear"]["axes"]
+    for increase in config["wear"]["increase_percent"]
+]
+
+
+def cells(stage):
+    """Files of all worn runs of a stage."""
+    return expand(
+        "results/{stage}/{task}/{cell}.nc",
+        stage=stage,
+        task=config["tasks"],
+        cell=CELLS,
+    )

@@ -1,0 +1,59 @@
+def simulation_settings(**more):
+    """What every simulated run depends on."""
+    return {
+        "seed": config["seed"],
+        "replicates": config["replicates"],
+        "sampling": config["sampling"],
+        "noise": config["noise"],
+        "reading": reading_of(config, "simulation"),
+        **more,
+    }
+
+
+rule simulate_training:
+    input:
+        robot=config["robot"],
+        task="config/tasks/{task}.yaml",
+        modules=modules_of("simulate_training"),
+    output:
+        "results/simulation/{task}/training.nc",
+    log:
+        "results/logs/simulate_training/{task}.log",
+    params:
+        settings=simulation_settings(),
+        length=reading_of(config, "training")["training_length"],
+    script:
+        "../scripts/simulate_training.py"
+
+
+rule simulate_normal:
+    input:
+        robot=config["robot"],
+        task="config/tasks/{task}.yaml",
+        modules=modules_of("simulate_normal"),
+    output:
+        "results/simulation/{task}/normal.nc",
+    log:
+        "results/logs/simulate_normal/{task}.log",
+    params:
+        settings=simulation_settings(),
+        hours=config["normal"]["test_hours"],
+    script:
+        "../scripts/simulate_normal.py"
+
+
+rule simulate_wear:
+    input:
+        robot=config["robot"],
+        task="config/tasks/{task}.yaml",
+        modules=modules_of("simulate_wear"),
+    output:
+        "results/simulation/{task}/axis{axis}_{increase}percent.nc",
+    log:
+        "results/logs/simulate_wear/{task}_axis{axis}_{increase}percent.log",
+    params:
+        settings=simulation_settings(
+            shape=config["wear"]["shape"], wear_hours=config["wear"]["hours"]
+        ),
+    script:
+        "../scripts/simulate_wear.py"

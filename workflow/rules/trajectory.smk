@@ -1,0 +1,11 @@
+rule compute_trajectory:
+    input:
+        robot=config["robot"],
+        task="config/tasks/{task}.yaml",
+        modules=modules_of("compute_trajectory"),
+    output:
+        "results/trajectories/{task}.nc",
+    log:
+        "results/logs/compute_trajectory/{task}.log",
+    script:
+        "../scripts/compute_trajectory.py"

@@ -1,0 +1,14 @@
+"""Locate the worn axis of a run by the lags between axes."""
+
+from jointwear.location import write_location
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        write_location(
+            snakemake.input.features,
+            snakemake.input.training,
+            snakemake.input.detection,
+            snakemake.output[0],
+            snakemake.params.settings,
+        )

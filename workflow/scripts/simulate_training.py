@@ -1,0 +1,16 @@
+"""Simulate the normal operation from which the detector learns."""
+
+from jointwear.readings import select, training_length
+from jointwear.script import reported
+from jointwear.simulation import simulate_run
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        simulate_run(
+            snakemake.input.robot,
+            snakemake.input.task,
+            snakemake.output[0],
+            key=("training", snakemake.wildcards.task),
+            hours=select(training_length, snakemake.params.length)(),
+            settings=snakemake.params.settings,
+        )

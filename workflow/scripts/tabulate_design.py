@@ -1,0 +1,15 @@
+"""Table III: the design of the experiment."""
+
+from pathlib import Path
+
+from jointwear.script import reported
+from jointwear.tables import write_tables
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        write_tables(
+            "table_iii",
+            Path(snakemake.output.csv).with_suffix(""),
+            snakemake.input.published,
+            detections=snakemake.input.detections,
+        )

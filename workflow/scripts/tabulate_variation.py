@@ -1,0 +1,16 @@
+"""Table VI: coefficient of variation of the torque."""
+
+from pathlib import Path
+
+from jointwear.script import reported
+from jointwear.tables import write_tables
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        write_tables(
+            "table_vi",
+            Path(snakemake.output.csv).with_suffix(""),
+            snakemake.input.published,
+            features=snakemake.input.features,
+            detections=snakemake.input.detections,
+        )
