@@ -21,8 +21,8 @@ class Wear:
 
     def growth(self, hour: np.ndarray) -> np.ndarray:
         """Return the share by which the friction has grown, 0 at hour 0 and increase_percent/100 at the end."""
-        rise = _rise(self.shape * np.asarray(hour, dtype=float) / self.hours)
-        return self.increase_percent / 100 * rise / _rise(np.float64(self.shape))
+        rise = _rise(self.shape * (np.asarray(hour, dtype=float) / self.hours))
+        return self.increase_percent / 100 * (rise / _rise(np.float64(self.shape)))
 
     def coulomb(self, positive: float, negative: float, hour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the worn Coulomb levels [N m] for positive and negative velocity at `hour`."""
@@ -36,4 +36,5 @@ class Wear:
 
 def _rise(x: np.ndarray) -> np.ndarray:
     # 1/(1 + exp(-x^4)) - 1/2, written so that small x keeps its digits.
-    return 0.5 * np.tanh(0.5 * x**4)
+    square = np.square(x)
+    return 0.5 * np.tanh(0.5 * np.square(square))

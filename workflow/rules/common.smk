@@ -15,6 +15,16 @@ sys.modules.setdefault("pandas", None)
 from jointwear.configuration import check_experiment, prepare, reading_of
 from jointwear.errors import InputError
 from jointwear.modules import imported_by
+from jointwear.stale_lock import clear_stale_lock, note_run
+
+if workflow.is_main_process and clear_stale_lock(Path.cwd()):
+    print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
+
+
+onstart:
+    note_run(Path.cwd())
+
+
 
 try:
     config = prepare(config, workflow.configfiles)

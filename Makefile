@@ -1,0 +1,92 @@
+# jointwear. `make help` lists the targets.
+# Needs Python 3.11 or newer; everything else is installed into .venv from requirements locked with hashes.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+CORES ?= 2
+VENV := .venv
+BIN := $(VENV)/bin
+REPORT := results/report/index.html
+
+# An environment is named after its lock files, so that a changed lock file rebuilds it.
+lock_of = $(shell cat $(1) | sha256sum | cut -c1-16)
+RUN := $(VENV)/.run-$(call lock_of,requirements/run.txt)
+TEST := $(VENV)/.test-$(call lock_of,requirements/run.txt requirements/test.txt)
+BENCH_VENV := .venv-bench
+BENCH := $(BENCH_VENV)/.bench-$(call lock_of,requirements/run.txt requirements/bench.txt)
+
+PIP_INSTALL := -m pip install --disable-pip-version-check --quiet --require-hashes
+SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
+
+.PHONY: help
+help:  ## Show this list
+	@grep -E '^[a-z_-]+:.*  ## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z_-]+):.*  ## /\1\t/' | awk -F'\t' '{printf "  make %-14s %s\n", $$1, $$2}'
+
+$(RUN):
+	@"$(PYTHON)" -c 'import sys; sys.exit("jointwear needs Python 3.11 or newer, found " + sys.version.split()[0]) if sys.version_info < (3, 11) else None'
+	@echo "building $(VENV) from requirements/run.txt"
+	@rm -rf $(VENV)
+	@"$(PYTHON)" -m venv $(VENV)
+	@$(BIN)/python $(PIP_INSTALL) -r requirements/run.txt
+	@touch $@
+
+$(TEST): $(RUN)
+	@echo "adding requirements/test.txt to $(VENV)"
+	@rm -f $(VENV)/.test-*
+	@$(BIN)/python $(PIP_INSTALL) -r requirements/test.txt
+	@touch $@
+
+$(BENCH):
+	@echo "building $(BENCH_VENV) from requirements/run.txt and requirements/bench.txt"
+	@rm -rf $(BENCH_VENV)
+	@"$(PYTHON)" -m venv $(BENCH_VENV)
+	@$(BENCH_VENV)/bin/python $(PIP_INSTALL) -r requirements/run.txt -r requirements/bench.txt
+	@touch $@
+
+.PHONY: environment
+environment: $(RUN)  ## Build .venv (what a run needs)
+
+.PHONY: reproduce
+reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of the report
+	@$(SNAKEMAKE)
+	@echo "report: $(REPORT)"
+
+.PHONY: test
+test: $(TEST)  ## Run the tests (under 10 minutes)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not browser"
+
+.PHONY: test-browser
+test-browser: $(TEST)  ## Test the report in headless Chromium (Debian: chromium chromium-driver)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m browser
+
+.PHONY: lint
+lint: $(TEST)  ## Check style: ruff, snakefmt, snakemake --lint
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/snakefmt --check Snakefile workflow/rules
+	@$(SNAKEMAKE) --lint
+
+.PHONY: format
+format: $(TEST)  ## Format the code
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+	@$(BIN)/snakefmt Snakefile workflow/rules
+
+.PHONY: bench
+bench: $(RUN) $(BENCH)  ## Measure speed and memory; writes bench/results.json
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m benchmarks --peers $(BENCH_VENV)/bin/python
+
+.PHONY: lock
+lock:  ## Renew requirements/*.txt from requirements/*.in
+	@"$(PYTHON)" -m venv .venv-lock
+	@.venv-lock/bin/pip install --quiet pip-tools
+	@for name in run test bench; do .venv-lock/bin/pip-compile --quiet --upgrade --generate-hashes --no-emit-index-url \
+	  --no-emit-find-links --no-emit-trusted-host --allow-unsafe --strip-extras \
+	  --output-file requirements/$$name.txt requirements/$$name.in; done
+
+.PHONY: clean
+clean:  ## Remove results and caches, keep the environment
+	@rm -rf results .snakemake .pytest_cache .hypothesis .ruff_cache

@@ -1,0 +1,49 @@
+"""What all tests share: the project's files, and data of the original toolbox."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointwear import readings
+from jointwear.dynamics import Dynamics
+from jointwear.robot import load_robot
+
+ROOT = Path(__file__).resolve().parent.parent
+ORACLE = Path(__file__).resolve().parent / "data" / "oracle"
+
+
+class Oracle:
+    """Columns of one oracle file; see tests/data/oracle/README.md."""
+
+    def __init__(self, name: str) -> None:
+        with open(ORACLE / f"{name}.csv", encoding="utf-8") as file:
+            self._rows = list(csv.DictReader(file))
+
+    def column(self, name: str) -> np.ndarray:
+        return np.array([float(row[name]) for row in self._rows])
+
+    def by_joint(self, name: str) -> np.ndarray:
+        """One row a state, one column a joint."""
+        return self.column(name).reshape(-1, 6)
+
+
+@pytest.fixture(scope="session")
+def oracle():
+    return Oracle
+
+
+@pytest.fixture(scope="session")
+def root():
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def puma():
+    return Dynamics(load_robot(ROOT / "config/robots/puma560.yaml"))
+
+
+@pytest.fixture(scope="session")
+def default_reading():
+    return {name: a.default for name, a in readings.ambiguities().items()}
