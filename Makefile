@@ -77,7 +77,7 @@ format: $(TEST)  ## Format the code
 
 .PHONY: bench
 bench: $(RUN) $(BENCH)  ## Measure speed and memory; writes bench/results.json
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m benchmarks --peers $(BENCH_VENV)/bin/python
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/bench --peers $(BENCH_VENV)/bin/python
 
 .PHONY: lock
 lock:  ## Renew requirements/*.txt from requirements/*.in

@@ -8,6 +8,10 @@ min_version("9.0")
 configfile: "config/config.yaml"
 
 
+# Used only with --software-deployment-method apptainer: the Python that requirements/run.txt is locked for.
+container: "docker://python:3.11"
+
+
 include: "workflow/rules/common.smk"
 include: "workflow/rules/trajectory.smk"
 include: "workflow/rules/simulation.smk"

@@ -13,6 +13,9 @@ from jointwear.errors import InputError
 from jointwear.robot import Link, Robot
 
 
+_BLOCK = 4096  # states
+
+
 def _pin_inertia(link: Link) -> pin.Inertia:
     return pin.Inertia(link.mass, link.com, link.inertia)
 
@@ -126,9 +129,11 @@ class Dynamics:
             zero there is no Coulomb friction, as in the toolbox.
         """
         positive, negative = (self.robot.coulomb_positive, self.robot.coulomb_negative) if coulomb is None else coulomb
-        direction = velocity if direction is None else direction
-        # Both products run over small arrays where direction and levels are those of the sampled instants.
-        level = np.where(direction > 0, positive, 0.0) + np.where(direction < 0, negative, 0.0)
+        # sign * half the span + sign^2 * the middle is the level of that sign, and 0 at 0; several times as fast as
+        # choosing element by element.
+        sign = np.sign(velocity if direction is None else direction)
+        level = sign * ((positive - negative) / 2)
+        level = level + np.square(sign, out=sign) * ((positive + negative) / 2)
         return velocity * self.robot.viscous + level
 
     def inverse_dynamics(
@@ -142,7 +147,14 @@ class Dynamics:
     ) -> np.ndarray:
         """Return the motor torque of equation (1) on the joint side, friction included. Shape (..., n)."""
         torque = self.rigid_body_torque(position, velocity, acceleration, threads)
-        torque += self.friction_torque(velocity, coulomb, direction)
+        if coulomb is None and direction is None:
+            # In blocks that stay in the cache.
+            n = self.robot.joints
+            rows, out = np.broadcast_to(velocity, torque.shape).reshape(-1, n), torque.reshape(-1, n)
+            for start in range(0, len(out), _BLOCK):
+                out[start : start + _BLOCK] += self.friction_torque(rows[start : start + _BLOCK])
+        else:
+            torque += self.friction_torque(velocity, coulomb, direction)
         return torque
 
     def gravity_torque(self, position: np.ndarray) -> np.ndarray:

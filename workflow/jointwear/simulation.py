@@ -65,7 +65,7 @@ class RepeatedTask:
     ) -> None:
         self.dynamics, self.noise = dynamics, noise
         self.motion = task.samples(interval, samples)
-        self._coulomb = tuple(level[:, None, :] for level in coulomb)
+        self.coulomb = tuple(level[:, None, :] for level in coulomb)
         self.torque = self._commanded(self.motion)
         cycle = self._commanded(task.grid(noise.time_step))
         mean = select(disturbance_mean, noise.reading["disturbance_mean"])(self.torque, cycle)
@@ -79,7 +79,7 @@ class RepeatedTask:
     def _commanded(self, motion: Motion) -> np.ndarray:
         """Torque without noise in every hour, shape (hours, instants, n)."""
         rigid = self.dynamics.rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
-        return rigid + self.dynamics.friction_torque(motion.velocity, self._coulomb)
+        return rigid + self.dynamics.friction_torque(motion.velocity, self.coulomb)
 
     def measure(self, random: np.random.Generator, threads: int = 1) -> np.ndarray:
         """Return one replicate of the measured torque, shape (hours, samples, n) [N m].
@@ -102,7 +102,7 @@ class RepeatedTask:
         acceleration += noise[2] / step**2
         direction = self._direction(motion.velocity, velocity)
         return self.dynamics.inverse_dynamics(
-            position, velocity, acceleration, self._coulomb, direction, threads=threads
+            position, velocity, acceleration, self.coulomb, direction, threads=threads
         )
 
 

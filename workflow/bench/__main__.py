@@ -1,0 +1,71 @@
+"""Run every measurement, print it, compare it with its target and store it in bench/results.json."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).resolve().parent
+ROBOT, TASK = "config/robots/puma560.yaml", "config/tasks/T2.yaml"
+
+# (part, key, comparison, target, unit)
+TARGETS = [
+    ("workflow", "full_seconds", "<=", 60, "s"),
+    ("workflow", "nothing_to_do_against_version", "<=", 1.3, "x"),
+    ("workflow", "results_megabytes", "<=", 1000, "MB"),
+    ("dynamics", "two_threads_against_batched", ">=", 2, "x"),
+    ("dynamics", "two_threads_against_per_call", ">=", 15, "x"),
+    ("dynamics", "largest_difference_nm", "<=", 1e-9, "N m"),
+    ("simulation", "samples_per_second", ">=", 1_000_000, "/s"),
+    ("memory", "largest_mib", "<=", 1024, "MiB"),
+]
+
+
+def measure(python: str, script: str, *arguments: str) -> dict:
+    """Run one measurement in a process of its own and return what it prints."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "workflow"), "OMP_PROC_BIND": "false"}
+    done = subprocess.run(
+        [python, str(HERE / script), *arguments], capture_output=True, text=True, cwd=ROOT, env=environment
+    )
+    if done.returncode:
+        sys.exit(f"{script} failed:\n{done.stderr[-4000:]}")
+    return json.loads(done.stdout.strip().splitlines()[-1])
+
+
+def main() -> None:
+    """Measure everything."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--peers", required=True, help="Python of the environment that has the peers")
+    given = parser.parse_args()
+    results = {
+        "machine": {"cores": os.cpu_count(), "python": platform.python_version(), "system": platform.system()},
+        "dynamics": measure(given.peers, "dynamics.py", ROBOT),
+        "simulation": measure(sys.executable, "simulation.py", ROBOT, TASK),
+        "memory": measure(sys.executable, "simulation.py", ROBOT, TASK, "--memory", "--replicates", "1000"),
+        "workflow": measure(sys.executable, "workflow.py"),
+    }
+    flow = results["workflow"]
+    flow["edit_confidence_allowed_seconds"] = max(15.0, round(0.25 * flow["full_seconds"], 1))
+    print(json.dumps(results, indent=2))
+    missed = 0
+    targets = [*TARGETS, ("workflow", "edit_confidence_seconds", "<=", flow["edit_confidence_allowed_seconds"], "s")]
+    for part, key, comparison, target, unit in targets:
+        value = results[part][key]
+        reached = value <= target if comparison == "<=" else value >= target
+        missed += not reached
+        print(f"{'reached' if reached else 'MISSED ':7}  {part}.{key} = {value:g} {unit}, target {comparison} {target:g}")
+    results["missed"] = missed
+    output = ROOT / "bench" / "results.json"
+    output.parent.mkdir(exist_ok=True)
+    output.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+    print(f"stored in {output.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()
