@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from functools import cache
 from pathlib import Path
@@ -11,6 +12,12 @@ LIBRARY = Path(__file__).resolve().parent
 _FROM = re.compile(r"^\s*from\s+(jointwear[\w.]*)\s+import\s+(\([^)]*\)|[^\n#]+)", re.MULTILINE)
 _IMPORT = re.compile(r"^\s*import\s+(jointwear[\w.]*)", re.MULTILINE)
 _WHOLE_PACKAGE = re.compile(r"^\s*for .* in .*iter_modules\(__path__", re.MULTILINE)
+
+
+def lend_to_children() -> None:
+    """Put this library first on the PYTHONPATH of every process started from now on."""
+    earlier = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(LIBRARY.parent), *([earlier] if earlier else [])])
 
 
 def _path_of(module: str) -> Path | None:

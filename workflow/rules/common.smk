@@ -1,29 +1,25 @@
-import os
 import sys
 from pathlib import Path
 
 # The library beside this Snakefile counts, here and in every script that a job starts, installed or not.
 LIBRARY = Path(workflow.basedir) / "workflow"
 sys.path.insert(0, str(LIBRARY))
-os.environ["PYTHONPATH"] = os.pathsep.join(
-    [str(LIBRARY), *filter(None, [os.environ.get("PYTHONPATH")])]
-)
 
 # Snakemake would import pandas, a quarter of a second, only to ask whether a parameter is a data frame; none is.
 sys.modules.setdefault("pandas", None)
 
 from jointwear.configuration import check_experiment, prepare, reading_of
 from jointwear.errors import InputError
-from jointwear.modules import imported_by
+from jointwear.modules import imported_by, lend_to_children
 from jointwear.stale_lock import clear_stale_lock, note_run
 
+lend_to_children()
 if workflow.is_main_process and clear_stale_lock(Path.cwd()):
     print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
 
 
 onstart:
     note_run(Path.cwd())
-
 
 
 try:
@@ -67,3 +63,15 @@ def cells(stage):
         task=config["tasks"],
         cell=CELLS,
     )
+
+
+def simulation_settings(**more):
+    """What every simulated run depends on."""
+    return {
+        "seed": config["seed"],
+        "replicates": config["replicates"],
+        "sampling": config["sampling"],
+        "noise": config["noise"],
+        "reading": reading_of(config, "simulation"),
+        **more,
+    }

@@ -1,15 +1,3 @@
-def simulation_settings(**more):
-    """What every simulated run depends on."""
-    return {
-        "seed": config["seed"],
-        "replicates": config["replicates"],
-        "sampling": config["sampling"],
-        "noise": config["noise"],
-        "reading": reading_of(config, "simulation"),
-        **more,
-    }
-
-
 rule simulate_training:
     input:
         robot=config["robot"],
