@@ -154,3 +154,20 @@ def test_cells_are_ordered_as_in_the_paper():
     assert cell_of("a/T1/axis3_12.5percent.nc") == Cell("T1", 12.5, 3)
     with pytest.raises(ValueError, match="not the file"):
         cell_of("a/T1/normal.nc")
+
+
+def test_effects_of_the_robot_file_act_in_the_simulation(puma, root, default_reading):
+    from dataclasses import replace
+
+    from jointwear.dynamics import Dynamics
+    from jointwear.robot import EffectEntry
+
+    entry = EffectEntry("torque_constant_error", 2, None, {"share": 0.1})
+    stretched = Dynamics(replace(puma.robot, effects=(entry,)))
+    quiet = Noise(0.0, 0.0, 0.5, reading(default_reading))
+    plain, changed = repeated(puma, root, quiet, hours=3), repeated(stretched, root, quiet, hours=3)
+    factor = np.ones(6)
+    factor[1] = 1.1
+    np.testing.assert_allclose(changed.torque, plain.torque * factor, rtol=1e-9)
+    measured = changed.measure(generator(1, "x", replicate=0))
+    np.testing.assert_allclose(measured, changed.torque, atol=1e-9)

@@ -11,7 +11,7 @@ LIBRARY = Path(__file__).resolve().parent
 # Read as text: parsing to syntax trees takes four times as long, at every call of Snakemake.
 _FROM = re.compile(r"^\s*from\s+(jointwear[\w.]*)\s+import\s+(\([^)]*\)|[^\n#]+)", re.MULTILINE)
 _IMPORT = re.compile(r"^\s*import\s+(jointwear[\w.]*)", re.MULTILINE)
-_WHOLE_PACKAGE = re.compile(r"^\s*for .* in .*iter_modules\(__path__", re.MULTILINE)
+_WHOLE_PACKAGE = re.compile(r"^WHOLE_PACKAGE = True", re.MULTILINE)
 
 
 def lend_to_children() -> None:
@@ -50,7 +50,8 @@ def _direct(path: Path) -> frozenset[Path]:
 def imported_by(script: Path) -> tuple[Path, ...]:
     """Return every library file that `script` imports, directly or through others, sorted.
 
-    A package whose ``__init__`` loops over its own modules counts with all of them.
+    A package whose ``__init__`` says ``WHOLE_PACKAGE = True``, because its modules are found by listing it, counts
+    with all of them.
 
     Raises
     ------

@@ -24,7 +24,7 @@ from jointwear.readings import (
 )
 from jointwear.robot import load_robot
 from jointwear.storage import Variable, create_dataset
-from jointwear.trajectory import Motion, Task, load_task
+from jointwear.trajectory import HOUR, Motion, Task, load_task
 from jointwear.wear import Wear
 
 
@@ -66,8 +66,8 @@ class RepeatedTask:
         self.dynamics, self.noise = dynamics, noise
         self.motion = task.samples(interval, samples)
         self.coulomb = tuple(level[:, None, :] for level in coulomb)
-        self.torque = self._commanded(self.motion)
-        cycle = self._commanded(task.grid(noise.time_step))
+        self.torque, self._effects = self._commanded(self.motion)
+        cycle, _ = self._commanded(task.grid(noise.time_step))
         mean = select(disturbance_mean, noise.reading["disturbance_mean"])(self.torque, cycle)
         self._disturbance = (noise.disturbance_share * mean)[:, None, :]
         self._mass = dynamics.mass_matrix(self.motion.position)
@@ -76,10 +76,24 @@ class RepeatedTask:
         self._draws = select(noise_draws, noise.reading["noise_draws"])
         self._direction = select(coulomb_direction, noise.reading["coulomb_direction"])
 
-    def _commanded(self, motion: Motion) -> np.ndarray:
-        """Torque without noise in every hour, shape (hours, instants, n)."""
+    def _commanded(self, motion: Motion) -> tuple[np.ndarray, np.ndarray | float]:
+        """Torque without noise in every hour, shape (hours, instants, n), and the part of the robot's effects."""
         rigid = self.dynamics.rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
-        return rigid + self.dynamics.friction_torque(motion.velocity, self.coulomb)
+        effects = self._effects_of(motion, rigid)
+        return rigid + self.dynamics.friction_torque(motion.velocity, self.coulomb) + effects, effects
+
+    def _effects_of(self, motion: Motion, rigid: np.ndarray) -> np.ndarray | float:
+        """Torque of the effects in the robot file, on the commanded motion: noise changes it in second order only."""
+        robot = self.dynamics.robot
+        if not robot.effects:
+            return 0.0
+        from jointwear.effects import check_effects, effect_torque, make_state
+
+        check_effects(robot)
+        start = HOUR * np.arange(len(self.coulomb[0]))[:, None]
+        lead = (len(start), *motion.position.shape)
+        parts = (np.broadcast_to(a, lead) for a in (motion.position, motion.velocity, motion.acceleration, rigid))
+        return effect_torque(robot, make_state(robot, *parts, time=start + motion.time))
 
     def measure(self, random: np.random.Generator, threads: int = 1) -> np.ndarray:
         """Return one replicate of the measured torque, shape (hours, samples, n) [N m].
@@ -101,9 +115,11 @@ class RepeatedTask:
         acceleration = motion.acceleration + jolt
         acceleration += noise[2] / step**2
         direction = self._direction(motion.velocity, velocity)
-        return self.dynamics.inverse_dynamics(
+        torque = self.dynamics.inverse_dynamics(
             position, velocity, acceleration, self.coulomb, direction, threads=threads
         )
+        torque += self._effects
+        return torque
 
 
 def coulomb_levels(
