@@ -24,3 +24,9 @@ def reference_from_hour(hour, reference):
 def symmetric(hour, reference):
     """The mean of both directions."""
     return (_divergence(hour, reference) + _divergence(reference, hour)) / 2
+
+
+def jensen_shannon(hour, reference):
+    """Both directions against the mean of the two: the divergence of Jensen and Shannon, at most ln 2."""
+    middle = (hour + reference) / 2
+    return (_divergence(hour, middle) + _divergence(reference, middle)) / 2

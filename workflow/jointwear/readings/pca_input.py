@@ -21,3 +21,8 @@ def histogram(features):
     """All bins of the six hourly histograms."""
     values = features["histogram"]
     return values.reshape(*values.shape[:2], -1).astype(float)
+
+
+def maximum_torque(features):
+    """The six hourly maxima of |torque|, of which Table V speaks."""
+    return features["maximum_torque"]

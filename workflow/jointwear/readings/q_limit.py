@@ -4,14 +4,18 @@ STAGE = "detection"
 PAPER = "We use 95% confidence level to set threshold on the Q-statistic [31]"
 DEFAULT = "jackson_mudholkar"
 
+# Where the kept components explain everything, Q is rounding, (1e-16 x 100)^2 at most, and its limit zero:
+# without a floor chance would alarm.
+_ROUNDING = 1e-20
+
 
 def jackson_mudholkar(theory, training_q, confidence):
     """From the residual eigenvalues by the formula of Jackson and Mudholkar (1979)."""
-    return theory
+    return max(theory, _ROUNDING)
 
 
 def empirical_quantile(theory, training_q, confidence):
     """The quantile of Q in training."""
     import numpy as np
 
-    return float(np.quantile(training_q, confidence))
+    return max(float(np.quantile(training_q, confidence)), _ROUNDING)

@@ -1,0 +1,114 @@
+"""The one library of effects, shared by simulation and discovery.
+
+An effect is one file of :mod:`jointwear.effects.entries` that defines ``EFFECT``; adding a file adds the effect.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+import numpy as np
+
+from jointwear.effects.effect import Effect, Parameter, correction_torque
+from jointwear.effects.state import Drive, State, make_state
+from jointwear.errors import InputError, nearest
+from jointwear.robot import Robot
+
+
+@cache
+def library() -> dict[str, Effect]:
+    """Return every effect by identifier, in alphabetical order of the files."""
+    from jointwear.effects import entries as package  # noqa: PLC0415 - the listing is the registry
+
+    found = {}
+    for module in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
+        effect = importlib.import_module(f"{package.__name__}.{module.name}").EFFECT
+        found[effect.identifier] = effect
+    return found
+
+
+def get_effect(identifier: str) -> Effect:
+    """Return one effect.
+
+    Raises
+    ------
+    InputError : if the library has no effect of that name.
+    """
+    effects = library()
+    if identifier not in effects:
+        raise InputError(f"unknown effect '{identifier}'{nearest(identifier, effects)} (allowed: {', '.join(effects)})")
+    return effects[identifier]
+
+
+def check_effects(robot: Robot) -> None:
+    """Check the `effects` of a robot against the library.
+
+    Raises
+    ------
+    InputError : names the entry and key that is wrong and what is allowed.
+    """
+    for i, entry in enumerate(robot.effects):
+        where = f"robot '{robot.name}': 'effects[{i}]"
+        try:
+            effect = get_effect(entry.effect)
+        except InputError as error:
+            raise InputError(f"{where}.effect': {error}") from None
+        if not effect.identifiable:
+            raise InputError(f"{where}.effect' is '{entry.effect}', which has no torque function: {effect.reason}")
+        if not effect.whole_arm and entry.axis is None:
+            raise InputError(f"{where}.axis' is missing; '{entry.effect}' acts on one axis (allowed: 1 to {robot.joints})")
+        if effect.needs_source and entry.source_axis is None:
+            raise InputError(f"{where}.source_axis' is missing; '{entry.effect}' comes from another axis")
+        known = {p.name: p for p in effect.parameters}
+        for key, value in entry.parameters.items():
+            if key == "correction" and effect.shape is not None:
+                continue
+            if key not in known:
+                raise InputError(
+                    f"{where}.parameters': unknown key '{key}'{nearest(key, known)} (allowed: {', '.join(known)})"
+                )
+            if not isinstance(value, (int, float)) or not known[key].lower <= value <= known[key].upper:
+                low, high = known[key].lower, known[key].upper
+                near = f"; the nearest valid value is {min(max(value, low), high)}" if isinstance(value, (int, float)) else ""
+                raise InputError(f"{where}.parameters.{key}' is {value!r} (allowed: >= {low} and <= {high}){near}")
+
+
+def effect_torque(robot: Robot, state: State) -> np.ndarray:
+    """Return the torque that the effects of `robot` add to the nominal model. Shape (..., n) [N m].
+
+    A payload belongs to ``Robot.payload``, which the rigid-body dynamics already know; an entry `payload` in
+    ``effects`` is allowed where the state carries a `tip_regressor`.
+
+    Raises
+    ------
+    InputError : if an entry is unknown, or is a payload and the state has no `tip_regressor`.
+    """
+    total = np.zeros(np.shape(state.position))
+    for entry in robot.effects:
+        effect = get_effect(entry.effect)
+        if effect.torque is None:
+            raise InputError(f"robot '{robot.name}': effect '{entry.effect}' has no torque function: {effect.reason}")
+        parameters = effect.complete(entry.parameters)
+        if effect.whole_arm:
+            total += effect.torque(state, 0, None, parameters)
+            continue
+        axis = entry.axis - 1
+        source = None if entry.source_axis is None else entry.source_axis - 1
+        total[..., axis] += effect.torque(state, axis, source, parameters)
+        total[..., axis] += correction_torque(effect, state, axis, parameters)
+    return total
+
+
+__all__ = [
+    "Drive",
+    "Effect",
+    "Parameter",
+    "State",
+    "check_effects",
+    "effect_torque",
+    "get_effect",
+    "library",
+    "make_state",
+]

@@ -1,0 +1,40 @@
+"""Torque ripple of the motor that does not depend on its load."""
+
+import numpy as np
+
+from jointwear.effects.effect import Effect, Parameter
+
+
+def _angle(state, axis, p):
+    return p["order"] * state.drive.gear_ratio[axis] * state.position[..., axis]
+
+
+def _columns(state, axis, source, p):
+    angle = _angle(state, axis, p)
+    return np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+
+
+EFFECT = Effect(
+    identifier="cogging_torque",
+    name="Cogging torque",
+    equation="A sin(k G q + phi)",
+    parameters=(
+        Parameter("amplitude", "N m", 0.0, 1e4, "A"),
+        Parameter("order", "1", 0.05, 400.0, "k, waves in one turn of the motor", 1.0),
+        Parameter("phase", "rad", -6.3, 6.3, "phi"),
+    ),
+    confused_with=("torque_constant_ripple",),
+    excitation="slow motion over several turns of the motor at different loads",
+    source="Piccoli and Yim 2016",
+    argument="motor angle",
+    argument_unit="rad",
+    torque=lambda state, axis, source, p: p["amplitude"] * np.sin(_angle(state, axis, p) + p["phase"]),
+    columns=_columns,
+    parameters_of=lambda p, c: {
+        **p,
+        "amplitude": float(np.hypot(c[0], c[1])),
+        "phase": float(np.arctan2(c[1], c[0])),
+    },
+    grid=lambda state, axis: [{"order": float(k)} for k in range(1, 25)],
+    shape=lambda state, axis, p: (np.ones(state.position.shape[:-1]), np.mod(_angle(state, axis, p), 2 * np.pi)),
+)

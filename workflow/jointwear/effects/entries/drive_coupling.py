@@ -1,0 +1,37 @@
+"""Friction and inertia of another axis's motor that act on this axis, as in coupled wrists."""
+
+import numpy as np
+
+from jointwear.effects.effect import Effect, Parameter
+
+
+def _columns(state, axis, source, p):
+    # The share of this axis in viscous friction and inertia is part of its own numbers in the robot file.
+    speed = p["own"] * state.velocity[..., axis] + p["other"] * state.velocity[..., source]
+    return np.stack([np.sign(speed), state.velocity[..., source], state.acceleration[..., source]], axis=-1)
+
+
+EFFECT = Effect(
+    identifier="drive_coupling",
+    name="Drive coupling",
+    equation="Fc sign(g v_own + h v_other) + b v_other + J dv_other/dt (a motor that turns with both axes: g = h = 1)",
+    parameters=(
+        Parameter("coulomb", "N m", 0.0, 1e4, "Fc, Coulomb friction of the shared drive"),
+        Parameter("viscous", "N m s/rad", -1e4, 1e4, "b, viscous friction by the speed of the other axis"),
+        Parameter("inertia", "kg m2", -1e4, 1e4, "J, inertia by the acceleration of the other axis"),
+        Parameter("own", "1", -1.0, 1.0, "g, share of this axis in the motion of the drive", 1.0, fixed=True),
+        Parameter("other", "1", -1.0, 1.0, "h, share of the other axis", 1.0, fixed=True),
+    ),
+    confused_with=("payload",),
+    excitation="one axis moving while the other changes direction",
+    source="identification of the Staubli TX40 wrist, Gautier and others",
+    argument="velocity of the other axis",
+    argument_unit="rad/s",
+    torque=lambda state, axis, source, p: (
+        _columns(state, axis, source, p) @ np.array([p["coulomb"], p["viscous"], p["inertia"]])
+    ),
+    columns=_columns,
+    parameters_of=lambda p, c: {**p, "coulomb": float(c[0]), "viscous": float(c[1]), "inertia": float(c[2])},
+    grid=lambda state, axis: [{"own": 0.0, "other": 1.0}, {"own": 0.0, "other": -1.0}, {"own": 1.0, "other": 1.0}, {"own": 1.0, "other": -1.0}],
+    needs_source=True,
+)

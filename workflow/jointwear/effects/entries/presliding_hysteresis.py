@@ -1,0 +1,63 @@
+"""Friction that builds up over a short travel after each reversal (Dahl's model)."""
+
+import numpy as np
+
+from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.state import record_slices
+
+
+def bristle(position, direction, distance):
+    """Return Dahl's state z in [-1, 1] along one record, shape (m,).
+
+    dz/dq = (1 - s z)/x0 has the exact solution z = s + (z_r - s) exp(-|q - q_r|/x0) between reversals r. A joint
+    at rest holds z; a record starts settled because its past is unknown.
+    """
+    moving = np.flatnonzero(direction)
+    z = np.zeros(len(position))
+    if not len(moving):
+        return z
+    sense = direction[moving]
+    edges = np.flatnonzero(np.diff(sense)) + 1
+    value = sense[0]
+    starts = np.concatenate([[0], edges])
+    stops = np.concatenate([edges, [len(moving)]])
+    for a, b in zip(starts, stops, strict=True):
+        run = moving[a:b]
+        origin = position[run[0] - 1] if run[0] > 0 else position[run[0]]
+        z[run] = sense[a] + (value - sense[a]) * np.exp(-np.abs(position[run] - origin) / distance)
+        value = z[run[-1]]
+    still = np.flatnonzero(direction == 0)
+    if len(still):
+        last = np.searchsorted(moving, still) - 1
+        z[still] = np.where(last >= 0, z[moving[np.maximum(last, 0)]], z[moving[0]])
+    return z
+
+
+def _columns(state, axis, source, p):
+    column = np.zeros(np.shape(state.position)[:-1])
+    if state.record is not None:
+        for part in record_slices(state):
+            direction = state.direction[part, axis]
+            column[part] = bristle(state.position[part, axis], direction, p["distance"]) - direction
+    return column[..., None]
+
+
+EFFECT = Effect(
+    identifier="presliding_hysteresis",
+    name="Pre-sliding hysteresis",
+    equation="Fc (z - sign(v)), dz/dq = (1 - sign(v) z)/x0",
+    parameters=(
+        Parameter("level", "N m", 0.0, 1e4, "Fc, friction that builds up"),
+        Parameter("distance", "rad", 5e-4, 1.0, "x0, travel over which it builds up", 0.03),
+    ),
+    confused_with=("actuation_delay", "stribeck_friction"),
+    excitation="many reversals at different accelerations",
+    source="Dahl 1968; Canudas de Wit et al. 1995 (LuGre)",
+    argument="travel since reversal",
+    argument_unit="rad",
+    torque=lambda state, axis, source, p: p["level"] * _columns(state, axis, source, p)[..., 0],
+    columns=_columns,
+    parameters_of=lambda p, c: {**p, "level": float(c[0])},
+    grid=lambda state, axis: [{"distance": float(x)} for x in np.geomspace(0.005, 0.16, 7)],
+    sequential=True,
+)

@@ -1,0 +1,39 @@
+"""Coulomb friction that falls with temperature."""
+
+import numpy as np
+
+from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.temperature import reference_temperature, warming
+
+
+def _columns(state, axis, source, p):
+    return (-warming(state, axis, p["reference"]) * state.direction[..., axis])[..., None]
+
+
+def _grid(state, axis):
+    reference = reference_temperature(state, axis)
+    return [] if reference is None else [{"reference": reference}]
+
+
+EFFECT = Effect(
+    identifier="temperature_dependent_coulomb_friction",
+    name="Temperature-dependent Coulomb friction",
+    equation="-a Fc (T - T0) sign(v)",
+    parameters=(
+        Parameter("slope", "N m/K", 0.0, 1e3, "a Fc, fall of Coulomb friction per kelvin"),
+        Parameter("reference", "degC", -50.0, 200.0, "T0, at which the robot file's Coulomb friction holds", 25.0, fixed=True),
+    ),
+    confused_with=("torque_constant_temperature", "wear_drift"),
+    excitation="slow motion, cold and warm, at times that do not follow the temperature",
+    source="Park et al. 2022; Bittencourt and Gunnarsson 2012",
+    argument="temperature",
+    argument_unit="degC",
+    torque=lambda state, axis, source, p: p["slope"] * _columns(state, axis, source, p)[..., 0],
+    columns=_columns,
+    parameters_of=lambda p, c: {**p, "slope": float(c[0])},
+    grid=_grid,
+    shape=lambda state, axis, p: (
+        state.direction[..., axis],
+        np.nan_to_num(state.temperature[..., axis], nan=p["reference"]),
+    ),
+)

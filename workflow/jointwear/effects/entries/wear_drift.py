@@ -1,0 +1,46 @@
+"""Coulomb friction that grows as the joint wears: equation (7) of the paper."""
+
+import numpy as np
+
+from jointwear.effects.effect import Effect, Parameter
+
+
+def _growth(state, p):
+    x = np.maximum(state.time - p["start"], 0.0) * p["rate"]
+    # 1/(1 + exp(-x^m)) - 1/2, written so that small x keeps its digits.
+    return 0.5 * np.tanh(0.5 * x ** p["exponent"])
+
+
+def _columns(state, axis, source, p):
+    return (_growth(state, p) * state.direction[..., axis])[..., None]
+
+
+def _grid(state, axis):
+    start, span = float(np.min(state.time)), float(np.ptp(state.time))
+    if span <= 0:
+        return []
+    shapes = [(0.7, 4.0), (1.2, 4.0), (1.7, 4.0), (3.0, 4.0), (0.5, 1.0), (2.0, 1.0), (5.0, 1.0), (1.0, 2.0)]
+    return [{"start": start, "rate": x / span, "exponent": m} for x, m in shapes]
+
+
+EFFECT = Effect(
+    identifier="wear_drift",
+    name="Wear: growing Coulomb friction",
+    equation="c1 (1/(1 + exp(-(c2 t)^m)) - 1/2) sign(v), m = 4 in the paper",
+    parameters=(
+        Parameter("level", "N m", 0.0, 1e4, "c1, twice the growth in the end"),
+        Parameter("rate", "1/s", 0.0, 1e6, "c2", 1e-6),
+        Parameter("exponent", "1", 0.5, 6.0, "m", 4.0, fixed=True),
+        Parameter("start", "s", -1e10, 1e10, "time at which wear starts", 0.0, fixed=True),
+    ),
+    confused_with=("temperature_dependent_coulomb_friction", "torque_offset_drift"),
+    excitation="the same motion again and again at temperatures that do not follow time",
+    source="equation (7) of the paper",
+    argument="time x direction",
+    argument_unit="s",
+    torque=lambda state, axis, source, p: p["level"] * _columns(state, axis, source, p)[..., 0],
+    columns=_columns,
+    parameters_of=lambda p, c: {**p, "level": float(c[0])},
+    grid=_grid,
+    shape=lambda state, axis, p: (state.direction[..., axis], state.time),
+)

@@ -1,0 +1,135 @@
+"""What an effect may depend on: the motion, the nominal torques, time, temperature and facts about the drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from jointwear.robot import Robot
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Facts about the drives that an effect may need, each of shape (n,); joint side."""
+
+    gear_ratio: np.ndarray
+    armature: np.ndarray
+    viscous: np.ndarray
+    coulomb_positive: np.ndarray
+    coulomb_negative: np.ndarray
+
+
+@dataclass(frozen=True)
+class State:
+    """Samples of a robot with n joints; arrays have shape (..., n) unless stated.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : [rad], [rad/s], [rad/s2].
+    load : rigid-body torque without motor inertia and friction [N m], the torque that the gear transmits.
+    torque : torque of the nominal model with motor inertia and friction [N m].
+    time : (...,) [s].
+    temperature : [degC], NaN where unknown.
+    record : (...,) integer label of the recording a sample belongs to, or None. Where it is given the samples of
+        one record are in order of time along the first and only leading dimension; where it is None the samples
+        are unordered and sequential effects act in their settled limit, that is with zero torque.
+    tip_regressor : function without arguments that returns the derivative of the torque by the ten inertial
+        parameters of a payload in the last link frame, shape (..., n, 10), or None.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    load: np.ndarray
+    torque: np.ndarray
+    time: np.ndarray
+    temperature: np.ndarray
+    drive: Drive
+    record: np.ndarray | None = None
+    tip_regressor: Callable[[], np.ndarray] | None = None
+    #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
+    direction: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "direction", np.sign(self.velocity))
+
+    @property
+    def has_temperature(self) -> bool:
+        """Whether any temperature is known."""
+        return bool(np.isfinite(self.temperature).any())
+
+    def part(self, chosen: np.ndarray) -> State:
+        """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""
+        regressor = self.tip_regressor
+        return replace(
+            self,
+            position=self.position[chosen],
+            velocity=self.velocity[chosen],
+            acceleration=self.acceleration[chosen],
+            load=self.load[chosen],
+            torque=self.torque[chosen],
+            time=self.time[chosen],
+            temperature=self.temperature[chosen],
+            record=None if self.record is None else self.record[chosen],
+            tip_regressor=None if regressor is None else lambda: regressor()[chosen],
+        )
+
+
+def drive_of(robot: Robot) -> Drive:
+    """Return the drive facts of `robot`."""
+    return Drive(
+        robot.gear_ratio, robot.armature, robot.viscous, robot.coulomb_positive, robot.coulomb_negative
+    )
+
+
+def make_state(
+    robot: Robot,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    rigid_torque: np.ndarray,
+    time: np.ndarray | None = None,
+    temperature: np.ndarray | None = None,
+    record: np.ndarray | None = None,
+    tip_regressor: Callable[[], np.ndarray] | None = None,
+) -> State:
+    """Build a :class:`State` for `robot`.
+
+    Parameters
+    ----------
+    position, velocity, acceleration : (..., n).
+    rigid_torque : (..., n) what ``Dynamics.rigid_body_torque`` returns, motor inertia included [N m].
+    time : (...,) [s]; default 0.
+    temperature : (...,) or (..., n) [degC]; default unknown.
+    """
+    position, velocity, acceleration, rigid_torque = np.broadcast_arrays(position, velocity, acceleration, rigid_torque)
+    shape = position.shape
+    if temperature is None:
+        temperature = np.full(shape, np.nan)
+    elif np.shape(temperature) != shape:
+        temperature = np.asarray(temperature, dtype=float)
+        temperature = np.broadcast_to(temperature[..., None] if temperature.ndim < len(shape) else temperature, shape)
+    level = np.where(velocity > 0, robot.coulomb_positive, 0.0) + np.where(velocity < 0, robot.coulomb_negative, 0.0)
+    return State(
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
+        load=rigid_torque - robot.armature * acceleration,
+        torque=rigid_torque + robot.viscous * velocity + level,
+        time=np.zeros(shape[:-1]) if time is None else np.broadcast_to(np.asarray(time, dtype=float), shape[:-1]),
+        temperature=np.asarray(temperature, dtype=float),
+        drive=drive_of(robot),
+        record=record,
+        tip_regressor=tip_regressor,
+    )
+
+
+def record_slices(state: State) -> list[slice]:
+    """Return the slices of the records of an ordered state; a record is a run of one label."""
+    label = np.asarray(state.record)
+    if not len(label):
+        return []
+    edges = np.flatnonzero(np.diff(label)) + 1
+    return [slice(a, b) for a, b in zip([0, *edges], [*edges, len(label)], strict=True)]

@@ -1,0 +1,76 @@
+REPORT_TABLES = ["table_ii", "table_iii", "table_iv", "table_v", "table_vi"]
+REPORT_FIGURES = [
+    "figure_1",
+    "figure_2",
+    "figure_3",
+    "figure_4",
+    "table_ii",
+    "table_iv",
+]
+TEMPLATES = [
+    str(path.relative_to(workflow.basedir))
+    for pattern in (
+        "report/base.html.j2",
+        "report/index.html.j2",
+        "report/macros.html.j2",
+        "report/style.css",
+        "report/chapters/*.html.j2",
+        # The report quotes every ambiguity of the text, chosen or not.
+        "workflow/jointwear/readings/*.py",
+    )
+    for path in sorted(Path(workflow.basedir).glob(pattern))
+]
+# Further chapters: the name under which report/chapters/NN_name.html.j2 sees its numbers, and their JSON file.
+CHAPTERS = {}
+
+
+rule build_report:
+    input:
+        published=PUBLISHED,
+        robot=config["robot"],
+        tables=expand("results/tables/{table}.nc", table=REPORT_TABLES),
+        spreadsheets=expand("results/tables/{table}.csv", table=REPORT_TABLES),
+        figures=expand("results/figures/{figure}.svg", figure=REPORT_FIGURES),
+        trajectories=TRAJECTORIES,
+        simulations=cells("simulation"),
+        detections=cells("detection"),
+        locations=cells("location"),
+        models=expand("results/detection/{task}/model.nc", task=config["tasks"]),
+        training_features=expand(
+            "results/features/{task}/training.nc", task=config["tasks"]
+        ),
+        training_simulations=expand(
+            "results/simulation/{task}/training.nc", task=config["tasks"]
+        ),
+        normal_simulations=expand(
+            "results/simulation/{task}/normal.nc", task=config["tasks"]
+        ),
+        normal_detections=expand(
+            "results/detection/{task}/normal.nc", task=config["tasks"]
+        ),
+        normal_locations=expand(
+            "results/location/{task}/normal.nc", task=config["tasks"]
+        ),
+        figure_run=[
+            f"results/simulation/{FIGURE_RUN}",
+            f"results/features/{FIGURE_RUN}",
+            f"results/detection/{FIGURE_RUN}",
+            f"config/tasks/{FIGURE_CELL.task}.yaml",
+        ],
+        chapters=list(CHAPTERS.values()),
+        templates=TEMPLATES,
+        modules=modules_of("build_report"),
+    output:
+        page="results/report/index.html",
+        numbers="results/report/summary.json",
+    log:
+        "results/logs/build_report.log",
+    params:
+        # The report prints the whole configuration of the reproduction.
+        config={k: v for k, v in config.items() if k not in ("discover", "monitor")},
+        tables=REPORT_TABLES,
+        figures=REPORT_FIGURES,
+        figure_run=["simulation", "features", "detection", "task"],
+        chapters=list(CHAPTERS),
+    script:
+        "../scripts/build_report.py"

@@ -1,0 +1,10 @@
+"""Draw Figure 2: KL divergence of all axes."""
+
+from jointwear.figures.figure_2 import draw_figure_2
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        draw_figure_2(
+            snakemake.input.features, snakemake.input.published, snakemake.output[0], snakemake.params.replicate
+        )

@@ -1,0 +1,8 @@
+"""Draw Figure 4: paths of the end effector."""
+
+from jointwear.figures.figure_4 import draw_figure_4
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        draw_figure_4(snakemake.input.trajectories, snakemake.input.published, snakemake.output[0])

@@ -1,0 +1,8 @@
+"""Draw Table II as a picture."""
+
+from jointwear.figures.lag_map import draw_lag_map
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        draw_lag_map(snakemake.input.table, snakemake.output[0], snakemake.params.replicate)
