@@ -101,7 +101,8 @@ def test_jtraj(oracle, puma):
         # At 60 s the toolbox's velocity is round-off with an arbitrary sign, ours is exactly 0.
         np.testing.assert_allclose(torque[:-1], data.by_joint("tau_friction_Nm")[rows][:-1], atol=TOLERANCE)
         given = [data.by_joint(c)[rows] for c in ("q_rad", "qd_rad_s", "qdd_rad_s2")]
-        np.testing.assert_allclose(puma.inverse_dynamics(*given), data.by_joint("tau_friction_Nm")[rows], atol=TOLERANCE)
+        expected = data.by_joint("tau_friction_Nm")[rows]
+        np.testing.assert_allclose(puma.inverse_dynamics(*given), expected, atol=TOLERANCE)
 
 
 def test_worn_friction(oracle, puma):

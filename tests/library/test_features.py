@@ -15,8 +15,12 @@ def alternatives(name):
     return list(readings.ambiguities()[name].alternatives)
 
 
-@given(p=HISTOGRAM, q=HISTOGRAM, floor=st.sampled_from(alternatives("empty_bin_floor")),
-       direction=st.sampled_from(alternatives("kl_direction")))
+@given(
+    p=HISTOGRAM,
+    q=HISTOGRAM,
+    floor=st.sampled_from(alternatives("empty_bin_floor")),
+    direction=st.sampled_from(alternatives("kl_direction")),
+)
 def test_kl_is_not_negative_and_zero_for_equal_histograms(p, q, floor, direction):
     reading = {"empty_bin_floor": floor, "kl_direction": direction}
     p, q = np.array(p) / sum(p), np.array(q) / sum(q)
@@ -32,8 +36,12 @@ def test_kl_of_a_known_pair():
     assert kl_divergence(p, q, reading) == pytest.approx(0.9 * np.log(0.9 / 0.5) + 0.1 * np.log(0.1 / 0.5))
 
 
-@given(seed=st.integers(0, 1000), bins=st.integers(2, 40), sign=st.sampled_from(alternatives("torque_sign")),
-       beyond=st.sampled_from(alternatives("out_of_range")))
+@given(
+    seed=st.integers(0, 1000),
+    bins=st.integers(2, 40),
+    sign=st.sampled_from(alternatives("torque_sign")),
+    beyond=st.sampled_from(alternatives("out_of_range")),
+)
 def test_histograms_have_mass_one(seed, bins, sign, beyond):
     torque = np.random.default_rng(seed).normal(size=(2, 3, 60, 4))
     scale = np.abs(torque[:, :1]).max(axis=2)

@@ -33,8 +33,11 @@ def test_lags_are_those_of_equation_5(seed, correlation):
             assert lag[i, j] == direct_lag(series[0, :, i], series[0, :, j], correlation == "means_removed")
 
 
-@given(seed=st.integers(0, 10_000), correlation=st.sampled_from(["raw", "means_removed"]),
-       peak=st.sampled_from(["maximum", "absolute_maximum"]))
+@given(
+    seed=st.integers(0, 10_000),
+    correlation=st.sampled_from(["raw", "means_removed"]),
+    peak=st.sampled_from(["maximum", "absolute_maximum"]),
+)
 def test_the_lag_matrix_is_antisymmetric(seed, correlation, peak):
     series = np.random.default_rng(seed).gamma(1.0, 1.0, (3, 40, 6))
     lag = lag_matrix(series, np.ones((3, 40), dtype=bool), correlation, peak)
@@ -62,8 +65,14 @@ def test_hours_outside_do_not_count():
 
 
 PUBLISHED = np.array(
-    [[0, -3, -3, -27, 0, -4], [3, 0, 0, 0, -38, -2], [3, 0, 0, 0, 6, 0],
-     [27, 0, 0, 0, -22, 5], [0, 38, -6, 22, 0, 32], [4, 2, 0, -5, -32, 0]]
+    [
+        [0, -3, -3, -27, 0, -4],
+        [3, 0, 0, 0, -38, -2],
+        [3, 0, 0, 0, 6, 0],
+        [27, 0, 0, 0, -22, 5],
+        [0, 38, -6, 22, 0, 32],
+        [4, 2, 0, -5, -32, 0],
+    ]
 )
 
 

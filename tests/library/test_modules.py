@@ -16,9 +16,13 @@ def names(root, script):
 def test_modules_are_those_that_python_loads(root):
     for script in ("simulate_wear", "compute_features", "detect_wear", "locate_wear", "fit_normal_model"):
         source = (root / f"workflow/scripts/{script}.py").read_text().split("if __name__")[0]
-        code = source + "\nimport sys\nprint('\\n'.join(m.__file__ for n, m in sys.modules.items() if n.startswith('jointwear')))"
+        listing = "(m.__file__ for n, m in sys.modules.items() if n.startswith('jointwear'))"
+        code = f"{source}\nimport sys\nprint('\\n'.join({listing}))"
         done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True,
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
             env={**os.environ, "PYTHONPATH": str(root / "workflow")},
         )
         loaded = {os.path.relpath(line, LIBRARY) for line in done.stdout.split()}
@@ -33,10 +37,13 @@ def test_a_stage_does_not_depend_on_what_it_does_not_use(root):
 
 
 def test_scoring_a_cell_imports_neither_scikit_learn_nor_pinocchio(root):
-    code = "import sys, jointwear.detection, jointwear.location, jointwear.features\n" \
-        "print([m for m in ('sklearn', 'pinocchio', 'xarray', 'pandas', 'matplotlib', 'scipy') if m in sys.modules])"
+    heavy = ("sklearn", "pinocchio", "xarray", "pandas", "matplotlib", "scipy")
+    code = f"import sys, jointwear.detection, jointwear.location; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True,
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
         env={**os.environ, "PYTHONPATH": str(root / "workflow")},
     )
     assert done.stdout.strip() == "[]"

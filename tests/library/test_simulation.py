@@ -142,8 +142,14 @@ def test_torque_limits_are_reported(root, tmp_path, settings):
 def test_an_axis_that_the_robot_lacks_is_refused(root, tmp_path, settings):
     with pytest.raises(ValueError, match="axis 7 cannot wear"):
         simulate_run(
-            root / ROBOT, root / "config/tasks/T1.yaml", tmp_path / "x.nc", key=("wear",), hours=12,
-            settings=settings, axis=7, increase_percent=10.0,
+            root / ROBOT,
+            root / "config/tasks/T1.yaml",
+            tmp_path / "x.nc",
+            key=("wear",),
+            hours=12,
+            settings=settings,
+            axis=7,
+            increase_percent=10.0,
         )
     assert not list(tmp_path.iterdir())
 

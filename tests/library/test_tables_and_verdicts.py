@@ -89,9 +89,17 @@ def test_a_table_has_its_columns_in_both_files(tmp_path):
     import xarray
 
     row = {
-        "task": "T1", "axis": 1, "increase_percent": 10.0, "published": None, "reproduced": 1.25,
-        "reproduced_low": 1.0, "reproduced_high": float("nan"), "at_published_hour": 1.0,
-        "at_published_hour_low": 1.0, "at_published_hour_high": 1.0, "verdict": "not comparable",
+        "task": "T1",
+        "axis": 1,
+        "increase_percent": 10.0,
+        "published": None,
+        "reproduced": 1.25,
+        "reproduced_low": 1.0,
+        "reproduced_high": float("nan"),
+        "at_published_hour": 1.0,
+        "at_published_hour_low": 1.0,
+        "at_published_hour_high": 1.0,
+        "verdict": "not comparable",
     }
     write_table("table_v", [row], tmp_path / "table_v", {})
     with open(tmp_path / "table_v.csv") as file:

@@ -108,7 +108,8 @@ def _describe(error) -> str:
     if rule in ("minItems", "maxItems"):
         return f"'{where}' has {len(value)} entries, {_words(rule)} {error.validator_value}"
     if rule == "oneOf":
-        return f"'{where}' must hold exactly one of the layouts described in {error.schema.get('description', 'the schema')}"
+        layouts = error.schema.get("description", "the schema")
+        return f"'{where}' must hold exactly one of the layouts described in {layouts}"
     if rule == "pattern":
         return f"'{where}' is {shown}; {error.schema.get('description', 'it does not match ' + error.validator_value)}"
     return f"'{where}': {error.message.splitlines()[0]}"

@@ -12,7 +12,6 @@ import pinocchio as pin
 from jointwear.errors import InputError
 from jointwear.robot import Link, Robot
 
-
 _BLOCK = 4096  # states
 
 
@@ -63,10 +62,8 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
         root = pin.Model()
         for joint in range(1, full.njoints):
             kind = full.joints[joint].shortname()
-            if kind.startswith("JointModelRUB"):
-                model = getattr(pin, kind.replace("RUB", "R"))()
-            else:
-                model = full.joints[joint]
+            unbounded = kind.startswith("JointModelRUB")
+            model = getattr(pin, kind.replace("RUB", "R"))() if unbounded else full.joints[joint]
             index = root.addJoint(full.parents[joint], model, full.jointPlacements[joint], full.names[joint])
             root.appendBodyToJoint(index, full.inertias[joint], pin.SE3.Identity())
         for candidate in full.frames:

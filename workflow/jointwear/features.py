@@ -57,7 +57,7 @@ def histograms(torque: np.ndarray, scale: np.ndarray, bins: int, reading: Mappin
     # The maximum itself belongs to the last bin, not beyond it.
     index[(index == bins) & (position <= 1)] = bins - 1
     index, kept = select(out_of_range, reading["out_of_range"])(index, bins)
-    r, hours, samples, n = torque.shape
+    r, hours, _, n = torque.shape
     cell = (np.arange(r * hours).reshape(r, hours, 1, 1) * n + np.arange(n)) * bins
     flat = (index + cell).ravel() if kept is None else (index + cell)[kept]
     counts = np.bincount(flat, minlength=r * hours * n * bins).reshape(r, hours, n, bins)

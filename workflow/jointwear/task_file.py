@@ -68,5 +68,6 @@ def _check_limits(path: Path, waypoints: list[list[float]], robot: dict[str, Any
                 near = (lower if x < lower else upper) * scale
                 raise InputError(
                     f"{path}: 'waypoints[{i}][{j}]' is {x * scale:g} {unit}, beyond the limits of {joint['name']} "
-                    f"(allowed: {lower * scale:.6g} to {upper * scale:.6g} {unit}); the nearest valid value is {near:.6g}"
+                    f"(allowed: {lower * scale:.6g} to {upper * scale:.6g} {unit}); "
+                    f"the nearest valid value is {near:.6g}"
                 )

@@ -20,7 +20,7 @@ from jointwear.robot import Robot
 @cache
 def library() -> dict[str, Effect]:
     """Return every effect by identifier, in alphabetical order of the files."""
-    from jointwear.effects import entries as package  # noqa: PLC0415 - the listing is the registry
+    from jointwear.effects import entries as package
 
     found = {}
     for module in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
@@ -58,7 +58,9 @@ def check_effects(robot: Robot) -> None:
         if not effect.identifiable:
             raise InputError(f"{where}.effect' is '{entry.effect}', which has no torque function: {effect.reason}")
         if not effect.whole_arm and entry.axis is None:
-            raise InputError(f"{where}.axis' is missing; '{entry.effect}' acts on one axis (allowed: 1 to {robot.joints})")
+            raise InputError(
+                f"{where}.axis' is missing; '{entry.effect}' acts on one axis (allowed: 1 to {robot.joints})"
+            )
         if effect.needs_source and entry.source_axis is None:
             raise InputError(f"{where}.source_axis' is missing; '{entry.effect}' comes from another axis")
         known = {p.name: p for p in effect.parameters}
@@ -71,7 +73,11 @@ def check_effects(robot: Robot) -> None:
                 )
             if not isinstance(value, (int, float)) or not known[key].lower <= value <= known[key].upper:
                 low, high = known[key].lower, known[key].upper
-                near = f"; the nearest valid value is {min(max(value, low), high)}" if isinstance(value, (int, float)) else ""
+                near = (
+                    f"; the nearest valid value is {min(max(value, low), high)}"
+                    if isinstance(value, (int, float))
+                    else ""
+                )
                 raise InputError(f"{where}.parameters.{key}' is {value!r} (allowed: >= {low} and <= {high}){near}")
 
 

@@ -79,9 +79,7 @@ class State:
 
 def drive_of(robot: Robot) -> Drive:
     """Return the drive facts of `robot`."""
-    return Drive(
-        robot.gear_ratio, robot.armature, robot.viscous, robot.coulomb_positive, robot.coulomb_negative
-    )
+    return Drive(robot.gear_ratio, robot.armature, robot.viscous, robot.coulomb_positive, robot.coulomb_negative)
 
 
 def make_state(

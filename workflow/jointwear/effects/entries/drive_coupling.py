@@ -32,6 +32,11 @@ EFFECT = Effect(
     ),
     columns=_columns,
     parameters_of=lambda p, c: {**p, "coulomb": float(c[0]), "viscous": float(c[1]), "inertia": float(c[2])},
-    grid=lambda state, axis: [{"own": 0.0, "other": 1.0}, {"own": 0.0, "other": -1.0}, {"own": 1.0, "other": 1.0}, {"own": 1.0, "other": -1.0}],
+    grid=lambda state, axis: [
+        {"own": 0.0, "other": 1.0},
+        {"own": 0.0, "other": -1.0},
+        {"own": 1.0, "other": 1.0},
+        {"own": 1.0, "other": -1.0},
+    ],
     needs_source=True,
 )

@@ -13,7 +13,9 @@ EFFECT = Effect(
     name="Joint flexibility",
     equation="(Jm G^2 / K) d2(tau_load)/dt2",
     parameters=(
-        Parameter("inertia_over_stiffness", "s2", 0.0, 1.0, "Jm G^2/K, the square of the period of the drive over 2 pi"),
+        Parameter(
+            "inertia_over_stiffness", "s2", 0.0, 1.0, "Jm G^2/K, the square of the period of the drive over 2 pi"
+        ),
     ),
     confused_with=("actuation_delay",),
     excitation="motion with much jerk, and different loads",

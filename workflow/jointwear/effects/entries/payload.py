@@ -9,9 +9,11 @@ _NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "y
 
 def _columns(state, axis, source, p):
     if state.tip_regressor is None:
-        from jointwear.errors import InputError  # noqa: PLC0415 - only on the way out
+        from jointwear.errors import InputError
 
-        raise InputError("a payload among the 'effects' needs the tip regressor; write it as 'payload' of the robot file")
+        raise InputError(
+            "a payload among the 'effects' needs the tip regressor; write it as 'payload' of the robot file"
+        )
     return state.tip_regressor()
 
 

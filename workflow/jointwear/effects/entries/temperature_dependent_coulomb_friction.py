@@ -21,7 +21,9 @@ EFFECT = Effect(
     equation="-a Fc (T - T0) sign(v)",
     parameters=(
         Parameter("slope", "N m/K", 0.0, 1e3, "a Fc, fall of Coulomb friction per kelvin"),
-        Parameter("reference", "degC", -50.0, 200.0, "T0, at which the robot file's Coulomb friction holds", 25.0, fixed=True),
+        Parameter(
+            "reference", "degC", -50.0, 200.0, "T0, at which the robot file's Coulomb friction holds", 25.0, fixed=True
+        ),
     ),
     confused_with=("torque_constant_temperature", "wear_drift"),
     excitation="slow motion, cold and warm, at times that do not follow the temperature",

@@ -23,7 +23,9 @@ EFFECT = Effect(
     parameters=(
         Parameter("coefficient", "N m s/rad", 0.0, 1e4, "b, viscous friction at T0 that follows the temperature"),
         Parameter("scale", "K", 3.0, 300.0, "Tv, warming that lowers it to 37 %", 30.0),
-        Parameter("reference", "degC", -50.0, 200.0, "T0, at which the robot file's viscous friction holds", 25.0, fixed=True),
+        Parameter(
+            "reference", "degC", -50.0, 200.0, "T0, at which the robot file's viscous friction holds", 25.0, fixed=True
+        ),
     ),
     confused_with=("temperature_dependent_coulomb_friction", "torque_constant_temperature"),
     excitation="fast and slow motion, each cold and warm",
