@@ -103,6 +103,7 @@ def test_every_alternative_fits_and_scores(default_reading, name, value):
     features = {
         "kl_divergence": random.random((2, 60, 6)),
         "mean_absolute_torque": random.random((2, 60, 6)) + 3,
+        "maximum_torque": random.random((2, 60, 6)) + 5,
         "histogram": random.dirichlet(np.ones(12), (2, 60, 6)),
     }
     reading = {**default_reading, name: value}

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear import readings
-from jointwear.location import lag_matrix, largest_shift, locate
+from jointwear.location import lag_matrix, largest_shift, locate, shift_at
 
 
 def direct_lag(x, y, means_removed):
@@ -101,4 +101,7 @@ def test_every_alternative_locates(default_reading, name, value):
 def test_the_largest_shift_names_the_rising_axis():
     kl = np.random.default_rng(3).normal(size=(2, 50, 6))
     kl[0, 25:, 3] += 4
-    assert largest_shift(kl, np.array([26.0, np.nan]), np.zeros((2, 6)), np.ones((2, 6))).tolist() == [4, 0]
+    shift = largest_shift(kl, np.zeros((2, 6)), np.ones((2, 6)))
+    assert shift.shape == (2, 50)
+    assert shift_at(shift, np.array([26.0, np.nan])).tolist() == [4, 0]
+    assert shift[0, 49] == kl[0, 49].argmax() + 1

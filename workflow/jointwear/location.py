@@ -89,39 +89,53 @@ def locate(
     return lag, select(source_rule, reading["source_rule"])(lag)
 
 
-def largest_shift(
-    kl: np.ndarray, onset: np.ndarray, training_mean: np.ndarray, training_spread: np.ndarray
-) -> np.ndarray:
-    """Return the axis (r,), 1-based, whose KL divergence lies farthest above training after the onset.
+def largest_shift(kl: np.ndarray, training_mean: np.ndarray, training_spread: np.ndarray) -> np.ndarray:
+    """Return, for every hour, the axis (1-based) whose KL divergence from then on lies farthest above training.
 
-    A plain alternative to the paper's rule, shown beside it; 0 where nothing was detected.
+    A plain alternative to the paper's rule, shown beside it: at the onset it compares the axes after the onset.
+
+    Parameters
+    ----------
+    kl : (r, hours, n).
+    training_mean, training_spread : (r, n).
+
+    Returns
+    -------
+    (r, hours) axis of the largest mean of the standardised divergence from the hour to the end.
     """
-    hours = np.arange(1, kl.shape[1] + 1)
-    after = (hours >= onset[:, None])[:, :, None]
     z = (kl - training_mean[:, None]) / np.where(training_spread == 0, 1.0, training_spread)[:, None]
-    mean = (z * after).sum(axis=1) / np.maximum(after.sum(axis=1), 1)
-    return np.where(np.isnan(onset), 0, mean.argmax(axis=1) + 1)
+    return np.flip(np.cumsum(np.flip(z, axis=1), axis=1), axis=1).argmax(axis=2) + 1
+
+
+def shift_at(shift: np.ndarray, onset: np.ndarray) -> np.ndarray:
+    """Return the axis of the largest shift at the onset, (r,); 0 where nothing was detected (onset NaN)."""
+    hour = np.where(np.isnan(onset), 1, onset).astype(int)
+    return np.where(np.isnan(onset), 0, np.take_along_axis(shift, hour[:, None] - 1, axis=1)[:, 0])
 
 
 def write_location(
-    features: str | Path, training: str | Path, detection: str | Path, output: str | Path, settings: Mapping[str, Any]
+    features: str | Path,
+    training: str | Path,
+    detection: str | Path | None,
+    output: str | Path,
+    settings: Mapping[str, Any],
 ) -> None:
     """Locate the wear in every replicate of a run.
 
     Parameters
     ----------
     features, training : features of the run and of the task's normal operation.
-    detection : its onset hours.
+    detection : its onset hours; None where the reading correlates the whole run.
     output : netCDF file with `lag`, `source`, the same for both cross-correlations, and `largest_shift`.
     settings : `reading`.
     """
     with open_dataset(features) as dataset:
         values = {n: read_variable(dataset, features, n) for n in ("kl_divergence", "mean_absolute_torque")}
-    (onset,) = read_variables(detection, "onset")
     (kl,) = read_variables(training, "kl_divergence")
     mean, spread = kl.mean(axis=1), kl.std(axis=1, ddof=1)
     spread[spread == 0] = 1.0
     reading = settings["reading"]
+    onset = np.full(len(kl), np.nan) if detection is None else read_variables(detection, "onset")[0]
     variables = {"axis": Variable(("axis",), np.arange(1, kl.shape[2] + 1), "axis of the robot", "1")}
     matrix, each = ("replicate", "axis", "second_axis"), ("replicate",)
     for correlation in (None, "raw", "means_removed"):
@@ -133,6 +147,11 @@ def write_location(
         variables[f"source{suffix}"] = Variable(
             each, source, f"axis named by the rule, 0 = none, {what}", "1", kind="i1"
         )
-    shift = largest_shift(values["kl_divergence"], onset, mean, spread)
-    variables["largest_shift"] = Variable(each, shift, "axis of the largest shift, 0 = not detected", "1", kind="i1")
+    variables["largest_shift"] = Variable(
+        ("replicate", "hour"),
+        largest_shift(values["kl_divergence"], mean, spread),
+        "axis whose divergence from this hour on lies farthest above training",
+        "1",
+        kind="i1",
+    )
     write_dataset(output, variables, provenance.attributes("lags between axes and source of the wear", settings))

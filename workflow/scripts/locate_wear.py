@@ -8,7 +8,7 @@ if __name__ == "__main__":
         write_location(
             snakemake.input.features,
             snakemake.input.training,
-            snakemake.input.detection,
+            snakemake.input.get("detection"),
             snakemake.output[0],
             snakemake.params.settings,
         )

@@ -75,7 +75,9 @@ def _location(results: Results) -> dict[str, Any]:
     return {
         "runs": runs,
         "pooled": {name: detection_rates.pooled([r[name] for r in runs]) for name in detection_rates.RULES},
-        "without_wear": detection_rates.located_without_wear(list(results.normal_locations.values())),
+        "without_wear": detection_rates.located_without_wear(
+            list(results.normal_locations.values()), [results.normal_detections[t] for t in results.normal_locations]
+        ),
     }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.detection import alarms
 from jointwear.grid import by_cell
+from jointwear.location import shift_at
 from jointwear.statistics import spread_over_replicates, wilson_interval
 from jointwear.storage import read_variables
 
@@ -81,6 +82,12 @@ def compare_statistics(detections: list[str]) -> list[dict[str, Any]]:
     return rows
 
 
+def _named_axes(path: str | Path, onset: np.ndarray) -> list[np.ndarray]:
+    """Return the axis that each rule names, (r,) each, 0 = none; the largest shift is that at the onset."""
+    *sources, shift = read_variables(path, *RULES.values())
+    return [*sources, shift_at(shift, onset)]
+
+
 def locations(files: list[str], detections: list[str]) -> list[dict[str, Any]]:
     """Return, for every worn run, in how many of its detected replicates each rule names the worn axis."""
     found = by_cell(detections)
@@ -88,7 +95,7 @@ def locations(files: list[str], detections: list[str]) -> list[dict[str, Any]]:
     for cell, path in by_cell(files).items():
         (onset,) = read_variables(found[cell], "onset")
         detected = np.isfinite(onset)
-        sources = read_variables(path, *RULES.values())
+        sources = _named_axes(path, onset)
         row: dict[str, Any] = {"task": cell.task, "axis": cell.axis, "increase_percent": cell.increase_percent}
         row.update({n: proportion(s[detected] == cell.axis) for n, s in zip(RULES, sources, strict=True)})
         rows.append(row)
@@ -102,10 +109,16 @@ def pooled(parts: list[Mapping[str, Any]]) -> dict[str, Any]:
     return {"count": count, "total": total, "share": count / total if total else None, "low": low, "high": high}
 
 
-def located_without_wear(files: list[str]) -> dict[str, Any]:
-    """Return in how many normal test periods each rule names an axis although nothing wears."""
+def located_without_wear(files: list[str], detections: list[str]) -> dict[str, Any]:
+    """Return in how many normal test periods each rule names an axis although nothing wears.
+
+    Parameters
+    ----------
+    files, detections : location and scores of the normal runs, in the same order of tasks.
+    """
     named: dict[str, list[np.ndarray]] = {name: [] for name in RULES}
-    for path in files:
-        for name, source in zip(RULES, read_variables(path, *RULES.values()), strict=True):
+    for path, scores in zip(files, detections, strict=True):
+        (onset,) = read_variables(scores, "onset")
+        for name, source in zip(RULES, _named_axes(path, onset), strict=True):
             named[name].append(source > 0)
     return {name: proportion(np.concatenate(parts)) for name, parts in named.items()}
