@@ -21,6 +21,12 @@ include: "workflow/rules/location.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/recover.smk"
+include: "workflow/rules/multiverse.smk"
+include: "workflow/rules/inputs_of_discover.smk"
+include: "workflow/rules/discover.smk"
+include: "workflow/rules/inputs_of_challenge.smk"
+include: "workflow/rules/challenge.smk"
 
 
 rule all:

@@ -125,6 +125,7 @@ def robot(root):
         ("dh.0.alpha", 90, ["dh[0].alpha", "6.28"]),
         ("links.1.mass", -1, ["links[1].mass", ">= 0"]),
         ("links.1.inertia", [1, 2, 3], ["links[1].inertia", "3 entries", "at least 6"]),
+        ("links.1.inertia", [1, 1, 1, 2, 0, 0], ["links[1].inertia", "negative principal moments"]),
         ("links", [], ["'links' has 0 entries, 'dh' has 6"]),
         ("payload.mass", "heavy", ["payload.mass", "'heavy'"]),
         ("gravity", 9.81, ["'gravity'", "a list"]),

@@ -42,6 +42,13 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
     data.setdefault("gravity", [0.0, 0.0, -9.81])
     if ("dh" in data) == ("urdf" in data):
         raise InputError(f"{path}: give the kinematics either as 'dh' (with 'links') or as 'urdf'")
+    bodies = {f"links[{i}]": body for i, body in enumerate(data.get("links", []))}
+    for where, body in {**bodies, "payload": data.get("payload", {})}.items():
+        if not _is_inertia(body.get("inertia", [0.0] * 6)):
+            raise InputError(
+                f"{path}: '{where}.inertia' is {body['inertia']}, which no body has: as a matrix it must not have "
+                "negative principal moments (order: xx yy zz xy yz xz)"
+            )
     if "urdf" in data:
         if "links" in data:
             raise InputError(f"{path}: 'links' is only for robots given by 'dh'; a URDF brings its own")
@@ -66,6 +73,15 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
                     f"(allowed: 1 to {len(names)}); the nearest valid value is {len(names)}"
                 )
     return data
+
+
+def _is_inertia(six: list[float]) -> bool:
+    """Whether (xx, yy, zz, xy, yz, xz) has no negative principal moment: all principal minors are >= 0."""
+    xx, yy, zz, xy, yz, xz = six
+    size = max(map(abs, six))
+    pairs = (xx * yy - xy * xy, yy * zz - yz * yz, xx * zz - xz * xz)
+    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    return min(xx, yy, zz) >= -1e-9 * size and min(pairs) >= -1e-9 * size**2 and determinant >= -1e-9 * size**3
 
 
 def _complete(path: Path, index: int, joint: dict[str, Any]) -> dict[str, Any]:

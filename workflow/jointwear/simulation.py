@@ -112,8 +112,8 @@ class RepeatedTask:
         noise = self._draws(lambda: self._encoder * normal().astype(float))
         position = motion.position + noise[0]
         velocity = motion.velocity + noise[1] / step
-        acceleration = motion.acceleration + jolt
-        acceleration += noise[2] / step**2
+        acceleration = motion.acceleration + noise[2] / step**2
+        acceleration += jolt
         direction = self._direction(motion.velocity, velocity)
         torque = self.dynamics.inverse_dynamics(
             position, velocity, acceleration, self.coulomb, direction, threads=threads
@@ -214,7 +214,13 @@ def simulate_run(
 
 
 def simulate_worn_run(
-    robot: str | Path, task: str | Path, output: str | Path, *, cell: Cell, settings: Mapping[str, Any]
+    robot: str | Path,
+    task: str | Path,
+    output: str | Path,
+    *,
+    cell: Cell,
+    settings: Mapping[str, Any],
+    threads: int = 1,
 ) -> None:
     """Simulate the worn run of one cell of the grid; see :func:`simulate_run`."""
     simulate_run(
@@ -226,4 +232,5 @@ def simulate_worn_run(
         settings=settings,
         axis=cell.axis,
         increase_percent=cell.increase_percent,
+        threads=threads,
     )

@@ -9,8 +9,9 @@ def coupled(disturbance, mass_matrix):
     """Through the coupled forward dynamics of the whole arm: a = M^-1 w."""
     import numpy as np
 
-    # The same six instants recur in every hour, so one small inverse each serves all of them.
-    return np.einsum("sij,...sj->...si", np.linalg.inv(mass_matrix), disturbance)
+    # By instant rather than by sample: a matrix product for each instant covers all hours.
+    inverse = np.linalg.inv(mass_matrix).swapaxes(-1, -2)
+    return np.matmul(disturbance.swapaxes(-3, -2), inverse).swapaxes(-3, -2)
 
 
 def axis_by_axis(disturbance, mass_matrix):

@@ -17,5 +17,5 @@ EFFECT = Effect(
     parameters_of=None,
     grid=lambda state, axis: [],
     identifiable=False,
-    reason="1 mrad of lost motion changes the torque by about 0.02 N m, below the noise, without an encoder on the link side",
+    reason="1 mrad of lost motion changes the torque by about 0.02 N m, below the noise without a link encoder",
 )

@@ -1,0 +1,47 @@
+"""Find where a model and a measurement disagree, name the missing effect, and say when that cannot be said.
+
+:func:`discover` is the pure entry point; :mod:`jointwear.discovery.files` reads and writes files for the workflow.
+"""
+
+from __future__ import annotations
+
+from jointwear.discovery.checks import check_recording
+from jointwear.discovery.decide import search
+from jointwear.discovery.files import load_recording
+from jointwear.discovery.final import finalise
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.recording import Recording, split
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.verdict import Verdict, make_verdict
+from jointwear.robot import Robot
+
+
+def discover(recording: Recording, robot: Robot, settings: Settings | None = None) -> Verdict:
+    """Compare a recording with the nominal model of `robot` and say what is missing.
+
+    Parameters
+    ----------
+    recording : measured motion and torque; its `test` trajectories take no part in any choice.
+    robot : the nominal model, its own effects included.
+    settings : default :class:`Settings`.
+
+    Raises
+    ------
+    Refused : an InputError with a suggestion, where the recording cannot belong to the robot as it stands.
+    """
+    settings = settings or Settings()
+    recording = split(recording)
+    restrictions = check_recording(recording, robot)
+    problem = build_problem(recording, robot, settings)
+    restrictions += problem_restrictions(problem)
+    return make_verdict(recording.name, finalise(search(problem)), restrictions)
+
+
+def problem_restrictions(problem) -> list[str]:
+    """Return in words which axes and statements the data do not allow."""
+    from jointwear.discovery.checks import motion_restrictions
+
+    return motion_restrictions(problem)
+
+
+__all__ = ["Recording", "Settings", "Verdict", "discover", "load_recording"]

@@ -1,0 +1,233 @@
+"""Refuse recordings that cannot belong to the robot as they stand, and say in words what others cannot show."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from jointwear.discovery.motion import measure
+from jointwear.discovery.recording import Recording
+from jointwear.dynamics import Dynamics
+from jointwear.errors import InputError
+from jointwear.robot import Robot
+
+#: Samples looked at by the checks against the model.
+LOOK = 1500
+FEWEST = 40
+#: Drop of the log residual, summed over axes, that another reading of the axes needs to be believed.
+CLEARLY = 0.9
+#: Share of the squared torque that wrong numbers leave of the right reading; axes of a wrist resemble each other, so
+#: that an exchange of two needs more.
+RIGHT, SAME_WRIST = 0.01, 0.03
+
+
+class Refused(InputError):
+    """A recording that must not be judged; `suggestion` says what to mend."""
+
+    def __init__(self, reason: str, suggestion: str) -> None:
+        super().__init__(reason)
+        self.reason, self.suggestion = reason, suggestion
+
+
+def check_recording(recording: Recording, robot: Robot) -> list[str]:
+    """Check units, order and signs of a recording against the nominal model; return restrictions in words.
+
+    Raises
+    ------
+    Refused : for another number of joints, degrees, swapped joints, a flipped axis, motor-side torque, too few or
+        no finite samples.
+    """
+    name = recording.name
+    if recording.joints != robot.joints:
+        raise Refused(
+            f"data set '{name}': has {recording.joints} joints, robot '{robot.name}' has {robot.joints}",
+            "name the robot file of this arm, or map the right columns",
+        )
+    if len(recording.time) < FEWEST:
+        raise Refused(
+            f"data set '{name}': has {len(recording.time)} samples; at least {FEWEST} are needed",
+            "record longer",
+        )
+    good = np.isfinite(recording.position).all(axis=1) & np.isfinite(recording.torque).all(axis=1)
+    if not np.isfinite(recording.time).all():
+        raise Refused(f"data set '{name}': the time holds values that are not finite", "repair the time stamps")
+    if good.mean() < 0.2:
+        raise Refused(
+            f"data set '{name}': only {100 * good.mean():.0f} % of the samples are finite in every joint",
+            "map the measured columns, or leave the gaps out",
+        )
+    _units(recording, robot, good)
+    restrictions = []
+    if good.mean() < 1.0:
+        restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are not finite and were left out")
+    _against_model(recording, robot)
+    if len(recording.time) < 400:
+        restrictions.append(f"only {len(recording.time)} samples: weak effects cannot be seen")
+    return restrictions
+
+
+def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
+    """Positions far outside the limits that come inside when read as degrees are degrees."""
+    q = recording.position[good]
+    reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+    largest = np.abs(q).max(axis=0)
+    over = largest > np.maximum(1.5 * reach, reach + 1.0)
+    if over.any() and np.all(np.radians(largest) <= reach + 0.5) and largest.max() > 10:
+        axis = int(np.argmax(largest / reach))
+        raise Refused(
+            f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}, its limits are "
+            f"{robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like degrees",
+            "state units: {position: deg}",
+        )
+
+
+def _features(recording: Recording, robot: Robot) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, velocities, accelerations and torques of a thinned recording that moves, (m, 4, n)."""
+    measured = measure(recording)
+    if not len(measured.time):
+        return np.zeros((0, 4, recording.joints)), np.zeros(0), np.zeros((0, recording.joints), bool)
+    step = max(1, len(measured.time) // LOOK)
+    parts = (measured.position, measured.velocity, measured.acceleration, measured.torque)
+    return np.stack([p[::step] for p in parts], axis=1), measured.time[::step], measured.usable[::step]
+
+
+def _explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, order=None, signs=None) -> np.ndarray:
+    """Return for each axis the part of the squared torque that the model leaves, sizes of friction left free.
+
+    With `order` the axes are read in another order, with `signs` turned around.
+    """
+    from scipy.optimize import nnls
+
+    robot = dynamics.robot
+    n = parts.shape[2]
+    order = np.arange(n) if order is None else np.asarray(order)
+    signs = np.ones(n) if signs is None else np.asarray(signs)
+    q, v, a, torque = (parts[:, k][:, order] * signs for k in range(4))
+    rigid = dynamics.rigid_body_torque(q, v, a)
+    shares = np.full(n, np.nan)
+    for j in range(n):
+        used = usable[:, order[j]]
+        if used.sum() < FEWEST:
+            continue
+        forward = v[used, j] > 0
+        level = np.where(forward, robot.coulomb_positive[j], robot.coulomb_negative[j])
+        if not np.any(level):
+            level = np.where(forward, 1.0, -1.0)
+        # Friction and motor inertia cannot drive: their coefficients are not negative.
+        design = np.stack([level, v[used, j], a[used, j]], axis=1)
+        _, norm = nnls(design, torque[used, j] - rigid[used, j] + robot.armature[j] * a[used, j])
+        shares[j] = norm**2 / max(float(np.sum(torque[used, j] ** 2)), 1e-12)
+    return shares
+
+
+def _score(left: np.ndarray, floor: float) -> float:
+    """Total log of what is left: lower is better, but below `floor` no better."""
+    return float(np.nansum(np.log(np.maximum(left, floor))))
+
+
+def _against_model(recording: Recording, robot: Robot) -> None:
+    """Recognise a flipped axis, swapped joints and motor-side torque: each must explain the data far better."""
+    parts, time, usable = _features(recording, robot)
+    if len(time) < FEWEST:
+        return
+    dynamics = Dynamics(robot)
+    left = _explained(dynamics, parts, usable)
+    if not np.isfinite(left).any():
+        return
+    n = robot.joints
+    plain = _score(left, RIGHT)
+    best = (plain - CLEARLY, None, None)
+    for first, second in combinations(range(n), 2):
+        order = np.arange(n)
+        order[[first, second]] = second, first
+        gained = _score(left, SAME_WRIST) - _score(_explained(dynamics, parts, usable, order=order), SAME_WRIST)
+        if plain - gained < best[0]:
+            best = (plain - gained, "swap", (first, second))
+    for axis in range(n):
+        signs = np.ones(n)
+        signs[axis] = -1.0
+        score = _score(_explained(dynamics, parts, usable, signs=signs), RIGHT)
+        if score < best[0]:
+            best = (score, "flip", axis)
+        turned = parts.copy()
+        turned[:, 3, axis] *= -1.0
+        score = _score(_explained(dynamics, turned, usable), RIGHT)
+        if score < best[0]:
+            best = (score, "torque", axis)
+        gear = abs(robot.gear_ratio[axis])
+        if gear > 2:
+            turned = parts.copy()
+            turned[:, 3, axis] *= robot.gear_ratio[axis]
+            score = _score(_explained(dynamics, turned, usable), RIGHT)
+            if score < best[0]:
+                best = (score, "motor", axis)
+    name = recording.name
+    if best[1] == "swap":
+        a, b = best[2]
+        raise Refused(
+            f"data set '{name}': joints {a + 1} and {b + 1} look swapped; exchanged they fit the model",
+            f"exchange the columns of joints {a + 1} and {b + 1}",
+        )
+    if best[1] == "flip":
+        raise Refused(
+            f"data set '{name}': the sign of joint {best[2] + 1} looks flipped; turned around it fits the model",
+            f"turn the sign of position and torque of joint {best[2] + 1}",
+        )
+    if best[1] == "torque":
+        raise Refused(
+            f"data set '{name}': the sign of the torque of joint {best[2] + 1} looks flipped against its motion",
+            f"turn the sign of the torque of joint {best[2] + 1}",
+        )
+    if best[1] == "motor":
+        raise Refused(
+            f"data set '{name}': the torque of joint {best[2] + 1} looks like that of the motor, before the gear",
+            "multiply the torque by the gear ratio",
+        )
+
+
+def motion_restrictions(problem) -> list[str]:
+    """Return in words which axes are at rest, and whether the held-out motion moves.
+
+    Raises
+    ------
+    Refused : where no axis moves enough to be judged.
+    """
+    n = problem.robot.joints
+    if not problem.judged:
+        raise Refused(
+            "no axis moves for long enough to be judged",
+            "record motion of every joint, away from rest, for several seconds",
+        )
+    found = []
+    for axis in range(n):
+        if axis not in problem.judged:
+            found.append(
+                f"joint {axis + 1} is at rest in the training trajectories: nothing can be said about its drive"
+            )
+    moving = problem.measured.usable[problem.test].any(axis=0)
+    if not moving.any():
+        found.append("no joint moves in the test trajectories: the gap on held-out motion is unknown")
+    else:
+        for axis in np.flatnonzero(~moving):
+            if axis in problem.judged:
+                found.append(f"joint {axis + 1} is at rest in the test trajectories")
+    if not problem.state.has_temperature:
+        found.append("no temperature was recorded: effects of temperature cannot be seen")
+        return found
+    record = np.asarray(problem.train_state.record)
+    labels = np.unique(record)
+    warm = problem.train_state.temperature
+    coincide = []
+    for axis in problem.judged:
+        means = [np.nanmean(warm[record == label, axis]) for label in labels]
+        within = [np.nanstd(warm[record == label, axis]) for label in labels]
+        if np.ptp(means) > 0.5 and len(labels) < 5 and np.std(means) > 3 * np.mean(within):
+            coincide.append(axis + 1)
+    if coincide:
+        found.append(
+            f"the temperature of joints {', '.join(map(str, coincide))} differs between the {len(labels)} training "
+            "trajectories and hardly within them: what changes with temperature cannot be told from what differs "
+            "between these trajectories"
+        )
+    return found

@@ -1,0 +1,181 @@
+"""Figures of the discovery page, drawn from the result files of one data set as SVG."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.patches import Rectangle
+
+from jointwear.figures import palette
+from jointwear.figures.style import new_figure, save
+from jointwear.storage import open_dataset, read_variable, read_variables
+
+MODELS = ("nominal", "retuned", "augmented")
+
+
+def draw_where(where: str | Path, output: str | Path) -> None:
+    """Draw the map of structure that retuning leaves: joints across, arguments down."""
+    argument, joint, structure = read_variables(where, "argument", "joint", "structure")
+    figure = new_figure(0.3 * len(argument) + 0.9)
+    axes = figure.add_subplot()
+    most = max(float(np.nanmax(structure, initial=1.0)), 10.0)
+    for k in range(len(argument)):
+        for j in range(len(joint)):
+            value = structure[j, k]
+            if not np.isfinite(value):
+                continue
+            colour = palette.mix(palette.SEQUENTIAL, float(np.log1p(max(value, 0.0)) / np.log1p(most)))
+            axes.add_patch(Rectangle((j - 0.5, k - 0.5), 1, 1, facecolor=colour, edgecolor=palette.PAPER))
+            axes.text(j, k, f"{max(value, 0):.0f}", ha="center", va="center", fontsize=8, color=palette.text_on(colour))
+    axes.set(xlim=(-0.5, len(joint) - 0.5), ylim=(len(argument) - 0.5, -0.5))
+    axes.set_xticks(range(len(joint)), [f"joint {j}" for j in joint])
+    axes.set_yticks(range(len(argument)), list(argument))
+    axes.grid(False)
+    j, k = np.unravel_index(int(np.nanargmax(structure)), structure.shape)
+    text = (
+        f"Structure left after retuning, in nats, by joint and argument; most on joint {joint[j]} over {argument[k]}."
+    )
+    save(figure, output, "Where the model disagrees", text)
+
+
+def draw_gap(verdict: str | Path, output: str | Path) -> None:
+    """Draw the gap of the three models and the noise floor, one group of bars a joint."""
+    gap = json.loads(Path(verdict).read_text(encoding="utf-8"))["gap"]
+    kinds = (*MODELS, "noise_floor")
+    n = len(gap["nominal"])
+    figure = new_figure(2.6)
+    axes = figure.add_subplot()
+    floors = np.array([np.nan if x is None else x for x in gap["nominal"]], dtype=float)
+    for i, kind in enumerate(kinds):
+        values = np.array([np.nan if x is None else x for x in gap[kind]], dtype=float)
+        share = 100 * values / floors
+        axes.bar(np.arange(n) + 0.2 * (i - 1.5), share, 0.19, color=palette.SERIES[i], label=kind.replace("_", " "))
+    axes.set_xticks(range(n), [f"joint {j + 1}" for j in range(n)])
+    axes.set_ylabel("RMS error, % of nominal")
+    axes.legend(ncols=4, loc="upper center", bbox_to_anchor=(0.5, 1.16))
+    words = "; ".join(
+        f"joint {j + 1} {gap['nominal'][j]:.3g}, {gap['retuned'][j]:.3g}, {gap['augmented'][j]:.3g} N m"
+        for j in range(n)
+        if gap["nominal"][j] is not None
+    )
+    save(figure, output, "Gap on held-out motion", f"RMS error of the nominal, retuned and augmented model: {words}.")
+
+
+def draw_held_out(models: str | Path, axis: int, output: str | Path) -> None:
+    """Draw measured and simulated torque of a 0-based axis over a held-out stretch of time."""
+    time, trajectory, torque, *found = read_variables(models, "time", "trajectory", "torque", *MODELS)
+    test = _test_of(models, trajectory)
+    index = np.flatnonzero(test)[:1200]
+    if not len(index):
+        index = np.arange(min(len(time), 1200))
+    figure = new_figure(2.9)
+    axes = figure.add_subplot()
+    t = time[index] - time[index[0]]
+    axes.plot(t, torque[index, axis], color=palette.MUTED, linewidth=2.6, alpha=0.5, label="measured")
+    for i, (kind, values) in enumerate(zip(MODELS, found, strict=True)):
+        axes.plot(
+            t, values[index, axis], color=palette.SERIES[i], linestyle=palette.DASHES[i], linewidth=1.2, label=kind
+        )
+    axes.set(xlabel="time [s]", ylabel=f"torque of joint {axis + 1} [N m]")
+    axes.legend(ncols=4, loc="upper center", bbox_to_anchor=(0.5, 1.16))
+    errors = [float(np.sqrt(np.mean((torque[index, axis] - v[index, axis]) ** 2))) for v in found]
+    text = ", ".join(f"{k} {e:.3g} N m" for k, e in zip(MODELS, errors, strict=True))
+    save(figure, output, "Held-out torque", f"Torque of joint {axis + 1} on held-out motion; RMS error: {text}.")
+
+
+def _test_of(models: str | Path, trajectory: np.ndarray) -> np.ndarray:
+    with open_dataset(models) as dataset:
+        return np.isin(trajectory, np.atleast_1d(dataset.test))
+
+
+def _argument_of(effect: dict[str, Any], models: str | Path) -> tuple[np.ndarray, str]:
+    """Return the argument of an effect at every sample, as well as the figure can show it, and its label."""
+    axis = (effect["axis"] or 1) - 1
+    with open_dataset(models) as dataset:
+
+        def column(name: str, j: int = axis) -> np.ndarray:
+            values = read_variable(dataset, models, name)
+            return values[:, j] if values.ndim == 2 else values
+
+        words = effect["regime"]["argument"]
+        if effect["source_axis"] is not None:
+            return column("velocity", effect["source_axis"] - 1), f"velocity of joint {effect['source_axis']} [rad/s]"
+        if words == "temperature":
+            return column("temperature"), "temperature [°C]"
+        if words.startswith("time"):
+            return column("time"), "time [s]"
+        if words == "load":
+            return column("load"), "load torque [N m]"
+        if words.endswith(("torque", "load")):
+            return column("nominal"), "nominal torque [N m]"
+        if words.startswith("position") or words == "pose" or words == "motor angle":
+            return column("position"), "position [rad]"
+        return column("velocity"), "velocity [rad/s]"
+
+
+def draw_effect(effect: dict[str, Any], models: str | Path, output: str | Path) -> None:
+    """Draw the residual against the argument of one effect, before (retuned) and after (augmented), all motion.
+
+    Points are medians of 40 bins; a solid line is motion forward, a dashed one motion backward.
+    """
+    axis = (effect["axis"] or 1) - 1
+    argument, label = _argument_of(effect, models)
+    usable, velocity, torque, retuned, augmented = (
+        v[:, axis] for v in read_variables(models, "usable", "velocity", "torque", "retuned", "augmented")
+    )
+    figure = new_figure(2.9)
+    axes = figure.add_subplot()
+    spans = []
+    for name, values, colour in (("retuned", retuned, palette.SERIES[1]), ("augmented", augmented, palette.SERIES[2])):
+        centres_of, span = [], 0.0
+        for sense, style in ((1, "solid"), (-1, (0, (3, 1.5)))):
+            chosen = (usable > 0) & (np.sign(velocity) == sense) & np.isfinite(argument)
+            if chosen.sum() < 40:
+                continue
+            edges = np.unique(np.quantile(argument[chosen], np.linspace(0, 1, 41)))
+            place = np.clip(np.searchsorted(edges, argument[chosen], side="right") - 1, 0, len(edges) - 2)
+            residual = (torque - values)[chosen]
+            counts = np.bincount(place, minlength=len(edges) - 1)
+            means = np.bincount(place, residual, len(edges) - 1) / np.maximum(counts, 1)
+            centres = 0.5 * (edges[1:] + edges[:-1])
+            axes.plot(
+                centres[counts > 0],
+                means[counts > 0],
+                color=colour,
+                linestyle=style,
+                label=f"{name}, {'forward' if sense > 0 else 'backward'}",
+            )
+            centres_of.append(means)
+            span = max(span, float(np.ptp(means[counts > 0])))
+        spans.append(f"{name} {span:.3g} N m")
+    axes.set(xlabel=label, ylabel=f"residual of joint {axis + 1} [N m]")
+    axes.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, 1.26))
+    text = f"Mean residual of joint {axis + 1} over {label}; range of the means: {', '.join(spans)}."
+    save(figure, output, f"{effect['effect']}: before and after", text)
+
+
+def draw_all(verdict: str | Path, where: str | Path, models: str | Path, folder: str | Path) -> dict[str, Path]:
+    """Draw every figure of a data set into `folder`; return name: file, the effects' as ``effect_1`` and so on."""
+    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    folder = Path(folder)
+    figures = {"where": folder / "where.svg", "gap": folder / "gap.svg", "held_out": folder / "held_out.svg"}
+    draw_where(where, figures["where"])
+    draw_gap(verdict, figures["gap"])
+    draw_held_out(models, _axis_shown(content), figures["held_out"])
+    for i, effect in enumerate(content["effects"], start=1):
+        figures[f"effect_{i}"] = folder / f"effect_{i}.svg"
+        draw_effect(effect, models, figures[f"effect_{i}"])
+    return figures
+
+
+def _axis_shown(content: dict[str, Any]) -> int:
+    """The axis of the first effect; else the one whose gap is farthest above its noise."""
+    for effect in content["effects"]:
+        if effect["axis"] is not None:
+            return effect["axis"] - 1
+    gap = content["gap"]
+    ratio = [(a / f if a is not None and f else -1.0) for a, f in zip(gap["nominal"], gap["noise_floor"], strict=True)]
+    return int(np.argmax(ratio))

@@ -1,0 +1,102 @@
+"""What a motion can show at all: energy of every effect after the base regression and after each rival.
+
+Nothing here looks at the measured torque except through the level and colour of its noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from jointwear.discovery.candidates import LINK_MASS, Dictionary
+from jointwear.discovery.linear import Fit
+from jointwear.discovery.problem import White
+
+#: Energy over noise variance that an effect needs to be called identifiable.
+NEEDED = 60.0
+
+
+@dataclass(frozen=True)
+class Visible:
+    """One effect on one 0-based axis (None: whole arm) at a size of 30 % of the friction of the axis.
+
+    `energy` over noise variance left after the base regression; `rival` the effect that takes most of it, and
+    `left` what that leaves.
+    """
+
+    effect: str
+    axis: int | None
+    source: int | None
+    energy: float
+    rival: str
+    left: float
+
+
+def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
+    """Return the map for all effects and judged axes.
+
+    Of every family the point of the grid with the most energy stands for the family.
+    """
+    fit = white.fit()
+    found = []
+    for axis, matrix in dictionary.matrix.items():
+        families: dict[tuple, tuple[float, np.ndarray]] = {}
+        _, cross = fit.projected({axis: matrix})
+        turned = cross @ np.linalg.cholesky(fit.covariance)
+        for candidate, where, std in dictionary.entries[axis]:
+            x = matrix[:, where]
+            gram = (x.T @ x - turned[where] @ turned[where].T) * std[:, None] * std
+            energy = float(np.trace(gram)) / len(std)
+            if candidate.key not in families or energy > families[candidate.key][0]:
+                families[candidate.key] = (energy, np.arange(where.start, where.stop))
+        keys = list(families)
+        columns = np.concatenate([families[k][1] for k in keys])
+        x = matrix[:, columns]
+        full = x.T @ x - turned[columns] @ turned[columns].T
+        scale = np.concatenate([s for k in keys for s in [_std(dictionary, axis, families[k][1])]])
+        full = full * scale[:, None] * scale
+        starts = np.cumsum([0, *[len(families[k][1]) for k in keys]])
+        parts = [slice(a, b) for a, b in pairwise(starts)]
+        for i, key in enumerate(keys):
+            rival, left = "", families[key][0]
+            for k, other in enumerate(keys):
+                if other[0] == key[0]:
+                    continue
+                a, b = parts[i], parts[k]
+                inner = full[b, b] + np.eye(b.stop - b.start) * (1e-6 * np.trace(full[b, b]) + 1e-12)
+                rest = full[a, a] - full[a, b] @ np.linalg.solve(inner, full[b, a])
+                energy = float(max(np.trace(rest), 0.0)) / (a.stop - a.start)
+                if energy < left:
+                    rival, left = other[0], energy
+            found.append(Visible(key[0], axis, key[2], families[key][0], rival, left))
+    for candidate, blocks, std in dictionary.whole:
+        if candidate.effect == LINK_MASS:
+            continue
+        _, gram = fit.gram(blocks)
+        scaled = gram * std[:, None] * std
+        # The first four numbers, mass and first moments, are what a payload is known by.
+        energy = float(np.trace(scaled[:4, :4])) / 4
+        found.append(Visible(candidate.effect, None, None, energy, "", energy))
+    return found
+
+
+def _std(dictionary: Dictionary, axis: int, columns: np.ndarray) -> np.ndarray:
+    for _, where, std in dictionary.entries[axis]:
+        if where.start == columns[0]:
+            return std
+    raise KeyError(axis)
+
+
+def energy_after(fit: Fit, first: dict[int, np.ndarray], second: dict[int, np.ndarray]) -> float:
+    """Return the share of the energy of columns `first` left after the terms of `fit` and columns `second`."""
+    axis = next(iter(first))
+    joint = {a: np.concatenate([first[a], second[a]], axis=1) for a in first if a in second}
+    if axis not in joint:
+        return 1.0
+    k = first[axis].shape[1]
+    _, gram = fit.gram(joint)
+    inner = gram[k:, k:] + np.eye(len(gram) - k) * (1e-9 * np.trace(gram[k:, k:]) + 1e-12)
+    rest = gram[:k, :k] - gram[:k, k:] @ np.linalg.solve(inner, gram[k:, :k])
+    return float(max(np.trace(rest), 0.0) / max(np.trace(gram[:k, :k]), 1e-12))

@@ -1,0 +1,99 @@
+"""Gaussian linear algebra: the posterior of a set of terms over all axes, and what a candidate would gain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+
+@dataclass(frozen=True)
+class Term:
+    """Whitened columns of one group of coefficients with independent Gaussian priors.
+
+    `blocks` holds an (m_axis, k) array for every axis that the coefficients act on, `std` (k,) their prior. `raw`
+    holds the same columns before whitening [N m per coefficient], where predictions in N m are wanted.
+    """
+
+    label: str
+    blocks: dict[int, np.ndarray]
+    std: np.ndarray
+    raw: dict[int, np.ndarray] = field(default_factory=dict)
+
+
+class Fit:
+    """Posterior of the coefficients of `terms` given whitened targets.
+
+    Parameters
+    ----------
+    targets : one (m_axis,) array an axis; empty for an axis that cannot be judged.
+    """
+
+    def __init__(self, targets: list[np.ndarray], terms: list[Term]) -> None:
+        self.terms = terms
+        self.slices: list[slice] = []
+        start = 0
+        for term in terms:
+            self.slices.append(slice(start, start + len(term.std)))
+            start += len(term.std)
+        self.std = np.concatenate([t.std for t in terms]) if terms else np.zeros(0)
+        self.columns: list[np.ndarray] = []
+        self.design: list[np.ndarray] = []
+        self.targets = targets
+        normal = np.diag(1.0 / self.std**2)
+        right = np.zeros(start)
+        for axis, y in enumerate(targets):
+            active = [i for i, t in enumerate(terms) if axis in t.blocks]
+            index = np.concatenate(
+                [np.arange(self.slices[i].start, self.slices[i].stop) for i in active] or [np.zeros(0, int)]
+            )
+            design = np.concatenate([terms[i].blocks[axis] for i in active] or [np.zeros((len(y), 0))], axis=1)
+            self.columns.append(index)
+            self.design.append(design)
+            normal[np.ix_(index, index)] += design.T @ design
+            right[index] += design.T @ y
+        self.normal, self.right = normal, right
+        factor = cho_factor(normal)
+        self.theta = cho_solve(factor, right)
+        self.covariance = cho_solve(factor, np.eye(start))
+        self.log_det = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * float(np.sum(np.log(self.std)))
+        self.residual = [y - d @ self.theta[c] for y, d, c in zip(targets, self.design, self.columns, strict=True)]
+        squares = sum(float(r @ r) for r in self.residual) + float(np.sum((self.theta / self.std) ** 2))
+        self.evidence = -0.5 * squares - 0.5 * self.log_det
+
+    def projected(self, blocks: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Return b = X'r (k,) and V (k, p) with X'M X = X'X - V V', of columns X on one or more axes."""
+        count = next(iter(blocks.values())).shape[1]
+        b, cross = np.zeros(count), np.zeros((count, len(self.theta)))
+        for axis, columns in blocks.items():
+            b += columns.T @ self.residual[axis]
+            cross[:, self.columns[axis]] += columns.T @ self.design[axis]
+        return b, cross
+
+    def gram(self, blocks: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Return b = X'r (k,) and H = X'M X (k, k): what is left of X after the terms have had their say."""
+        b, cross = self.projected(blocks)
+        full = sum(x.T @ x for x in blocks.values())
+        return b, full - cross @ self.covariance @ cross.T
+
+
+def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> float:
+    """Return the evidence [nats] that columns with prior `std` add: fit less the price of complexity."""
+    scaled = np.eye(len(b)) + std[:, None] * gram * std
+    right = std * b
+    sign, log_det = np.linalg.slogdet(scaled)
+    if sign <= 0:
+        return -np.inf
+    return 0.5 * float(right @ np.linalg.solve(scaled, right)) - 0.5 * float(log_det)
+
+
+def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float, int]:
+    """Return b' H^-1 b over the directions that the terms leave free, and their number."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(full), 1e-300))
+    values, vectors = np.linalg.eigh(scale[:, None] * gram * scale)
+    keep = values > 1e-3
+    if not keep.any():
+        return 0.0, 0
+    turned = vectors[:, keep].T @ (scale * b)
+    return float(np.sum(turned**2 / values[keep])), int(np.sum(keep))

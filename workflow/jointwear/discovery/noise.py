@@ -1,0 +1,138 @@
+"""Colour of the torque noise: an autoregressive model an axis, and the filter that whitens data and regressors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+HIGHEST_ORDER = 6
+#: Time [s] within which noise forgets to 37 %.
+LONGEST_MEMORY = 0.35
+
+
+@dataclass(frozen=True)
+class Whitener:
+    """Turns samples of one axis into independent ones of unit variance.
+
+    Attributes
+    ----------
+    rows : (m,) samples whose `order` predecessors are usable too and of the same trajectory.
+    lags : (p,) coefficients of the autoregressive model. sigma : standard deviation of its innovations [N m].
+    """
+
+    rows: np.ndarray
+    lags: np.ndarray
+    sigma: float
+
+    def __call__(self, columns: np.ndarray) -> np.ndarray:
+        """Whiten columns (N, k) or (N,) into (m, k) or (m,)."""
+        result = columns[self.rows] if columns.dtype == np.float64 else columns[self.rows].astype(float)
+        for lag, weight in enumerate(self.lags, start=1):
+            result -= weight * columns[self.rows - lag]
+        result /= self.sigma
+        return result
+
+    @property
+    def marginal(self) -> float:
+        """Standard deviation of the noise itself [N m]."""
+        return self.sigma * float(np.sqrt(1.0 / max(_gain(self.lags), 1e-6)))
+
+
+def _gain(lags: np.ndarray) -> float:
+    """Innovation variance over marginal variance of an autoregressive model, by its spectrum."""
+    if not len(lags):
+        return 1.0
+    frequencies = np.linspace(0, np.pi, 2049)
+    transfer = 1 - np.exp(-1j * np.outer(frequencies, np.arange(1, len(lags) + 1))) @ lags
+    return 1.0 / float(np.mean(1 / np.maximum(np.abs(transfer) ** 2, 1e-9)))
+
+
+def whitenable(usable: np.ndarray, trajectory: np.ndarray, order: int) -> np.ndarray:
+    """Return the samples whose `order` predecessors are usable and of the same trajectory."""
+    good = usable.copy()
+    for lag in range(1, order + 1):
+        good[lag:] &= usable[:-lag] & (trajectory[lag:] == trajectory[:-lag])
+        good[:lag] = False
+    return np.flatnonzero(good)
+
+
+def estimate(residual: np.ndarray, usable: np.ndarray, trajectory: np.ndarray) -> Whitener:
+    """Fit the noise model of one axis to a residual (N,).
+
+    The order is chosen by the Bayesian information criterion on the same samples for all orders.
+    """
+    highest = HIGHEST_ORDER
+    rows = whitenable(usable, trajectory, highest)
+    while highest and len(rows) < max(200, 30 * highest):
+        highest -= 1
+        rows = whitenable(usable, trajectory, highest)
+    best = (np.inf, np.zeros(0), 1.0)
+    for order in range(highest + 1):
+        lags, variance = _regress(residual, rows, order)
+        score = len(rows) * np.log(variance) + (order + 1) * np.log(max(len(rows), 2))
+        if score < best[0] - 2.0:
+            best = (score, lags, variance)
+    return Whitener(whitenable(usable, trajectory, len(best[1])), best[1], float(np.sqrt(best[2])))
+
+
+def _regress(series: np.ndarray, rows: np.ndarray, order: int) -> tuple[np.ndarray, float]:
+    """Least-squares coefficients (order,) and innovation variance of an autoregressive model of a series (N,)."""
+    target = series[rows]
+    if not order:
+        return np.zeros(0), float(np.mean(target**2)) + 1e-300
+    past = np.stack([series[rows - lag] for lag in range(1, order + 1)], axis=1)
+    lags = np.linalg.lstsq(past, target, rcond=None)[0]
+    return lags, float(np.mean((target - past @ lags) ** 2)) + 1e-300
+
+
+def simulate(white: Whitener, trajectory: np.ndarray, draws: int, rng: np.random.Generator) -> np.ndarray:
+    """Draw noise of the model, (N, draws), independent between trajectories."""
+    from scipy.signal import lfilter
+
+    settle = 200
+    edges = np.flatnonzero(np.diff(trajectory)) + 1
+    pieces = []
+    for length in np.diff([0, *edges, len(trajectory)]):
+        drive = rng.standard_normal((length + settle, draws)) * white.sigma
+        pieces.append(lfilter([1.0], [1.0, *(-white.lags)], drive, axis=0)[settle:])
+    return np.concatenate(pieces)
+
+
+def corrected(
+    white: Whitener,
+    take_off: Callable[[np.ndarray], np.ndarray],
+    trajectory: np.ndarray,
+    rate: float,
+) -> Whitener:
+    """Correct a noise model for what the saturated fit took off the noise (indirect inference).
+
+    A flexible fit removes slow noise, so that the colour of its residual is too pale. Noise of a trial model is
+    drawn, put through the same fit (`take_off`: (N, k) -> residuals (N, k)) and fitted like the data; the trial
+    model is moved until what comes out is what was estimated. What lasts longer than :data:`LONGEST_MEMORY` is
+    not noise but structure, for the tests over time to find.
+    """
+    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    order = len(white.lags)
+    wanted = np.array([*white.lags, np.log(white.sigma)])
+    trial = wanted.copy()
+    rows = white.rows
+    for step in range(3):
+        rng = np.random.default_rng(np.random.SeedSequence([8, order]))
+        model = Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
+        left = take_off(simulate(model, trajectory, 8, rng))
+        fits = [_regress(left[:, k], rows, order) for k in range(left.shape[1])]
+        came_out = np.mean([[*lags, 0.5 * np.log(variance)] for lags, variance in fits], axis=0)
+        trial = np.array([*model.lags, trial[-1]]) + (wanted - came_out) * (1.0 if step == 0 else 0.7)
+    return Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
+
+
+def stable(lags: np.ndarray, largest: float) -> np.ndarray:
+    """Return the coefficients shrunk until no pole is larger than `largest`."""
+    if not len(lags):
+        return lags
+    radius = float(np.max(np.abs(np.roots([1.0, *(-lags)]))))
+    if radius <= largest:
+        return lags
+    return lags * (largest / radius) ** np.arange(1, len(lags) + 1)

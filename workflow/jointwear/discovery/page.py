@@ -1,0 +1,92 @@
+"""The page of one data set: where, what, before and after, gap; plain words first."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from jointwear.discovery.drawing import draw_all
+from jointwear.effects import library
+from jointwear.files import replace_text
+from jointwear.report.inline import inline_svg
+from jointwear.report.rendering import render_page
+
+_WORDS = {
+    "none": "Nothing is missing",
+    "retuned": "Numbers are wrong, no effect is missing",
+    "effects": "The model lacks an effect",
+    "unknown": "Part of the disagreement has no name",
+}
+
+
+def number(value: float | None) -> str:
+    """Return a number with three significant digits, a dash for none."""
+    return "–" if value is None else f"{value:.3g}"
+
+
+def lead(content: dict[str, Any]) -> list[str]:
+    """Return the verdict in sentences."""
+    effects = library()
+
+    def name(e: dict[str, Any]) -> str:
+        where = "on the whole arm" if e["axis"] is None else f"on joint {e['axis']}"
+        source = f", from joint {e['source_axis']}" if e["source_axis"] else ""
+        return f"{effects[e['effect']].name.lower()} {where}{source}"
+
+    named = [name(e) for e in content["effects"]]
+    sentences = []
+    if content["verdict"] == "none":
+        sentences.append("Within the noise the nominal model explains the measured torque; no number needs to change.")
+    elif content["verdict"] == "retuned":
+        sentences.append("New numbers for terms that the model has explain the measured torque; no effect is missing.")
+    elif content["verdict"] == "effects":
+        sentences.append(f"The model lacks {'; '.join(named)}. With that, nothing beyond the noise is left.")
+    elif named:
+        sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
+    else:
+        sentences.append("There is structure beyond the noise that no effect of the library explains.")
+    closed = _closed(content["gap"])
+    if closed is not None:
+        sentences.append(
+            f"On held-out motion retuning alone closes {100 * closed[0]:.0f} % of the gap to the noise, "
+            f"the augmented model {100 * closed[1]:.0f} %."
+        )
+    return sentences
+
+
+def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
+    """Return the closed part of the gap by retuning and by the augmented model, on the root sum of squares."""
+    total = {}
+    for kind in ("nominal", "retuned", "augmented", "noise_floor"):
+        total[kind] = sum(
+            v**2 for v, n, f in zip(gap[kind], gap["nominal"], gap["noise_floor"], strict=True) if None not in (v, n, f)
+        )
+    root = {k: v**0.5 for k, v in total.items()}
+    width = root["nominal"] - root["noise_floor"]
+    if width <= 0.05 * root["nominal"]:
+        return None
+    return tuple(1 - (root[k] - root["noise_floor"]) / width for k in ("retuned", "augmented"))
+
+
+def write_page(
+    verdict: str | Path, where: str | Path, models: str | Path, output: str | Path, figures: str | Path
+) -> None:
+    """Write the page of one data set; `figures` is the folder for its SVG files."""
+    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    files = draw_all(verdict, where, models, figures)
+    effects = library()
+    single = [n for n in content["not_identifiable"] if len(n["effects"]) == 1]
+    pairs = [n for n in content["not_identifiable"] if len(n["effects"]) > 1]
+    context = {
+        "content": content,
+        "heading": _WORDS[content["verdict"]],
+        "lead": lead(content),
+        "library": effects,
+        "number": number,
+        "figures": {name: inline_svg(path, name.replace("_", "-")) for name, path in files.items()},
+        "files": {name: Path(path).relative_to(Path(output).parent).as_posix() for name, path in files.items()},
+        "single": single,
+        "pairs": pairs,
+    }
+    replace_text(output, render_page("discover.html.j2", context))

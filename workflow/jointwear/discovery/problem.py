@@ -1,0 +1,286 @@
+"""One data set against its nominal model, as a linear problem: targets, base regression, priors, whitening."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from jointwear.discovery.inertia import inertial_regressor, mass_direction, prior_factor, to_joint_frame
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.motion import Measured, low_pass, measure, runs
+from jointwear.discovery.noise import Whitener, corrected, estimate
+from jointwear.discovery.recording import Recording
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.structure import axis_bases
+from jointwear.dynamics import Dynamics
+from jointwear.effects import State, effect_torque, make_state
+from jointwear.robot import Robot
+
+#: Fewest usable samples of an axis that a verdict is based on.
+FEWEST_SAMPLES = 60
+FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Training and test samples of one data set with everything that the search needs.
+
+    Attributes
+    ----------
+    state : all samples, ordered. train, test : (N,) masks over them.
+    discrepancy : (N, n) measured less nominal torque, effects of the robot file included [N m].
+    inertial : (N, n, r) torque of each direction of the inertial prior at one standard deviation [N m].
+    factor : (10 n, r) those directions.
+    smear : (N, n, 3) what the filter behind the derivatives does to the rigid-body torque [N m], 0 if given.
+    judged : 0-based axes with enough usable training samples.
+    """
+
+    robot: Robot
+    dynamics: Dynamics
+    settings: Settings
+    measured: Measured
+    state: State
+    train: np.ndarray
+    test: np.ndarray
+    discrepancy: np.ndarray
+    regressor: np.ndarray
+    factor: np.ndarray
+    inertial: np.ndarray
+    smear: np.ndarray
+    judged: tuple[int, ...]
+
+    @cached_property
+    def train_state(self) -> State:
+        """The training samples, ordered within their records."""
+        return self.state.part(self.train)
+
+    @cached_property
+    def fold_of_sample(self) -> np.ndarray:
+        """(N_train,) fold of each training sample: its record, or one of four blocks of time if records are few."""
+        record = np.asarray(self.train_state.record)
+        labels, first = np.unique(record, return_index=True)
+        labels = labels[np.argsort(first)]
+        blocks = 1 if len(labels) >= 3 else int(np.ceil(4 / max(len(labels), 1)))
+        fold = np.zeros(len(record), dtype=int)
+        for i, label in enumerate(labels):
+            index = np.flatnonzero(record == label)
+            fold[index] = i * blocks + np.arange(len(index)) * blocks // len(index)
+        return fold
+
+    @cached_property
+    def usable(self) -> np.ndarray:
+        """(N_train, n) training samples that can be judged."""
+        return self.measured.usable[self.train]
+
+    @cached_property
+    def scale(self) -> np.ndarray:
+        """(n,) torque [N m] that stands for the friction of an axis when priors are set."""
+        level = 0.5 * (self.robot.coulomb_positive - self.robot.coulomb_negative)
+        torque = np.sqrt(np.mean(self.state.torque**2, axis=0))
+        return np.maximum(np.maximum(level, 0.03 * torque), 1e-6)
+
+    def friction_columns(self, state: State, axis: int) -> np.ndarray:
+        """Return the columns of :data:`FRICTION`, (N, 4)."""
+        v = state.velocity[:, axis]
+        return np.stack([v > 0, v < 0, v, state.acceleration[:, axis]], axis=1).astype(float)
+
+    def friction_prior(self, axis: int) -> np.ndarray:
+        """Return the standard deviations (4,) of the corrections to :data:`FRICTION`: they are wide."""
+        used = self.usable[:, axis]
+        speed = np.sqrt(np.mean(self.train_state.velocity[used, axis] ** 2))
+        acceleration = np.sqrt(np.mean(self.train_state.acceleration[used, axis] ** 2))
+        level = 2.0 * self.scale[axis]
+        return np.array(
+            [level, level, level / speed, 0.5 * self.robot.armature[axis] + 0.3 * self.scale[axis] / acceleration]
+        )
+
+
+def build_problem(recording: Recording, robot: Robot, settings: Settings) -> Problem:
+    """Set up the comparison of a split recording with `robot`."""
+    measured = measure(recording)
+    dynamics = Dynamics(robot)
+    q, v, a = measured.position, measured.velocity, measured.acceleration
+    regressor = inertial_regressor(dynamics, q, v, a)
+    # The tip is the frame in which a robot file gives the payload.
+    tip = to_joint_frame(robot, robot.joints - 1)
+    last = regressor[:, :, -10:] @ tip
+    state = make_state(
+        robot,
+        q,
+        v,
+        a,
+        np.array(dynamics.rigid_body_torque(q, v, a)) if len(q) else q,
+        time=measured.time,
+        temperature=measured.temperature,
+        record=measured.trajectory,
+        tip_regressor=lambda: last,
+    )
+    nominal = state.torque + effect_torque(robot, state)
+    train = np.isin(measured.trajectory, recording.train)
+    factor = prior_factor(robot, settings.inertial_prior)
+    inertial = regressor @ factor
+    counts = np.sum(measured.usable[train], axis=0)
+    return Problem(
+        robot=robot,
+        dynamics=dynamics,
+        settings=settings,
+        measured=measured,
+        state=replace(state, tip_regressor=state.tip_regressor),
+        train=train,
+        test=np.isin(measured.trajectory, recording.test),
+        discrepancy=measured.torque - nominal,
+        regressor=regressor,
+        factor=factor,
+        inertial=inertial,
+        smear=_smear(measured, state),
+        judged=tuple(int(j) for j in np.flatnonzero(counts >= FEWEST_SAMPLES)),
+    )
+
+
+#: Shares of the filter's cut-off at which its effect on the torque is offered to the base regression.
+SMEAR = (1.0, 0.7, 0.5)
+
+
+def _smear(measured: Measured, state: State) -> np.ndarray:
+    """Return what low-pass filters near the one behind the derivatives do to the rigid-body torque, (N, n, 3).
+
+    A zero-phase filter rounds the corners of the acceleration. To first order the rounding looks like that of a
+    slightly lower cut-off, so the base regression can take it off before it is mistaken for a delay.
+    """
+    rigid = state.load + state.drive.armature * state.acceleration
+    result = np.zeros((*rigid.shape, len(SMEAR)))
+    for axis, cutoff in enumerate(measured.cutoff):
+        if np.isfinite(cutoff):
+            for piece in runs(measured.trajectory):
+                for k, share in enumerate(SMEAR):
+                    rounded = low_pass(rigid[piece, axis], share * cutoff, measured.rate)
+                    result[piece, axis, k] = rounded - rigid[piece, axis]
+    return result
+
+
+def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None) -> list[Whitener | None]:
+    """Estimate the colour of the noise of every judged axis from a saturated fit.
+
+    The fit holds the base regression, the coarse structure bases and `extra` columns (N_train, k) an axis, so that
+    what is left is noise whether or not an effect is hidden. It is done twice, the second time whitened.
+    """
+    state, label = problem.train_state, problem.measured.trajectory[problem.train]
+    result: list[Whitener | None] = []
+    for axis in range(problem.robot.joints):
+        if axis not in problem.judged:
+            result.append(None)
+            continue
+        used = problem.usable[:, axis]
+        y = problem.discrepancy[problem.train, axis]
+        groups = [
+            problem.friction_columns(state, axis),
+            problem.inertial[problem.train, axis],
+            problem.smear[problem.train, axis],
+        ]
+        if extra is not None and axis in extra:
+            groups.append(extra[axis])
+        groups += [b.columns for b in axis_bases(state, axis, used, coarse=True)]
+        columns = np.concatenate(groups, axis=1)
+        scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
+        columns = columns[:, scale > 1e-9] / scale[scale > 1e-9]
+        plain = _remover(columns, used, None)
+        white = estimate(plain(y), used, label)
+        take_off = _remover(columns, used, white)
+        white = corrected(estimate(take_off(y), used, label), take_off, label, problem.measured.rate)
+        result.append(white)
+    return result
+
+
+def _remover(columns: np.ndarray, used: np.ndarray, white: Whitener | None) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the function that takes a ridge fit of `columns` off series (N,) or (N, k)."""
+    x = columns[used] if white is None else white(columns)
+    gram = x.T @ x
+    ridge = 1e-4 * np.trace(gram) / len(gram)
+    factor = cho_factor(gram + ridge * np.eye(len(gram)))
+
+    def take_off(series: np.ndarray) -> np.ndarray:
+        target = series[used] if white is None else white(series)
+        return series - columns @ cho_solve(factor, x.T @ target)
+
+    return take_off
+
+
+@dataclass(frozen=True)
+class White:
+    """The problem after whitening: targets and base terms, for the training samples."""
+
+    problem: Problem
+    whiteners: list[Whitener | None]
+    targets: list[np.ndarray]
+    base: list[Term]
+    directions: np.ndarray
+
+    def fit(self, extra: list[Term] = ()) -> Fit:
+        """Return the posterior of the base regression with `extra` terms."""
+        return Fit(self.targets, [*self.base, *extra])
+
+    def columns(self, axis: int, columns: np.ndarray) -> np.ndarray:
+        """Whiten columns (N_train, k) of one axis."""
+        return self.whiteners[axis](columns)
+
+    def raw(self, axis: int, columns: np.ndarray) -> np.ndarray:
+        """Return the rows of columns (N_train, k) that the whitened ones have."""
+        return columns[self.whiteners[axis].rows]
+
+    def raw_targets(self) -> list[np.ndarray]:
+        """Return the discrepancy [N m] on the rows of the whitened targets."""
+        train = self.problem.discrepancy[self.problem.train]
+        return [np.zeros(0) if w is None else train[w.rows, axis] for axis, w in enumerate(self.whiteners)]
+
+    def folds(self, axis: int) -> np.ndarray:
+        """Return the fold of cross-validation of each whitened row of `axis`, in order of time.
+
+        A fold is a record; fewer than three records are cut into contiguous blocks.
+        """
+        return self.problem.fold_of_sample[self.whiteners[axis].rows]
+
+
+def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
+    """Whiten targets and base regression; inertial directions that the data cannot see are dropped."""
+    state = problem.train_state
+    targets, base, inertial, raw_inertial = [], [], {}, {}
+    for axis in range(problem.robot.joints):
+        white = whiteners[axis]
+        if white is None:
+            targets.append(np.zeros(0))
+            continue
+        targets.append(white(problem.discrepancy[problem.train, axis]))
+        friction = problem.friction_columns(state, axis)
+        base.append(
+            Term(
+                f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: friction[white.rows]}
+            )
+        )
+        smear = problem.smear[problem.train, axis]
+        if np.any(smear):
+            # What the filter does is no part of the robot: a prediction in N m has to do without it.
+            nothing = np.zeros((len(white.rows), smear.shape[1]))
+            base.append(Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], 3.0), {axis: nothing}))
+        raw_inertial[axis] = problem.inertial[problem.train, axis][white.rows]
+        inertial[axis] = white(problem.inertial[problem.train, axis])
+    rank = problem.factor.shape[1]
+    gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
+    values, vectors = np.linalg.eigh(gram)
+    directions = vectors[:, values > 1e-2]
+    if directions.shape[1]:
+        blocks = {axis: x @ directions for axis, x in inertial.items()}
+        raw = {axis: x @ directions for axis, x in raw_inertial.items()}
+        base.append(Term("inertial", blocks, np.ones(directions.shape[1]), raw))
+    return White(problem, whiteners, targets, base, directions)
+
+
+def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:
+    """Return whitened columns for the mass and inertia of `link` growing by 100 %."""
+    problem = white.problem
+    direction = mass_direction(problem.robot, link)
+    torque = problem.regressor[problem.train] @ direction
+    return {axis: white.columns(axis, torque[:, [axis]]) for axis in problem.judged if np.any(torque[:, axis])}

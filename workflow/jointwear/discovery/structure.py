@@ -1,0 +1,185 @@
+"""Bases that describe structure without naming it: bins over every argument, pairs of joints, lines over angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.effects.state import State
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Columns (N, k) over an argument of one axis; `values` (N,) and `unit` tell where structure sits."""
+
+    argument: str
+    unit: str
+    columns: np.ndarray
+    values: np.ndarray
+
+
+def knots_of(values: np.ndarray, count: int) -> np.ndarray:
+    """Return up to `count` knots over `values`: half evenly spaced, half at quantiles, so that none is empty."""
+    low, high = np.quantile(values, [0.002, 0.998])
+    if high - low <= 1e-9 * max(1.0, abs(low), abs(high)):
+        return np.zeros(0)
+    even = np.linspace(low, high, count)
+    quantiles = np.quantile(values, np.linspace(0.002, 0.998, count))
+    return np.unique(0.5 * (even + quantiles))
+
+
+def hats(values: np.ndarray, knots: np.ndarray) -> np.ndarray:
+    """Return piecewise-linear columns (N, k), constant beyond the ends; they sum to one."""
+    if len(knots) < 2:
+        return np.zeros((len(values), 0))
+    x = np.clip(values, knots[0], knots[-1])
+    right = np.clip(np.searchsorted(knots, x, side="right"), 1, len(knots) - 1)
+    share = (x - knots[right - 1]) / (knots[right] - knots[right - 1])
+    columns = np.zeros((len(values), len(knots)))
+    row = np.arange(len(values))
+    columns[row, right] = share
+    columns[row, right - 1] = 1 - share
+    return columns
+
+
+def time_bins(state: State, width: float) -> np.ndarray:
+    """Return columns of ones over bins of `width` [s] of each record, (N, k)."""
+    label = np.asarray(state.record)
+    start = np.zeros(len(label))
+    for one in np.unique(label):
+        chosen = label == one
+        start[chosen] = state.time[chosen].min()
+    number = np.floor((state.time - start) / width).astype(int)
+    _, index = np.unique(np.stack([label, number]), axis=1, return_inverse=True)
+    columns = np.zeros((len(label), index.max() + 1))
+    columns[np.arange(len(label)), index.ravel()] = 1.0
+    return columns
+
+
+def axis_bases(state: State, axis: int, usable: np.ndarray, coarse: bool = False) -> list[Basis]:
+    """Return the bases of one axis. `coarse` gives fewer knots, for the saturated fit that noise is estimated from.
+
+    Parameters
+    ----------
+    state : ordered samples of all joints. usable : (N,) samples of this axis that can be judged.
+    """
+    fine = 0.6 if coarse else 1.0
+    found: list[Basis] = []
+
+    def add(argument, unit, values, count, carrier=None):
+        knots = knots_of(values[usable], max(4, round(fine * count)))
+        columns = hats(values, knots)
+        if columns.shape[1]:
+            found.append(Basis(argument, unit, columns if carrier is None else columns * carrier[:, None], values))
+
+    q, v, a = state.position[:, axis], state.velocity[:, axis], state.acceleration[:, axis]
+    s, torque, load = state.direction[:, axis], state.torque[:, axis], state.load[:, axis]
+    add("position", "rad", q, 16)
+    add("position x direction", "rad", q, 16, s)
+    add("velocity", "rad/s", v, 16)
+    add("acceleration", "rad/s2", a, 12)
+    add("torque", "N m", torque, 14)
+    add("load x direction", "N m", load, 10, s)
+    warm = state.temperature[:, axis]
+    if np.isfinite(warm).any() and np.ptp(warm[np.isfinite(warm)]) > 0.5:
+        warm = np.nan_to_num(warm, nan=float(np.nanmean(warm)))
+        add("temperature", "degC", warm, 5)
+        add("temperature x direction", "degC", warm, 5, s)
+        add("temperature x velocity", "degC", warm, 5, v)
+    bins = time_bins(state, 1.5)
+    found.append(Basis("time", "s", bins, state.time))
+    slow = time_bins(state, 5.0)
+    found.append(Basis("time x direction", "s", slow * s[:, None], state.time))
+    for other in range(state.position.shape[1]):
+        if other == axis:
+            continue
+        p = state.position[:, other]
+        if np.ptp(p) < 1e-6:
+            continue
+        add(f"position of joint {other + 1}", "rad", p, 7)
+        add(f"position of joint {other + 1} x direction", "rad", p, 7, s)
+        add(f"velocity of joint {other + 1}", "rad/s", state.velocity[:, other], 8)
+        if not coarse or abs(other - axis) <= 1:
+            x, y = _unit(q), _unit(p)
+            pair = np.stack([x * y, x * x * y, x * y * y], axis=1)
+            found.append(Basis(f"position x position of joint {other + 1}", "rad", pair, p))
+    if not coarse:
+        angle = state.drive.gear_ratio[axis] * q
+        orders = np.arange(1, 13)
+        found.append(
+            Basis(
+                "motor angle",
+                "rad",
+                np.concatenate([np.sin(np.outer(angle, orders)), np.cos(np.outer(angle, orders))], axis=1),
+                np.mod(angle, 2 * np.pi),
+            )
+        )
+    return found
+
+
+def _unit(x: np.ndarray) -> np.ndarray:
+    half = 0.5 * np.ptp(x)
+    return (x - 0.5 * (x.max() + x.min())) / (half if half > 0 else 1.0)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line or chirp over time: power is in units of the noise (mean 1 if there is none)."""
+
+    power: float
+    p_value: float
+    frequency: float
+    rate: float
+    record: int
+
+
+def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> Line | None:
+    """Search the whitened residual of one axis for a line or linear chirp over time, in each record and in all.
+
+    The residual is put back on its time grid (zero where there is no sample), multiplied by
+    exp(-i pi c t^2) for a grid of chirp rates c, and Fourier-transformed; under white noise each cell is
+    exponential with mean one. `p_value` counts the cells searched.
+    """
+    label = np.asarray(state.record)
+    pieces = []
+    for one in np.unique(label):
+        index = np.flatnonzero(label == one)
+        series = np.zeros(len(index))
+        chosen = rows[(rows >= index[0]) & (rows <= index[-1])]
+        if len(chosen) < 100:
+            continue
+        series[chosen - index[0]] = residual[np.searchsorted(rows, chosen)]
+        pieces.append((int(one), series, len(chosen)))
+    best: Line | None = None
+    cells = 0
+    together: dict[int, tuple[np.ndarray, int]] = {}
+    for one, series, filled in pieces:
+        length = len(series)
+        t = np.arange(length) / rate
+        span = length / rate
+        # Neighbouring chirp rates differ by one cell over the record.
+        rates = np.linspace(-0.25, 0.25, 41) * rate / span
+        size = 2 ** int(np.ceil(np.log2(length)))
+        turned = np.exp(-1j * np.pi * np.outer(rates, t**2)) * series
+        power = np.abs(np.fft.fft(turned, size, axis=1)[:, : size // 2]) ** 2 / filled
+        cells += power.size // 2
+        where = np.unravel_index(np.argmax(power), power.shape)
+        value = float(power[where])
+        if best is None or value > best.power:
+            best = Line(value, 1.0, float(where[1] * rate / size), float(rates[where[0]]), one)
+        line = power[20]
+        old, count = together.get(size, (0.0, 0))
+        together[size] = (old + line, count + 1)
+    if best is None:
+        return None
+    from scipy.special import gammaincc
+
+    p = min(1.0, cells * float(np.exp(-best.power)))
+    for size, (power, count) in together.items():
+        where = int(np.argmax(power))
+        joint = min(1.0, len(power) * float(gammaincc(count, power[where])))
+        if joint < p:
+            p = joint
+            best = Line(float(power[where]), joint, float(where * rate / size), 0.0, -1)
+    return Line(best.power, p, best.frequency, best.rate, best.record)

@@ -1,0 +1,184 @@
+# The hidden-effect test. Data sets, truth and verdicts lie in folders of their own; only score_challenge reads truth.
+from jointwear.challenge.tiers import SEED, SETS, TIERS
+
+CHALLENGE_ROBOT = "config/robots/puma560.yaml"
+
+
+wildcard_constraints:
+    seed_set="|".join(SETS),
+    tier="|".join(TIERS),
+    batch="[0-9]{3}",
+
+
+rule generate_challenge:
+    input:
+        robot=CHALLENGE_ROBOT,
+        modules=modules_of("generate_challenge"),
+    output:
+        data=temp(directory("results/challenge/{seed_set}/data/{tier}_{batch}")),
+        facts="results/challenge/{seed_set}/truth/{tier}_{batch}.json",
+        torque="results/challenge/{seed_set}/truth/{tier}_{batch}.nc",
+    log:
+        "results/logs/generate_challenge/{seed_set}_{tier}_{batch}.log",
+    params:
+        seed=SEED,
+    script:
+        "../scripts/generate_challenge.py"
+
+
+rule solve_challenge:
+    input:
+        data="results/challenge/{seed_set}/data/{tier}_{batch}",
+        robot=CHALLENGE_ROBOT,
+        modules=modules_of("solve_challenge"),
+    output:
+        verdicts="results/challenge/{seed_set}/verdicts/{tier}_{batch}.json",
+        torque="results/challenge/{seed_set}/verdicts/{tier}_{batch}.nc",
+    log:
+        "results/logs/solve_challenge/{seed_set}_{tier}_{batch}.log",
+    # Data sets are deleted when they have been solved: solving comes before making more.
+    priority: 10
+    script:
+        "../scripts/solve_challenge.py"
+
+
+rule score_challenge:
+    input:
+        facts=challenge_files("truth", "json"),
+        truth_torque=challenge_files("truth", "nc"),
+        verdicts=challenge_files("verdicts", "json"),
+        verdict_torque=challenge_files("verdicts", "nc"),
+        modules=modules_of("score_challenge"),
+    output:
+        rows="results/challenge/{seed_set}/cases.json",
+        scores="results/challenge/{seed_set}/scores.json",
+    log:
+        "results/logs/score_challenge/{seed_set}.log",
+    script:
+        "../scripts/score_challenge.py"
+
+
+rule report_challenge:
+    input:
+        scores="results/challenge/{seed_set}/scores.json",
+        template="report/challenge.html.j2",
+        modules=modules_of("report_challenge"),
+    output:
+        "results/challenge/{seed_set}/challenge.html",
+    log:
+        "results/logs/report_challenge/{seed_set}.log",
+    params:
+        seed=SEED,
+    script:
+        "../scripts/report_challenge.py"
+
+
+# The peers pin an older numpy than the rest of the project and have an environment of their own
+# (requirements/peers.in); they are timed apart.
+PEERS_CHOOSE_ON = ["000", "001", "002"]
+PEERS_PYTHON = os.environ.get("JOINTWEAR_PEERS_PYTHON", sys.executable)
+
+
+rule solve_challenge_peers:
+    input:
+        data="results/challenge/{seed_set}/data/{tier}_{batch}",
+        robot=CHALLENGE_ROBOT,
+        modules=modules_of("solve_challenge_peers"),
+    output:
+        "results/challenge/{seed_set}/peers/{tier}_{batch}.json",
+    log:
+        "results/logs/solve_challenge_peers/{seed_set}_{tier}_{batch}.log",
+    priority: 10
+    params:
+        python=PEERS_PYTHON,
+        program=str(LIBRARY / "scripts/solve_challenge_peers.py"),
+    shell:
+        "{params.python} {params.program} {input.data} {output} 2> {log} || (cat {log} >&2; exit 1)"
+
+
+rule score_challenge_peers:
+    input:
+        chosen_facts=expand(
+            "results/challenge/choose/truth/{tier}_{batch}.json",
+            tier=TIERS,
+            batch=PEERS_CHOOSE_ON,
+        ),
+        chosen=expand(
+            "results/challenge/choose/peers/{tier}_{batch}.json",
+            tier=TIERS,
+            batch=PEERS_CHOOSE_ON,
+        ),
+        facts=challenge_files("truth", "json"),
+        answers=challenge_files("peers", "json"),
+        rows="results/challenge/{seed_set}/cases.json",
+        modules=modules_of("score_challenge_peers"),
+    output:
+        "results/challenge/{seed_set}/peers.json",
+    log:
+        "results/logs/score_challenge_peers/{seed_set}.log",
+    script:
+        "../scripts/score_challenge_peers.py"
+
+
+rule report_challenge_peers:
+    input:
+        scores="results/challenge/{seed_set}/scores.json",
+        peers="results/challenge/{seed_set}/peers.json",
+        template="report/challenge.html.j2",
+        modules=modules_of("report_challenge"),
+    output:
+        "results/challenge/{seed_set}/challenge_with_peers.html",
+    log:
+        "results/logs/report_challenge_peers/{seed_set}.log",
+    params:
+        seed=SEED,
+    script:
+        "../scripts/report_challenge.py"
+
+
+rule make_hidden_example:
+    input:
+        robot=CHALLENGE_ROBOT,
+        modules=modules_of("make_hidden_example"),
+    output:
+        "results/examples/puma560_hidden.nc",
+    log:
+        "results/logs/make_hidden_example.log",
+    script:
+        "../scripts/make_hidden_example.py"
+
+
+rule make_warm_task:
+    input:
+        robot=config["robot"],
+        task="config/tasks/{task}.yaml",
+        modules=modules_of("make_warm_task"),
+    output:
+        "results/examples/warm_{task}.nc",
+    log:
+        "results/logs/make_warm_task/{task}.log",
+    params:
+        seed=config["seed"],
+        settings={
+            "hours": config["wear"]["hours"],
+            "wear_hours": config["wear"]["hours"],
+            "wear_shape": config["wear"]["shape"],
+            "wear_percent": 0,
+        },
+    script:
+        "../scripts/make_warm_task.py"
+
+
+rule challenge_peers:
+    input:
+        "results/challenge/report/challenge_with_peers.html",
+
+
+rule challenge:
+    input:
+        "results/challenge/sample/challenge.html",
+
+
+rule challenge_full:
+    input:
+        "results/challenge/report/challenge.html",

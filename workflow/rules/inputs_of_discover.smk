@@ -1,0 +1,19 @@
+# What the rules of discover.smk take from the entry of their data set.
+from jointwear.datasets import robot_sources
+
+DATASETS = config["discover"]["datasets"]
+
+
+def dataset_entry(wildcards):
+    """The entry of a data set in the config."""
+    return dict(DATASETS[wildcards.dataset])
+
+
+def dataset_robot(wildcards):
+    """Robot file of a data set."""
+    return DATASETS[wildcards.dataset]["robot"]
+
+
+def dataset_model(wildcards):
+    """All files that the robot of a data set is made of."""
+    return robot_sources(DATASETS[wildcards.dataset]["robot"])

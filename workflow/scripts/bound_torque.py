@@ -1,0 +1,10 @@
+"""Bound the torque of the unloaded arm, whatever its poses."""
+
+from jointwear.recovery.bound import bound_published
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        bound_published(
+            snakemake.input.robot, snakemake.input.published, snakemake.output[0], snakemake.params.settings
+        )

@@ -1,0 +1,16 @@
+"""Run one part of the readings on the configured pose set."""
+
+from jointwear.multiverse.reading_stages import evaluate_readings
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        evaluate_readings(
+            snakemake.input.design,
+            snakemake.input.robot,
+            snakemake.input.tasks,
+            snakemake.input.published,
+            snakemake.output[0],
+            snakemake.params.part,
+            snakemake.params.settings,
+        )

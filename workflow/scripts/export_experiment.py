@@ -1,0 +1,10 @@
+"""Write the recovered arm and tasks as ordinary files."""
+
+from jointwear.recovery.export import export_experiment
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        export_experiment(
+            snakemake.input.robot, snakemake.input.ensemble, snakemake.output.robot, snakemake.output.tasks
+        )

@@ -1,0 +1,13 @@
+"""Put together the readings that go on to the pose sets."""
+
+from jointwear.multiverse.pose_stages import gather_candidates
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        gather_candidates(
+            snakemake.input.best,
+            snakemake.input.searches,
+            snakemake.output[0],
+            snakemake.params.settings,
+        )

@@ -1,0 +1,14 @@
+"""Predict Table IV from pose sets fitted to Tables V and VI alone."""
+
+from jointwear.recovery.prediction import predict_detection
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        predict_detection(
+            snakemake.input.robot,
+            snakemake.input.published,
+            snakemake.input.ensemble,
+            snakemake.output[0],
+            snakemake.params.settings,
+        )

@@ -1,0 +1,14 @@
+"""Write the page of one data set."""
+
+from jointwear.discovery.page import write_page
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        write_page(
+            snakemake.input.verdict,
+            snakemake.input.where,
+            snakemake.input.models,
+            snakemake.output.page,
+            snakemake.output.figures,
+        )
