@@ -23,10 +23,13 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/recover.smk"
 include: "workflow/rules/multiverse.smk"
+include: "workflow/rules/studies.smk"
 include: "workflow/rules/inputs_of_discover.smk"
 include: "workflow/rules/discover.smk"
 include: "workflow/rules/inputs_of_challenge.smk"
 include: "workflow/rules/challenge.smk"
+include: "workflow/rules/inputs_of_monitor.smk"
+include: "workflow/rules/monitor.smk"
 
 
 rule all:

@@ -352,7 +352,8 @@ def test_exported_files_are_read_back(robot, tables, tmp_path):
     )  # fmt: skip
     write_ensemble(tmp_path / "e.nc", ensemble, tables, _fit("payload", 60, 42, tables), {"seed": 1})
     files = [tmp_path / f"{name}.yaml" for name in tables.tasks]
-    export_experiment(ROOT / "config/robots/puma560.yaml", tmp_path / "e.nc", tmp_path / "robot.yaml", files)
+    wear = tmp_path / "wear.yaml"
+    export_experiment(ROOT / "config/robots/puma560.yaml", tmp_path / "e.nc", tmp_path / "robot.yaml", files, wear)
     arm = load_robot(tmp_path / "robot.yaml")
     assert arm.payload.mass == 2.5
     assert arm.payload.com[2] == pytest.approx(0.1)

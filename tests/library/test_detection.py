@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 
 from jointwear import readings
@@ -133,3 +135,10 @@ def test_alarms_count_starts():
     above = np.array([[1, 1, 1, 0, 1, 1, 1, 1, 0, 1]], dtype=bool)
     assert alarms(above, "consecutive_hours", 3)[0] == 2
     assert alarms(above, "single_hour", 3)[0] == 3
+
+
+@given(st.lists(st.floats(0.01, 10.0), min_size=1, max_size=6), st.floats(-280, 250))
+def test_q_limit_scales_with_the_variances_however_small(values, power):
+    scale = 10.0**power
+    small = q_limit(np.array(values) * scale, 0.95)
+    assert small == pytest.approx(q_limit(np.array(values), 0.95) * scale, rel=1e-9)

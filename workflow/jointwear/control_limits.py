@@ -21,9 +21,11 @@ def q_limit(residual_eigenvalues: np.ndarray, confidence: float) -> float:
     J. E. Jackson and G. S. Mudholkar, Control procedures for residuals associated with principal component
     analysis, Technometrics 21 (1979) 341-349.
     """
-    theta = [float(np.sum(np.asarray(residual_eigenvalues) ** power)) for power in (1, 2, 3)]
-    if theta[0] <= 0:
+    largest = float(np.max(residual_eigenvalues, initial=0.0))
+    if largest <= 0:
         return 0.0
+    # Relative to the largest, because powers of tiny variances vanish in floating point.
+    theta = [float(np.sum((np.asarray(residual_eigenvalues) / largest) ** power)) for power in (1, 2, 3)]
     h = 1 - 2 * theta[0] * theta[2] / (3 * theta[1] ** 2)
     quantile = NormalDist().inv_cdf(confidence)
     if h <= 0:
@@ -31,9 +33,9 @@ def q_limit(residual_eigenvalues: np.ndarray, confidence: float) -> float:
         # transform is not defined and Box's scaled chi-square with the same two moments takes its place.
         from scipy.special import chdtri
 
-        return theta[1] / theta[0] * float(chdtri(theta[0] ** 2 / theta[1], 1 - confidence))
+        return largest * theta[1] / theta[0] * float(chdtri(theta[0] ** 2 / theta[1], 1 - confidence))
     bracket = quantile * np.sqrt(2 * theta[1] * h**2) / theta[0] + 1 + theta[1] * h * (h - 1) / theta[0] ** 2
-    return theta[0] * float(max(bracket, 0.0)) ** (1 / h)
+    return largest * theta[0] * float(max(bracket, 0.0)) ** (1 / h)
 
 
 def t2_limit(components: int, observations: int, confidence: float) -> float:

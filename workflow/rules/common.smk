@@ -75,3 +75,12 @@ def simulation_settings(**more):
         "reading": reading_of(config, "simulation"),
         **more,
     }
+
+
+# Long studies: the figures of each, by the name of its folder under results. Every study makes chapter.json too.
+STUDY_PICTURES = {}
+
+
+def study_pictures(study):
+    """Files of the figures of a study."""
+    return [f"results/{study}/figures/{name}.svg" for name in STUDY_PICTURES[study]]

@@ -14,8 +14,8 @@ wildcard_constraints:
 
 rule discover:
     input:
-        expand("results/discover/{dataset}/verdict.json", dataset=DATASETS),
-        expand("results/discover/{dataset}/discover.html", dataset=DATASETS),
+        expand("results/discover/{dataset}/verdict.json", dataset=CHOSEN_DATASETS),
+        expand("results/discover/{dataset}/discover.html", dataset=CHOSEN_DATASETS),
 
 
 rule ingest_recording:
@@ -131,3 +131,20 @@ rule report_discovery:
         "results/logs/report_discovery/{dataset}.log",
     script:
         "../scripts/report_discovery.py"
+
+
+rule summarise_discovery:
+    input:
+        verdict=f"results/discover/{SHOWN_DATASET}/verdict.json",
+        where=f"results/discover/{SHOWN_DATASET}/where.nc",
+        models=f"results/discover/{SHOWN_DATASET}/models.nc",
+        modules=modules_of("summarise_discovery"),
+    output:
+        chapter=f"results/discover/{SHOWN_DATASET}/chapter/chapter.json",
+        where=f"results/discover/{SHOWN_DATASET}/chapter/where.svg",
+        effect=f"results/discover/{SHOWN_DATASET}/chapter/effect.svg",
+        gap=f"results/discover/{SHOWN_DATASET}/chapter/gap.svg",
+    log:
+        "results/logs/summarise_discovery.log",
+    script:
+        "../scripts/summarise_discovery.py"

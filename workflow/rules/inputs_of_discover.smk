@@ -1,7 +1,14 @@
 # What the rules of discover.smk take from the entry of their data set.
 from jointwear.datasets import robot_sources
+from jointwear.documents import read_yaml
 
-DATASETS = config["discover"]["datasets"]
+# The data set that the report shows; `discover` takes it too where the config names none.
+SHOWN_DATASET = "puma560_hidden"
+SHOWN_DATASETS = read_yaml("config/examples/discover_puma560.yaml")["discover"][
+    "datasets"
+]
+CHOSEN_DATASETS = list(config["discover"]["datasets"]) or [SHOWN_DATASET]
+DATASETS = {**SHOWN_DATASETS, **config["discover"]["datasets"]}
 
 
 def dataset_entry(wildcards):

@@ -29,6 +29,7 @@ MULTIVERSE_EXPERIMENT = {
     "normal_hours": config["normal"]["test_hours"],
 }
 MULTIVERSE_FIGURES = ["readings", "influence", "cells", "lag_rule"]
+STUDY_PICTURES["multiverse"] = MULTIVERSE_FIGURES
 
 
 wildcard_constraints:
@@ -42,8 +43,7 @@ rule multiverse:
         "results/multiverse/influence.nc",
         "results/multiverse/choice.nc",
         "results/multiverse/lag_rule.nc",
-        "results/multiverse/chapter.json",
-        expand("results/multiverse/figures/{picture}.svg", picture=MULTIVERSE_FIGURES),
+        "results/multiverse/index.html",
 
 
 rule sample_readings:
@@ -103,7 +103,7 @@ rule score_readings:
     log:
         "results/logs/score_readings.log",
     params:
-        settings={**MULTIVERSE_ANALYSIS, "best": MULTIVERSE_BEST, "start": 30},
+        settings={**MULTIVERSE_ANALYSIS, "best": MULTIVERSE_BEST, "start": 100},
     script:
         "../scripts/score_readings.py"
 
@@ -141,8 +141,8 @@ rule search_readings:
             "search_pose_sets": MULTIVERSE_SEARCH_POSE_SETS,
             "search_replicates": 5,
             "generations": 6,
-            "children": 50,
-            "survivors": 15,
+            "children": 60,
+            "survivors": 20,
             "kept": MULTIVERSE_BEST,
         },
     script:

@@ -15,8 +15,21 @@ VALIDATION_CASES = [
     for number in range(config["recover"]["validation"]["cases"])
 ]
 
+RECOVER_PICTURES = ["bound", "payload", "candidates", "ensemble", "prediction"]
+RECOVERED_EXPERIMENT = [
+    "results/recovery/robot.yaml",
+    *expand("results/recovery/tasks/{name}.yaml", name=RECOVER_TASKS),
+]
+ADOPTED_EXPERIMENT = [
+    "config/robots/puma560_paper.yaml",
+    *expand("config/tasks/{name}.yaml", name=RECOVER_TASKS),
+]
+STUDY_PICTURES["recovery"] = RECOVER_PICTURES
+STUDY_PICTURES["recovery_validation"] = []
+
 
 wildcard_constraints:
+    recovery_picture="|".join(RECOVER_PICTURES),
     candidate="[a-z_+]+",
     cause="|".join(CAUSES),
     number="[0-9]+",
@@ -28,14 +41,16 @@ rule recover:
         "results/recovery/bound.nc",
         "results/recovery/verdict.json",
         "results/recovery/comparison.csv",
-        "results/recovery/robot.yaml",
-        expand("results/recovery/tasks/{name}.yaml", name=RECOVER_TASKS),
+        RECOVERED_EXPERIMENT,
+        "results/recovery/wear.yaml",
         "results/recovery/prediction.nc",
+        "results/recovery/index.html",
 
 
 rule recover_validation:
     input:
         "results/recovery/validation.nc",
+        "results/recovery_validation/index.html",
 
 
 rule bound_torque:
@@ -142,6 +157,7 @@ rule export_experiment:
     output:
         robot="results/recovery/robot.yaml",
         tasks=expand("results/recovery/tasks/{name}.yaml", name=RECOVER_TASKS),
+        wear="results/recovery/wear.yaml",
     log:
         "results/logs/export_experiment.log",
     script:
@@ -196,8 +212,72 @@ rule summarise_validation:
         cases=VALIDATION_CASES,
         modules=modules_of("summarise_validation"),
     output:
-        "results/recovery/validation.nc",
+        netcdf="results/recovery/validation.nc",
+        chapter="results/recovery_validation/chapter.json",
     log:
         "results/logs/summarise_validation.log",
     script:
         "../scripts/summarise_validation.py"
+
+
+rule summarise_recovery:
+    input:
+        bound="results/recovery/bound.nc",
+        verdict="results/recovery/verdict.json",
+        comparison="results/recovery/comparison.csv",
+        transfer="results/recovery/transfer.nc",
+        ensemble="results/recovery/ensemble_published_hours.nc",
+        prediction="results/recovery/prediction.nc",
+        modules=modules_of("summarise_recovery"),
+    output:
+        "results/recovery/chapter.json",
+    log:
+        "results/logs/summarise_recovery.log",
+    script:
+        "../scripts/summarise_recovery.py"
+
+
+rule draw_recovery:
+    input:
+        chapter="results/recovery/chapter.json",
+        modules=modules_of("draw_recovery"),
+    output:
+        "results/recovery/figures/{recovery_picture}.svg",
+    log:
+        "results/logs/draw_recovery/{recovery_picture}.log",
+    script:
+        "../scripts/draw_recovery.py"
+
+
+# What was recovered becomes the default experiment: the only rule that writes into config/.
+rule adopt_recovered:
+    input:
+        robot="results/recovery/robot.yaml",
+        tasks=expand("results/recovery/tasks/{name}.yaml", name=RECOVER_TASKS),
+        wear="results/recovery/wear.yaml",
+        modules=modules_of("adopt_recovered"),
+    output:
+        touch("results/recovery/adopted"),
+    log:
+        "results/logs/adopt_recovered.log",
+    params:
+        robot=ADOPTED_EXPERIMENT[0],
+        tasks=ADOPTED_EXPERIMENT[1:],
+        config="config/config.yaml",
+    script:
+        "../scripts/adopt_recovered.py"
+
+
+rule check_recovered:
+    input:
+        recovered=RECOVERED_EXPERIMENT,
+        copies=ADOPTED_EXPERIMENT,
+        modules=modules_of("check_recovered"),
+    output:
+        "results/recovery/copies.csv",
+    log:
+        "results/logs/check_recovered.log",
+    params:
+        tolerance=0.02,
+    script:
+        "../scripts/check_recovered.py"

@@ -20,8 +20,20 @@ TEMPLATES = [
     )
     for path in sorted(Path(workflow.basedir).glob(pattern))
 ]
-# Further chapters: the name under which report/chapters/NN_name.html.j2 sees its numbers, and their JSON file.
-CHAPTERS = {}
+# Results of long studies, stored with the project: the report shows them without hours of computing (rules/studies.smk).
+STUDIES = sorted(path.parent for path in Path("data/studies").glob("*/chapter.json"))
+CHAPTERS = {folder.name: str(folder / "chapter.json") for folder in STUDIES}
+CHAPTER_FIGURES = {
+    f"{folder.name}_{path.stem}": str(path)
+    for folder in STUDIES
+    for path in sorted(folder.glob("*.svg"))
+}
+
+# One small data set with a hidden effect is part of every report.
+SHOWN_DISCOVERY = "results/discover/puma560_hidden/chapter"
+CHAPTERS["discover"] = f"{SHOWN_DISCOVERY}/chapter.json"
+for picture in ("where", "effect", "gap"):
+    CHAPTER_FIGURES[f"discover_{picture}"] = f"{SHOWN_DISCOVERY}/{picture}.svg"
 
 
 rule build_report:
@@ -58,6 +70,7 @@ rule build_report:
             f"config/tasks/{FIGURE_CELL.task}.yaml",
         ],
         chapters=list(CHAPTERS.values()),
+        chapter_figures=list(CHAPTER_FIGURES.values()),
         templates=TEMPLATES,
         modules=modules_of("build_report"),
     output:
@@ -69,7 +82,7 @@ rule build_report:
         # The report prints the whole configuration of the reproduction.
         config={k: v for k, v in config.items() if k not in ("discover", "monitor")},
         tables=REPORT_TABLES,
-        figures=REPORT_FIGURES,
+        figures=[*REPORT_FIGURES, *CHAPTER_FIGURES],
         figure_run=["simulation", "features", "detection", "task"],
         chapters=list(CHAPTERS),
     script:

@@ -31,7 +31,7 @@ if __name__ == "__main__":
                 figure_run=dict(zip(snakemake.params.figure_run, found.figure_run, strict=True)),
                 **by_task,
             ),
-            dict(zip(snakemake.params.figures, found.figures, strict=True)),
+            dict(zip(snakemake.params.figures, [*found.figures, *found.chapter_figures], strict=True)),
             snakemake.params.config,
             chapters=dict(zip(snakemake.params.chapters, found.chapters, strict=True)),
         )

@@ -6,5 +6,9 @@ from jointwear.script import reported
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
         export_experiment(
-            snakemake.input.robot, snakemake.input.ensemble, snakemake.output.robot, snakemake.output.tasks
+            snakemake.input.robot,
+            snakemake.input.ensemble,
+            snakemake.output.robot,
+            snakemake.output.tasks,
+            snakemake.output.wear,
         )

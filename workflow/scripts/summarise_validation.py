@@ -1,8 +1,10 @@
 """Count how many hidden causes were named rightly."""
 
+from jointwear.recovery.summary import summarise_validation_chapter
 from jointwear.recovery.validation import summarise_validation
 from jointwear.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
-        summarise_validation(snakemake.input.cases, snakemake.output[0])
+        summarise_validation(snakemake.input.cases, snakemake.output.netcdf)
+        summarise_validation_chapter(snakemake.output.netcdf, snakemake.output.chapter)

@@ -164,14 +164,14 @@ def draw_all(verdict: str | Path, where: str | Path, models: str | Path, folder:
     figures = {"where": folder / "where.svg", "gap": folder / "gap.svg", "held_out": folder / "held_out.svg"}
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])
-    draw_held_out(models, _axis_shown(content), figures["held_out"])
+    draw_held_out(models, axis_shown(content), figures["held_out"])
     for i, effect in enumerate(content["effects"], start=1):
         figures[f"effect_{i}"] = folder / f"effect_{i}.svg"
         draw_effect(effect, models, figures[f"effect_{i}"])
     return figures
 
 
-def _axis_shown(content: dict[str, Any]) -> int:
+def axis_shown(content: dict[str, Any]) -> int:
     """The axis of the first effect; else the one whose gap is farthest above its noise."""
     for effect in content["effects"]:
         if effect["axis"] is not None:

@@ -22,7 +22,7 @@ def recombined(
     count: int,
     random: np.random.Generator,
     known: set[tuple],
-    change: float = 0.08,
+    change: float = 0.12,
 ) -> list[Reading]:
     """Return up to `count` new readings made of the parents, best first among them.
 

@@ -93,7 +93,7 @@ def typical_solution(cost: np.ndarray, numbers: np.ndarray, slack: float = 5.0) 
 
 
 def export_experiment(
-    unloaded: str | Path, ensemble: str | Path, robot: str | Path, task_files: Sequence[str | Path]
+    unloaded: str | Path, ensemble: str | Path, robot: str | Path, task_files: Sequence[str | Path], wear: str | Path
 ) -> None:
     """Write the typical solution of an ensemble as robot file and task files, rounded to what their numbers mean.
 
@@ -102,6 +102,7 @@ def export_experiment(
     unloaded : robot file of the unloaded arm.
     ensemble : solutions with a payload.
     robot, task_files : files to write, one for every task of the ensemble in its order.
+    wear : file to write with the wear shape, laid out as a part of config.yaml.
     """
     with open_dataset(ensemble) as data:
         names = [str(n) for n in data["parameter"][:]]
@@ -113,6 +114,7 @@ def export_experiment(
         )
         outward = read_variable(data, ensemble, "outward")
         tasks = [str(n) for n in data["task"][:]]
+    write_yaml(wear, {"wear": {"shape": round(float(shape[best]), 3)}})
     write_yaml(robot, robot_data(unloaded, names, effect, "puma560_paper"))
     for k, (name, path) in enumerate(zip(tasks, task_files, strict=True)):
         write_yaml(path, task_data(name, start[k], stop[k], outward[k], phase[k]))

@@ -39,7 +39,7 @@ class Settings:
     time_step: float = 0.5
     repeats: int = 10
     ddof: int = 1
-    shape_range: tuple[float, float] = (1.0, 5.0)
+    shape_range: tuple[float, float] = (0.1, 5.0)
     torque_floor: float = 5e-4
     least_span: float = 5.0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -92,7 +93,7 @@ def write_report(
         "source": source,
         "config_text": json.dumps(plain(data["config"]), indent=2, ensure_ascii=False),
         "plots": {name: inline_svg(path, name.replace("_", "-")) for name, path in figures.items()},
-        "figure_files": {name: f"../figures/{Path(path).name}" for name, path in figures.items()},
+        "figure_files": {name: os.path.relpath(path, Path(output).parent) for name, path in figures.items()},
         "times": origin.rule_times(Path(root) / ".snakemake" / "metadata"),
         "pages": other_pages(Path(output).parent.parent),
         **{name: read_chapter(path) for name, path in (chapters or {}).items()},

@@ -7,7 +7,7 @@ escaped by default.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,14 +45,21 @@ def environment() -> Environment:
     return env
 
 
-def render_chapters(context: Mapping[str, Any], folder: str = "chapters") -> list[Chapter]:
-    """Render every chapter of a folder of templates, in order; empty ones are left out."""
+def render_chapters(
+    context: Mapping[str, Any], folder: str = "chapters", only: Collection[str] | None = None
+) -> list[Chapter]:
+    """Render the chapters of a folder of templates, in order; empty ones are left out.
+
+    `only` holds the anchors of those to render; default all.
+    """
     env, chapters = environment(), []
     for name in sorted(n for n in env.list_templates() if n.startswith(f"{folder}/") and n.endswith(".html.j2")):
+        anchor = Path(name).name.removesuffix(".html.j2").partition("_")[2]
+        if only is not None and anchor not in only:
+            continue
         module = env.get_template(name).make_module(dict(context))
         body = str(module).strip()
         if body:
-            anchor = Path(name).name.removesuffix(".html.j2").partition("_")[2]
             chapters.append(Chapter(anchor, str(module.title), Markup(body)))
     return chapters
 

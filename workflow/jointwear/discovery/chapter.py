@@ -1,0 +1,67 @@
+"""The chapter of the report on one data set: the verdict in plain words, its figures, and what was hidden."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from jointwear.discovery.drawing import axis_shown, draw_effect, draw_gap, draw_held_out, draw_where
+from jointwear.discovery.page import lead
+from jointwear.effects import library
+from jointwear.files import replace_text
+
+#: Figures of the chapter, in the order of their files.
+PICTURES = ("where", "effect", "gap")
+
+
+def write_chapter(
+    verdict: str | Path,
+    where: str | Path,
+    models: str | Path,
+    hidden: Mapping[str, Any],
+    output: str | Path,
+    figures: Mapping[str, str | Path],
+) -> None:
+    """Write the numbers of the chapter and draw its figures.
+
+    Parameters
+    ----------
+    verdict, where, models : results of `discover` for the data set.
+    hidden : `effect`, `axis` that the maker of the data hid, and `inertial_error`, `drive_error`, `noise` as shares.
+    output : JSON file.
+    figures : SVG files by the names of PICTURES. Without a named effect, `effect` shows the held-out torque.
+    """
+    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    known = library()
+    draw_where(where, figures["where"])
+    draw_gap(verdict, figures["gap"])
+    if content["effects"]:
+        draw_effect(content["effects"][0], models, figures["effect"])
+    else:
+        draw_held_out(models, axis_shown(content), figures["effect"])
+    found = [
+        {
+            "effect": e["effect"],
+            "name": known[e["effect"]].name,
+            "equation": known[e["effect"]].equation,
+            "axis": e["axis"],
+            "source_axis": e["source_axis"],
+            "tie_set": [known[t].name for t in e["tie_set"]],
+            "evidence_nats": e["evidence_nats"],
+        }
+        for e in content["effects"]
+    ]
+    right = bool(found) and (found[0]["effect"], found[0]["axis"]) == (hidden["effect"], hidden["axis"])
+    data = {
+        "dataset": content["dataset"],
+        "verdict": content["verdict"],
+        "lead": lead(content),
+        "effects": found,
+        "gap": content["gap"],
+        "hidden": {**hidden, "name": known[hidden["effect"]].name},
+        "named_rightly": right,
+        "exactly": right and len(found) == 1,
+    }
+    replace_text(output, json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

@@ -1,0 +1,13 @@
+# The run of the default report as a Workflow Run RO-Crate (needs requirements/publish.txt: `make crate`).
+rule write_crate:
+    input:
+        page="results/report/index.html",
+        modules=modules_of("write_crate"),
+    output:
+        directory("crate"),
+    log:
+        "results/logs/write_crate.log",
+    params:
+        config=config,
+    script:
+        "../scripts/write_crate.py"
