@@ -76,14 +76,14 @@ format: $(TEST)  ## Format the code
 	@$(BIN)/snakefmt Snakefile workflow/rules
 
 .PHONY: bench
-bench: $(RUN) $(BENCH)  ## Measure speed and memory; writes bench/results.json
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/bench --peers $(BENCH_VENV)/bin/python
+bench: $(RUN) $(BENCH)  ## Measure speed and memory, half an hour; PARTS="dynamics workflow" measures these alone
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/bench --peers $(BENCH_VENV)/bin/python $(PARTS)
 
 .PHONY: lock
 lock:  ## Renew requirements/*.txt from requirements/*.in
 	@"$(PYTHON)" -m venv .venv-lock
 	@.venv-lock/bin/pip install --quiet pip-tools
-	@for name in run test bench; do .venv-lock/bin/pip-compile --quiet --upgrade --generate-hashes --no-emit-index-url \
+	@for name in run test bench publish cluster check peers; do .venv-lock/bin/pip-compile --quiet --upgrade --generate-hashes --no-emit-index-url \
 	  --no-emit-find-links --no-emit-trusted-host --allow-unsafe --strip-extras \
 	  --output-file requirements/$$name.txt requirements/$$name.in; done
 

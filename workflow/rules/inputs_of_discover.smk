@@ -4,11 +4,13 @@ from jointwear.documents import read_yaml
 
 # The data set that the report shows; `discover` takes it too where the config names none.
 SHOWN_DATASET = "puma560_hidden"
-SHOWN_DATASETS = read_yaml("config/examples/discover_puma560.yaml")["discover"][
-    "datasets"
-]
+SHIPPED_DATASETS = {
+    name: entry
+    for example in sorted(Path("config/examples").glob("discover_*.yaml"))
+    for name, entry in read_yaml(str(example))["discover"]["datasets"].items()
+}
 CHOSEN_DATASETS = list(config["discover"]["datasets"]) or [SHOWN_DATASET]
-DATASETS = {**SHOWN_DATASETS, **config["discover"]["datasets"]}
+DATASETS = {**SHIPPED_DATASETS, **config["discover"]["datasets"]}
 
 
 def dataset_entry(wildcards):

@@ -2,7 +2,7 @@
 
 STAGE = "features"
 PAPER = "KL distance of each axis from a reference distribution; between the initial distribution and ..."
-DEFAULT = "hour_from_reference"
+DEFAULT = "reference_from_hour"
 
 
 def _divergence(p, q):

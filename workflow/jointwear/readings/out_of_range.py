@@ -2,7 +2,7 @@
 
 STAGE = "features"
 PAPER = "binned into twelve equal-sized intervals (the text does not say of which range)"
-DEFAULT = "outer_bins"
+DEFAULT = "dropped"
 
 
 def outer_bins(index, bins):

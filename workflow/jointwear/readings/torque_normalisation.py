@@ -2,7 +2,7 @@
 
 STAGE = "features"
 PAPER = "These sixty values are then normalized with respect to maximum torque"
-DEFAULT = "reference_hour"
+DEFAULT = "training_maximum"
 
 
 def reference_hour(hourly, reference_hour, reference_period):
