@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,8 @@ def _plain(value: Any) -> Any:
         return [_plain(v) for v in value]
     if isinstance(value, str) and _NUMBER.match(value):
         return float(value)
-    return value
+    # YAML turns a date without quotes into one of its own.
+    return value.isoformat() if isinstance(value, date) else value
 
 
 def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict[str, Any]:

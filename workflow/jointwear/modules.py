@@ -20,6 +20,7 @@ def lend_to_children() -> None:
     os.environ["PYTHONPATH"] = os.pathsep.join([str(LIBRARY.parent), *([earlier] if earlier else [])])
 
 
+@cache
 def _path_of(module: str) -> Path | None:
     """Return the file of a module of this library, or None for a name that is not a module."""
     base = LIBRARY.joinpath(*module.split(".")[1:])

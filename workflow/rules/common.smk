@@ -1,4 +1,5 @@
 import sys
+from functools import cache
 from pathlib import Path
 
 # The library beside this Snakefile counts, here and in every script that a job starts, installed or not.
@@ -25,6 +26,8 @@ onstart:
 try:
     config = prepare(config, workflow.configfiles)
     check_experiment(config)
+    # What `verify` looks at is no part of the experiment.
+    CRATE = config.pop("crate", None)
 except InputError as error:
     sys.exit(f"jointwear: {error}")
 
@@ -37,10 +40,18 @@ wildcard_constraints:
 
 
 def modules_of(rule):
-    """Library files that the script of a rule imports; an edit of one of them reruns the rule."""
+    """Library files that the script of a rule imports; an edit of one of them reruns the rule.
+
+    An input function: scripts of rules that a run has no job of are not read.
+    """
     script = LIBRARY / "scripts" / f"{rule}.py"
-    root = Path(workflow.basedir)
-    return [str(path.relative_to(root)) for path in imported_by(script)]
+
+    @cache
+    def files():
+        root = Path(workflow.basedir)
+        return [str(path.relative_to(root)) for path in imported_by(script)]
+
+    return lambda wildcards: files()
 
 
 def percent(value):

@@ -1,5 +1,6 @@
 # Which logs every monitored robot has, and what the rules of monitor.smk take from its entry.
 from jointwear.datasets import robot_sources
+from jointwear.documents import read_yaml
 from jointwear.monitor.plan import READING_KEYS, batches_of, check_robots, log_sources
 
 try:
@@ -11,9 +12,28 @@ except InputError as error:
     sys.exit(f"jointwear: {error}")
 
 
+# The shipped examples, of which `monitor` takes the first where the config names no robot.
+SHIPPED_ROBOTS = {
+    name: entry
+    for example in sorted(Path("config/examples").glob("monitor_*.yaml"))
+    for name, entry in read_yaml(str(example))["monitor"]["robots"].items()
+}
+CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
+
+
+@cache
+def logs_of(name):
+    """Batches of logs of a robot; those of a shipped example are looked up only where they are wanted."""
+    if name in LOGS:
+        return LOGS[name]
+    entry = SHIPPED_ROBOTS[name]
+    return batches_of(check_robots({"monitor": {"robots": {name: entry}}})[name], entry)
+
+
 def monitored_entry(wildcards):
-    """The entry of a robot in the config."""
-    return dict(config["monitor"]["robots"][wildcards.monitored])
+    """The entry of a robot."""
+    entries = {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}
+    return dict(entries[wildcards.monitored])
 
 
 def reading_entry(wildcards):
@@ -34,7 +54,7 @@ def monitored_model(wildcards):
 
 def first_log(wildcards):
     """The first log of a robot."""
-    return next(iter(LOGS[wildcards.monitored].values()))[0]
+    return next(iter(logs_of(wildcards.monitored).values()))[0]
 
 
 def first_log_files(wildcards):
@@ -44,7 +64,7 @@ def first_log_files(wildcards):
 
 def batch_logs(wildcards):
     """Logs of one batch."""
-    return LOGS[wildcards.monitored][wildcards.batch_key]
+    return logs_of(wildcards.monitored)[wildcards.batch_key]
 
 
 def batch_files(wildcards):
@@ -55,4 +75,4 @@ def batch_files(wildcards):
 def window_files(wildcards):
     """Window statistics of all logs of a robot."""
     name = wildcards.monitored
-    return [f"results/monitor/{name}/windows/{key}.nc" for key in LOGS[name]]
+    return [f"results/monitor/{name}/windows/{key}.nc" for key in logs_of(name)]

@@ -1,0 +1,128 @@
+"""New logs cost their own windows alone; what does not concern reading costs no window at all."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from monitor_logs import columns, make_log, write_bag, write_parquet
+from scratch_project import Project, copy_project
+
+from jointwear.configuration import prepare
+from jointwear.errors import InputError
+from jointwear.monitor.plan import batches_of, check_robots, find_logs, log_key
+
+ENTRY = {
+    "logs": ["logs/*.parquet", "logs/bag_*"],
+    "robot": "config/robots/puma560.yaml",
+    "window": "12s",
+    "baseline": {"windows": 8},
+}
+
+
+def monitored(project: Project, **change) -> None:
+    config = project.config()
+    config["monitor"] = {"robots": {"arm": ENTRY | change}}
+    project.write_config(config)
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory) -> Project:
+    """A project whose two logs have been turned into windows."""
+    project = copy_project(tmp_path_factory.mktemp("monitored"))
+    logs = project.folder / "logs"
+    logs.mkdir()
+    write_parquet(logs / "day_1.parquet", columns(make_log(24.0, seed=1)))
+    write_bag(logs / "bag_1", make_log(24.0, seed=2))
+    monitored(project)
+    project.snakemake("--cores", "2", *windows(project))
+    return project
+
+
+def windows(project: Project) -> list[str]:
+    names = ("bag_1", "day_1.parquet", "day_2.parquet")
+    there = [f"logs/{n}" for n in names if (project.folder / "logs" / n).exists()]
+    return [f"results/monitor/arm/windows/{log_key(log)}.nc" for log in there]
+
+
+def test_a_new_log_costs_its_own_windows(project):
+    before = {path: (project.folder / path).stat().st_mtime_ns for path in windows(project)}
+    assert "accumulate_windows" not in project.planned("monitor")
+    write_parquet(project.folder / "logs/day_2.parquet", columns(make_log(24.0, seed=3)))
+    jobs = project.planned("monitor")
+    assert jobs["accumulate_windows"] == 1
+    assert "survey_logs" not in jobs
+    assert jobs["judge_windows"] == jobs["report_monitoring"] == 1
+    project.snakemake("--cores", "1", *windows(project))
+    assert all((project.folder / path).stat().st_mtime_ns == old for path, old in before.items())
+    assert "accumulate_windows" not in project.planned("monitor")
+
+
+@pytest.mark.parametrize(
+    ("change", "jobs"),
+    [
+        ({"false_alarms_per_1000_h": 2}, 0),
+        ({"limits": {"coulomb_increase_percent": 30}}, 0),
+        ({"baseline": {"windows": 9}}, 0),
+        ({"units": {"torque": "kN m"}}, 2),
+        ({"window": "6s"}, 2),
+    ],
+)
+def test_only_what_concerns_reading_reads_again(project, change, jobs):
+    logs = len(windows(project))
+    monitored(project, **change)
+    planned = project.planned("monitor")
+    monitored(project)
+    assert planned.get("accumulate_windows", 0) == (logs if jobs else 0)
+    assert planned["judge_windows"] == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"logs": ["logs/*.parqet"]}, "matches no file"),
+        ({"logs": ["nowhere/*.csv"]}, "there is no folder nowhere"),
+        ({"robot": "config/robots/puma56.yaml"}, "did you mean 'puma560.yaml'"),
+        ({"window": "1 fortnight"}, "is no length of time"),
+        ({"baseline": {"until": "tomorrow"}}, "ISO 8601"),
+        ({"baseline": {"windows": 2}}, "the nearest valid value is 8"),
+        ({"joints": ["a", "b"]}, "names 2 joints, robot 'puma560' has 6"),
+        ({"widow": "1h"}, "did you mean 'window'"),
+        ({"limits": {"coulomb_increase": 20}}, "did you mean 'coulomb_increase_percent'"),
+    ],
+)
+def test_a_wrong_entry_is_named(project, monkeypatch, change, words):
+    monkeypatch.chdir(project.folder)
+    config = project.config() | {"monitor": {"robots": {"arm": ENTRY | change}}}
+    with pytest.raises(InputError, match=words) as error:
+        check_robots(prepare(config))
+    assert "\n" not in str(error.value)
+
+
+def test_a_wrong_entry_stops_before_any_job(project):
+    monitored(project, window="1 fortnight")
+    done = project.snakemake("--dry-run", "monitor", ok=False)
+    monitored(project)
+    assert done.returncode == 1
+    assert "is no length of time" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_keys_of_logs_are_safe_and_different():
+    keys = {log_key(path) for path in ("a/x.csv", "b/x.csv", "a/x.nc", "a/../x.csv", "a/<b> {c}.csv")}
+    assert len(keys) == 5
+    assert all(set(key) <= set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") for key in keys)
+
+
+def test_small_logs_share_a_job():
+    logs = [f"logs/{k}.csv" for k in range(5)]
+    groups = batches_of(logs, {"files_per_job": 2})
+    assert list(groups.values()) == [logs[:2], logs[2:4], logs[4:]]
+    assert groups.keys() <= batches_of([*logs, "logs/5.csv", "logs/6.csv"], {"files_per_job": 2}).keys()
+
+
+def test_a_bag_is_one_log(project, monkeypatch):
+    monkeypatch.chdir(project.folder)
+    assert find_logs(["logs/bag_*", "logs/**/*.mcap"]) == ["logs/bag_1"]

@@ -1,0 +1,196 @@
+"""From samples to :class:`~jointwear.monitor.windows.WindowStatistics`."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.monitor.model import ModelTorque
+from jointwear.monitor.windows import (
+    HISTOGRAM_BINS,
+    HISTOGRAM_SPAN,
+    REGRESSORS,
+    Flag,
+    WindowStatistics,
+    blank_statistics,
+)
+
+_P = len(REGRESSORS)
+#: Share of the torque reference below which a gravity or inertial torque could not matter even if all wrong.
+NEGLIGIBLE = 1e-3
+
+
+@dataclass(frozen=True)
+class WindowSettings:
+    """How samples become windows.
+
+    Attributes
+    ----------
+    length : of a window [s].
+    dead_band : (n,) speed [rad/s] below which an axis counts as at rest.
+    torque_reference : (n,) torque [N m] that scales the histogram.
+    guard : samples around a reversal that are left out, 0 for samples far apart.
+    block : length [s] of the blocks of `score`; several times as long as the noise remembers.
+    """
+
+    length: float
+    dead_band: np.ndarray
+    torque_reference: np.ndarray
+    guard: int = 1
+    block: float = 2.0
+
+
+def moving(velocity: np.ndarray, stretch: np.ndarray, dead_band: np.ndarray, guard: int) -> np.ndarray:
+    """Return where an axis moves faster than its dead band and does not reverse within `guard` samples, (m, n)."""
+    result = np.abs(velocity) > dead_band
+    forward = velocity > 0
+    for shift in range(1, guard + 1):
+        turn = (forward[shift:] != forward[:-shift]) & (stretch[shift:] == stretch[:-shift])[:, None]
+        result[shift:] &= ~turn
+        result[:-shift] &= ~turn
+    return result
+
+
+def window_statistics(
+    time: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    torque: np.ndarray,
+    model: ModelTorque,
+    settings: WindowSettings,
+    *,
+    usable: np.ndarray | None = None,
+    stretch: np.ndarray | None = None,
+    temperature: np.ndarray | None = None,
+    flags: np.ndarray | None = None,
+    kept: slice = slice(None),
+    dated: bool = False,
+) -> WindowStatistics:
+    """Return the statistics of samples in order of time within each stretch.
+
+    Parameters
+    ----------
+    time : (m,) [s]. position, velocity, torque : (m, n) [rad], [rad/s], [N m].
+    model : torque of the model along the motion, :class:`~jointwear.monitor.model.TorqueModel`.
+    usable : (m, n) False where a sample must not be used (not finite, filter edge); default all.
+    stretch : (m,) label of the uninterrupted stretch; default one.
+    temperature : (m, n) [degC], NaN where unknown.
+    flags : (m,) or (m, n) bit fields found in reading.
+    kept : the samples that count; those outside only show what is around them.
+    """
+    stretch = np.zeros(len(time), dtype=int) if stretch is None else stretch
+    residual = torque - model.total
+    used = moving(velocity, stretch, settings.dead_band, settings.guard) & np.isfinite(residual)
+    if usable is not None:
+        used &= usable
+    time, position, velocity, torque, stretch = (x[kept] for x in (time, position, velocity, torque, stretch))
+    used, m, n = used[kept].T, len(time), velocity.shape[1]
+    columns = np.empty((n, _P + 1, m))
+    np.logical_and(used, velocity.T > 0, out=columns[:, 0], casting="unsafe")
+    columns[:, 1] = columns[:, 0] - used
+    for k, values in enumerate((velocity, model.gravity[kept], model.inertial[kept], residual[kept]), start=2):
+        columns[:, k] = values.T
+        columns[:, k][~used] = 0.0
+    _clear_negligible(columns, settings.torque_reference)
+    if flags is None:
+        flags = np.zeros((m, n), dtype=np.int64)
+    else:
+        flags = np.asarray(flags)[kept]
+        flags = np.broadcast_to(flags[:, None] if flags.ndim == 1 else flags, (m, n))
+    temperature = None if temperature is None else temperature[kept]
+
+    index = np.floor(time / settings.length).astype(np.int64)
+    rows, place = np.unique(index, return_inverse=True)
+    total = blank_statistics(rows * settings.length, settings.length, settings.torque_reference, dated)
+    edges = [0, *(np.flatnonzero(np.diff(place)) + 1), m] if m else [0]
+    for a, b in itertools.pairwise(edges):
+        piece, row = slice(a, b), int(place[a])
+        _add_regression(total, row, columns[:, :, piece], used[:, piece], time[piece], stretch[piece], settings.block)
+        _add_torque(total, row, torque[piece], settings.torque_reference)
+        same = (stretch[a + 1 : b] == stretch[a : b - 1])[:, None]
+        total.travel[row] += np.nansum(np.abs(np.diff(position[piece], axis=0)) * same, axis=0)
+        total.samples[row] += b - a
+        total.flags[row] |= np.bitwise_or.reduce(flags[piece], axis=0)
+        if temperature is not None:
+            known = np.isfinite(temperature[piece])
+            number = known.sum(axis=0)
+            before = np.nan_to_num(total.temperature[row]) * total.temperature_count[row]
+            total.temperature_count[row] += number
+            sums = before + np.where(known, temperature[piece], 0.0).sum(axis=0)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                total.temperature[row] = np.where(
+                    total.temperature_count[row] > 0, sums / total.temperature_count[row], np.nan
+                )
+    total.flags[total.count == 0] |= int(Flag.AT_REST)
+    return total
+
+
+def _clear_negligible(columns: np.ndarray, reference: np.ndarray) -> None:
+    """Set gravity and inertial torques that cannot matter to zero, sample by sample so that pieces add up."""
+    parts = columns[:, 3:5]
+    parts[np.abs(parts) < NEGLIGIBLE * reference[:, None, None]] = 0.0
+
+
+def _add_regression(
+    total: WindowStatistics,
+    row: int,
+    columns: np.ndarray,
+    used: np.ndarray,
+    time: np.ndarray,
+    stretch: np.ndarray,
+    block: float,
+) -> None:
+    """Add one piece of a window; columns (n, p + 1, k) with zeros where `used` (n, k) is False."""
+    products = columns @ columns.transpose(0, 2, 1)
+    gram, moment = products[:, :_P, :_P], products[:, :_P, _P]
+    count = used.sum(axis=1)
+    total.gram[row] += gram
+    total.moment[row] += moment
+    total.square[row] += products[:, _P, _P]
+    total.count[row] += count
+    starts = np.concatenate([used[:, :1], used[:, 1:] & (~used[:, :-1] | (stretch[1:] != stretch[:-1]))], axis=1)
+    total.stretches[row] += starts.sum(axis=1)
+
+    fit, rank = _local_fit(gram, moment)
+    freedom = count - rank
+    # A piece with hardly more samples than columns says nothing about the noise.
+    enough = freedom > rank
+    error = (columns[:, _P] - (fit[:, None] @ columns[:, :_P])[:, 0]) * (used & enough[:, None])
+    total.residual_square[row] += np.einsum("jk,jk->j", error, error)
+    total.freedom[row] += np.where(enough, freedom, 0)
+    pair = used[:, 1:] & used[:, :-1] & (stretch[1:] == stretch[:-1])
+    total.lag_square[row] += np.einsum("jk,jk,jk->j", error[:, 1:], error[:, :-1], pair.astype(float))
+    total.lag_count[row] += np.where(enough, pair.sum(axis=1), 0)
+    label = np.floor(time / block)
+    cuts = np.concatenate([[0], np.flatnonzero((np.diff(label) != 0) | (np.diff(stretch) != 0)) + 1])
+    scores = np.add.reduceat(columns[:, :_P] * error[:, None], cuts, axis=2)
+    inflation = np.where(enough, count / np.maximum(freedom, 1), 0.0)
+    total.score[row] += (scores @ scores.transpose(0, 2, 1)) * inflation[:, None, None]
+    occupied = np.add.reduceat(used, cuts, axis=1, dtype=np.int64) > 0
+    total.blocks[row] += np.where(enough, occupied.sum(axis=1), 0)
+
+
+def _local_fit(gram: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return least-squares coefficients (n, p) and rank (n,), columns scaled first; hidden directions stay zero."""
+    scale = np.sqrt(np.einsum("jpp->jp", gram))
+    inverse = np.divide(1.0, scale, out=np.zeros_like(scale), where=scale > 0)
+    values, vectors = np.linalg.eigh(gram * inverse[:, :, None] * inverse[:, None, :])
+    seen = values > 1e-9
+    weights = np.divide(1.0, values, out=np.zeros_like(values), where=seen)
+    inner = np.einsum("jpk,jp->jk", vectors, moment * inverse) * weights
+    return np.einsum("jpk,jk->jp", vectors, inner) * inverse, seen.sum(axis=1)
+
+
+def _add_torque(total: WindowStatistics, row: int, torque: np.ndarray, reference: np.ndarray) -> None:
+    """Add one piece to the histogram and the peak; torque (k, n)."""
+    for j in range(torque.shape[1]):
+        values = torque[:, j]
+        values = values[np.isfinite(values)]
+        if not len(values):
+            continue
+        total.torque_peak[row, j] = max(total.torque_peak[row, j], float(np.abs(values).max()))
+        scaled = (values / (HISTOGRAM_SPAN * reference[j]) + 1) * (HISTOGRAM_BINS / 2)
+        bins = np.clip(scaled, 0, HISTOGRAM_BINS - 1).astype(np.int64)
+        total.torque_histogram[row, j] += np.bincount(bins, minlength=HISTOGRAM_BINS)

@@ -1,0 +1,51 @@
+"""Statistics of many logs as one history."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.monitor.windows import WindowStatistics, merge
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Statistics of one log: time of its first and last sample [s] (NaN if none), and what was refused, in words."""
+
+    log: str
+    statistics: WindowStatistics
+    first: float
+    last: float
+    refused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class History:
+    """All windows in order of time, and the pieces they come from; `shifted`: logs were laid end to end."""
+
+    statistics: WindowStatistics
+    pieces: tuple[Piece, ...]
+    shifted: bool = False
+
+
+def assemble(pieces: Sequence[Piece]) -> History:
+    """Put the statistics of logs, in their order, together.
+
+    Logs with dates go where their dates say. Logs without go on by their own clock; where one begins before the one
+    before it ends, its clock was started anew, and it is moved on by whole windows to follow it.
+    """
+    placed, end, last, shifted = [], -np.inf, -np.inf, False
+    for given in pieces:
+        piece, statistics = given, given.statistics
+        if statistics.windows and not statistics.dated and piece.first < last:
+            length = statistics.length
+            shift = length * np.ceil((end - statistics.start.min()) / length - 1e-9)
+            statistics = replace(statistics, start=statistics.start + shift, end=statistics.end + shift)
+            piece = replace(piece, statistics=statistics, first=piece.first + shift, last=piece.last + shift)
+            shifted = True
+        if statistics.windows:
+            end, last = max(end, float(statistics.end.max())), max(last, piece.last)
+        placed.append(piece)
+    return History(merge([p.statistics for p in placed]), tuple(placed), shifted)

@@ -1,0 +1,173 @@
+"""Velocity and acceleration along a log, and the samples that can be used.
+
+What the log measures is taken as it is. What it lacks is derived in each uninterrupted stretch: a zero-phase
+low-pass filter (Butterworth of order 4, forward and backward; the cut-off is that of the survey, in Hz, whatever the
+rate), then central differences of fourth order. Stamps that are not even are first brought onto an even grid by cubic
+splines. Samples that a filter edge or a gap reaches are not used.
+
+A joint whose position is counted within one turn is unwrapped first.
+Positions that are missing for no longer than two of their own steps are bridged by straight lines; where more is
+missing no axis is used, because every torque depends on every position. A missing torque concerns its axis alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from jointwear.discovery.motion import SHORTEST, low_pass
+from jointwear.monitor.readers.chunk import Chunk
+from jointwear.monitor.windows import Flag
+
+#: Spread of the steps, over their median, up to which stamps count as even.
+EVEN = 0.05
+#: Longest bridge, in usual steps of what is bridged.
+BRIDGE = 2.5
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Position, velocity, acceleration, temperature (m, n), where they may be used (m, n), and flags (m, n)."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    temperature: np.ndarray | None
+    usable: np.ndarray
+    flags: np.ndarray
+
+
+def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Motion:
+    """Return the motion along samples in order.
+
+    Parameters
+    ----------
+    chunk : samples whose time rises within each stretch.
+    stretch : (m,) labels.
+    cutoff : (n,) of the filter [Hz]; used only where something is derived.
+    """
+    m, n = chunk.position.shape
+    position = unwrapped(chunk.position)
+    usable = np.ones((m, n), dtype=bool)
+    flags = np.zeros((m, n), dtype=np.int64)
+    flags[~np.isfinite(chunk.torque)] |= int(Flag.NOT_FINITE)
+    flags[~np.isfinite(position)] |= int(Flag.NOT_FINITE)
+    velocity = None if chunk.velocity is None else np.array(chunk.velocity)
+    acceleration = None if chunk.acceleration is None else np.array(chunk.acceleration)
+    temperature = None if chunk.temperature is None else np.array(chunk.temperature)
+    out_velocity, out_acceleration = np.zeros((m, n)), np.zeros((m, n))
+    edges = [0, *(np.flatnonzero(np.diff(stretch)) + 1), m] if m else [0]
+    for a, b in itertools.pairwise(edges):
+        part, time = slice(a, b), chunk.time[a:b]
+        hole = _bridge(time, position[part])
+        given_v = velocity is not None and _bridge_given(time, velocity[part], hole)
+        given_a = acceleration is not None and given_v and _bridge_given(time, acceleration[part], hole)
+        if temperature is not None:
+            _bridge(time, temperature[part], longest=np.inf)
+        if given_v and given_a:
+            out_velocity[part], out_acceleration[part] = velocity[part], acceleration[part]
+            usable[part] &= ~hole.any(axis=1)[:, None]
+            continue
+        if b - a < SHORTEST:
+            usable[part] = False
+            if given_v:
+                out_velocity[part] = velocity[part]
+            continue
+        rate = (b - a - 1) / (time[-1] - time[0])
+        limit = np.minimum(cutoff, 0.4 * rate)
+        if given_v:
+            out_velocity[part] = velocity[part]
+            _, out_acceleration[part], _ = _differentiate(time, velocity[part], limit)
+        else:
+            smooth, out_velocity[part], out_acceleration[part] = _differentiate(time, position[part], limit, twice=True)
+            position[part] = smooth
+        reach = min(int(np.ceil(1.2 * rate / limit.min())) + 1, (b - a) // 4)
+        usable[a : a + reach] = False
+        usable[b - reach : b] = False
+        for j in np.flatnonzero(hole.any(axis=0)):
+            around = np.convolve(hole[:, j].astype(float), np.ones(2 * reach + 1), mode="same") > 0.5
+            usable[part] &= ~around[:, None]
+    return Motion(position, out_velocity, out_acceleration, temperature, usable, flags)
+
+
+def unwrapped(position: np.ndarray) -> np.ndarray:
+    """Return positions (m, n) [rad] without the jumps by a whole turn of a joint that is counted within one turn."""
+    result = np.array(position, dtype=float)
+    for j in range(result.shape[1]):
+        finite = np.flatnonzero(np.isfinite(result[:, j]))
+        x = result[finite, j]
+        # Positions beyond a turn are not counted within one: their jumps are something else, such as degrees.
+        if len(x) and np.abs(x).max() <= 2 * np.pi + 0.1 and np.any(np.abs(np.diff(x)) > 1.5 * np.pi):
+            result[finite, j] = np.unwrap(x)
+    return result
+
+
+def _bridge(time: np.ndarray, values: np.ndarray, longest: float = BRIDGE) -> np.ndarray:
+    """Fill missing values (k, n) in place by straight lines; return where more than `longest` steps were missing."""
+    hole = np.zeros(values.shape, dtype=bool)
+    finite = np.isfinite(values)
+    if finite.all():
+        return hole
+    for j in np.flatnonzero(~finite.all(axis=0)):
+        known = np.flatnonzero(finite[:, j])
+        if not len(known):
+            if np.isfinite(longest):
+                hole[:, j] = True
+                values[:, j] = 0.0
+            continue
+        missing = np.flatnonzero(~finite[:, j])
+        values[missing, j] = np.interp(time[missing], time[known], values[known, j])
+        if np.isinf(longest):
+            continue
+        usual = np.median(np.diff(time[known])) if len(known) > 1 else 0.0
+        after = np.searchsorted(known, missing)
+        inside = (after > 0) & (after < len(known))
+        left, right = known[np.clip(after - 1, 0, None)], known[np.clip(after, None, len(known) - 1)]
+        hole[missing, j] = ~inside | (time[right] - time[left] > longest * usual)
+    return hole
+
+
+def _bridge_given(time: np.ndarray, values: np.ndarray, hole: np.ndarray) -> bool:
+    """Fill a measured velocity or acceleration in place; False if an axis has none at all, which is then derived."""
+    if not np.isfinite(values).any(axis=0).all():
+        return False
+    hole |= _bridge(time, values)
+    return True
+
+
+def _differentiate(
+    time: np.ndarray, values: np.ndarray, cutoff: np.ndarray, twice: bool = False
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return filtered values (k, n) with their first and (where asked) second derivative."""
+    count = len(time)
+    step = (time[-1] - time[0]) / (count - 1)
+    steps = np.diff(time)
+    even = float(np.std(steps)) <= EVEN * step
+    grid = time[0] + step * np.arange(count)
+    x = values if even else CubicSpline(time, values)(grid)
+    smooth = np.stack([low_pass(x[:, j], cutoff[j], 1 / step) for j in range(x.shape[1])], axis=1)
+    first = _first_difference(smooth, step)
+    second = _second_difference(smooth, step) if twice else first
+    if even:
+        return smooth, first, second
+    back = [
+        np.stack([np.interp(time, grid, y[:, j]) for j in range(y.shape[1])], axis=1) for y in (smooth, first, second)
+    ]
+    return back[0], back[1], back[2]
+
+
+def _first_difference(x: np.ndarray, step: float) -> np.ndarray:
+    """Central differences of fourth order; second order next to the ends."""
+    result = np.gradient(x, step, axis=0)
+    result[2:-2] = (8 * (x[3:-1] - x[1:-3]) - (x[4:] - x[:-4])) / (12 * step)
+    return result
+
+
+def _second_difference(x: np.ndarray, step: float) -> np.ndarray:
+    result = np.zeros_like(x)
+    result[1:-1] = (x[2:] - 2 * x[1:-1] + x[:-2]) / step**2
+    result[2:-2] = (16 * (x[3:-1] + x[1:-3]) - (x[4:] + x[:-4]) - 30 * x[2:-2]) / (12 * step**2)
+    return result

@@ -1,0 +1,55 @@
+"""Compare a log block by block with the first log, and find the part where it goes wrong."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from itertools import pairwise
+
+import numpy as np
+
+from jointwear.discovery.checks import Refused
+from jointwear.monitor.clock import Ordered, part_of
+from jointwear.monitor.derivation import Motion
+from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.plausibility import LaterCheck
+from jointwear.monitor.survey import Survey
+from jointwear.monitor.windows import Flag
+
+#: Parts that a block with something wrong is looked at in, and the fewest samples of a part.
+PARTS, SMALLEST_PART = 8, 300
+
+
+class Inspector:
+    """Flags what contradicts the model in one log; `refused` tells in words why samples were refused."""
+
+    def __init__(self, model: TorqueModel, survey: Survey, path: str) -> None:
+        self._check = LaterCheck(model.dynamics, np.array(survey.dead_band), survey.left, path)
+        self.refused: list[str] = []
+
+    def __call__(self, around: Ordered, motion: Motion, kept: slice) -> np.ndarray:
+        """Return flags (m,) of a block, of which only `kept` is looked at: in parts where something is wrong."""
+        marks = self._look(around, motion, [kept.start, kept.stop])
+        if not marks.any() or kept.stop - kept.start < PARTS * SMALLEST_PART:
+            return marks
+        edges = np.linspace(kept.start, kept.stop, PARTS + 1).astype(int).tolist()
+        closer = self._look(around, motion, edges)
+        if (marks & int(Flag.REFUSED)).any():
+            closer[closer != 0] |= int(Flag.REFUSED)
+        elif (closer[kept] == int(Flag.UNEXPLAINED)).all():
+            self._check.accept()
+        return closer
+
+    def _look(self, around: Ordered, motion: Motion, edges: list[int]) -> np.ndarray:
+        marks = np.zeros(len(around.stretch), dtype=np.int64)
+        moved = {f.name: getattr(motion, f.name) for f in fields(motion)}
+        for start, stop in pairwise(edges):
+            part = slice(start, stop)
+            seen = part_of(around, part)
+            cut = Motion(**{k: None if v is None else v[part] for k, v in moved.items()})
+            try:
+                if self._check(seen.chunk, seen.stretch, cut):
+                    marks[part] |= int(Flag.UNEXPLAINED)
+            except Refused as refusal:
+                marks[part] |= int(Flag.REFUSED)
+                self.refused.append(f"{refusal}; {refusal.suggestion}")
+        return marks

@@ -1,0 +1,147 @@
+"""One log to window statistics, block by block: memory does not grow with the length of the log."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.errors import InputError
+from jointwear.monitor.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.clock import Clock, Ordered, join, part_of
+from jointwear.monitor.derivation import derive_motion
+from jointwear.monitor.inspection import Inspector
+from jointwear.monitor.model import ModelTorque, TorqueModel
+from jointwear.monitor.plausibility import outside_limits
+from jointwear.monitor.readers import Layout, read_log
+from jointwear.monitor.survey import Survey, guard_of
+from jointwear.monitor.windows import Flag, WindowStatistics, blank_statistics, merge
+
+#: Samples of a block, and samples around it that are read along for filters and reversals.
+BLOCK, HALO = 40_000, 400
+
+
+@dataclass(frozen=True)
+class LogStatistics:
+    """Statistics of one log, time of its first and last sample [s] (NaN if none), and in words what was refused."""
+
+    statistics: WindowStatistics
+    first: float = float("nan")
+    last: float = float("nan")
+    refused: tuple[str, ...] = ()
+
+
+def log_statistics(
+    path: str, layout: Layout, model: TorqueModel, survey: Survey, length: float, block: int = BLOCK
+) -> LogStatistics:
+    """Return the statistics of one log.
+
+    A block that contradicts the model is refused: its windows hold none of its samples and are flagged. A log that
+    cannot be read (further) ends there, and says so; what was read before stays.
+
+    Parameters
+    ----------
+    length : of a window [s]. block : samples worked on at a time.
+    """
+    settings = WindowSettings(
+        length,
+        np.array(survey.dead_band),
+        np.array(survey.torque_reference),
+        guard=guard_of(survey.rate),
+        block=survey.block,
+    )
+    inspector = Inspector(model, survey, path)
+    refused = inspector.refused
+    parts: list[WindowStatistics] = []
+    span = [np.inf, -np.inf]
+    try:
+        for around, kept in _blocks(path, layout, length, block):
+            time = around.chunk.time[kept]
+            span = [min(span[0], float(time.min())), max(span[1], float(time.max()))]
+            parts.append(_block_statistics(around, kept, model, survey, settings, inspector))
+            if len(parts) >= 32:
+                parts = [merge(parts)]
+    except InputError as error:
+        refused.append(str(error))
+    dated = survey.dated if not parts else parts[0].dated
+    if dated != survey.dated:
+        told = ("dates", "none") if dated else ("no dates", "some")
+        refused.append(f"{path}: has {told[0]}, the first log has {told[1]}; the two cannot be put in order")
+        parts = []
+    empty = blank_statistics(np.zeros(0), length, settings.torque_reference, survey.dated)
+    if not parts:
+        return LogStatistics(empty, refused=tuple(dict.fromkeys(refused)))
+    return LogStatistics(merge(parts), *span, tuple(dict.fromkeys(refused)))
+
+
+def _blocks(path: str, layout: Layout, length: float, block: int) -> Iterator[tuple[Ordered, slice]]:
+    """Yield blocks with what is around them, and which of their samples count."""
+    clock = Clock(length, path)
+    waiting: list[Ordered] = []
+    size = before = 0
+    for chunk in read_log(path, layout, block):
+        waiting.append(clock.order(chunk))
+        size += len(waiting[-1].stretch)
+        while size >= before + block + HALO:
+            joined = join(waiting)
+            stop = before + block
+            yield part_of(joined, slice(0, stop + HALO)), slice(before, stop)
+            rest = max(stop - HALO, 0)
+            waiting = [part_of(joined, slice(rest, None))]
+            size, before = len(waiting[0].stretch), stop - rest
+    joined = join(waiting)
+    if size > before:
+        yield joined, slice(before, size)
+
+
+def _block_statistics(
+    around: Ordered,
+    kept: slice,
+    model: TorqueModel,
+    survey: Survey,
+    settings: WindowSettings,
+    inspector: Inspector,
+) -> WindowStatistics:
+    chunk, robot = around.chunk, model.robot
+    motion = derive_motion(chunk, around.stretch, np.array(survey.cutoff))
+    flags = around.flags[:, None] | motion.flags
+    usable = motion.usable
+    marks = inspector(around, motion, kept)
+    flags = flags | marks[:, None]
+    usable = usable & (marks & int(Flag.REFUSED) == 0)[:, None]
+    far = outside_limits(chunk.position, robot)
+    flags[far] |= int(Flag.OUTSIDE_LIMITS)
+    usable = usable & ~far.any(axis=1)[:, None]
+    frozen = _frozen(chunk.torque, motion.velocity, np.array(survey.dead_band))
+    flags[:, frozen] |= int(Flag.TORQUE_FROZEN)
+    if usable.any():
+        torque = model(
+            motion.position, motion.velocity, motion.acceleration, chunk.time, motion.temperature, around.stretch
+        )
+    else:
+        zeros = np.zeros_like(chunk.position)
+        torque = ModelTorque(zeros, zeros, zeros)
+    return window_statistics(
+        chunk.time,
+        motion.position,
+        motion.velocity,
+        chunk.torque,
+        torque,
+        settings,
+        usable=usable,
+        stretch=around.stretch,
+        temperature=motion.temperature,
+        flags=flags,
+        kept=kept,
+        dated=chunk.dated,
+    )
+
+
+def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray, fewest: int = 200) -> np.ndarray:
+    """Return the axes (n,) whose torque keeps one value though they move both ways."""
+    if len(torque) < fewest:
+        return np.zeros(torque.shape[1], dtype=bool)
+    same = np.array([np.ptp(t[np.isfinite(t)]) == 0 if np.isfinite(t).any() else False for t in torque.T])
+    both = (velocity > dead_band).sum(axis=0), (velocity < -dead_band).sum(axis=0)
+    return same & (np.minimum(*both) > 20)

@@ -1,0 +1,173 @@
+"""Monitored robots as the config asks for them: which logs there are, and what is done with them.
+
+Read by the Snakefile at every call: nothing heavy is imported here.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from glob import glob, has_magic
+from pathlib import Path
+from typing import Any
+
+from jointwear.datasets import robot_sources
+from jointwear.errors import InputError, nearest
+from jointwear.robot_file import read_robot_file
+
+FORMATS = {
+    ".nc": "netcdf", ".nc4": "netcdf", ".cdf": "netcdf", ".netcdf": "netcdf", ".csv": "csv", ".tsv": "csv",
+    ".parquet": "parquet", ".mcap": "bag", ".db3": "bag",
+}  # fmt: skip
+#: Keys of an entry that decide how a log is read; its windows depend on no other.
+READING_KEYS = ("variables", "units", "joints", "topic", "window", "dead_band")
+_SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+
+
+def window_seconds(text: str | float) -> float:
+    """Return the length of a window [s] from `1h`, `30min`, `600s`, `1d` or a number of seconds."""
+    if isinstance(text, (int, float)):
+        return float(text)
+    match = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h|d)\s*", text)
+    try:
+        length = float(match[1]) * _SECONDS[match[2]]
+    except (TypeError, ValueError):
+        length = 0.0
+    if length <= 0:
+        raise InputError(f"'{text}' is no length of time (allowed: a number with s, min, h or d, as 1h)")
+    return length
+
+
+def utc_seconds(text: str) -> float:
+    """Return seconds since 1970 UTC of an ISO 8601 time; without a zone it counts as UTC.
+
+    Raises
+    ------
+    ValueError : if the text is no such time.
+    """
+    moment = datetime.fromisoformat(text)
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+def log_format(path: str | Path) -> str | None:
+    """Return the format of a log by its name, or None; a folder with a metadata.yaml is a bag."""
+    path = Path(path)
+    if path.is_dir():
+        return "bag" if (path / "metadata.yaml").is_file() else None
+    return FORMATS.get(path.suffix.lower())
+
+
+def log_sources(path: str | Path) -> list[str]:
+    """Return the files that one log is made of: itself, or the files of a bag's folder."""
+    path = Path(path)
+    if path.is_dir():
+        return sorted(p.as_posix() for p in path.iterdir() if p.is_file())
+    return [str(path)]
+
+
+def _natural(path: str) -> list[Any]:
+    return [(1, int(part), "") if part.isdigit() else (0, 0, part) for part in re.split(r"(\d+)", path)]
+
+
+def _folder(pattern: str) -> Path:
+    """The folder that a pattern names: its parts before the first with a wildcard, without the file name."""
+    parts = Path(pattern).parts
+    fixed = next((i for i, part in enumerate(parts) if has_magic(part)), len(parts) - 1)
+    return Path(*parts[:fixed]) if fixed else Path(".")
+
+
+def find_logs(patterns: Iterable[str], where: str = "logs") -> list[str]:
+    """Return the logs that the patterns match, each once, numbers in names in their natural order.
+
+    Raises
+    ------
+    InputError : if a pattern matches nothing, a match is of an unknown kind, or lies (through a link) outside the
+        folder that its pattern names.
+    """
+    found: list[str] = []
+    for pattern in patterns:
+        matches = glob(pattern, recursive=True)
+        if not matches:
+            folder = _folder(pattern)
+            there = [p.name for p in folder.iterdir()] if folder.is_dir() else []
+            hint = nearest(Path(pattern).name, there) if folder.is_dir() else f"; there is no folder {folder}"
+            raise InputError(f"config: '{where}' holds '{pattern}', which matches no file{hint}")
+        root = _folder(pattern).resolve()
+        known = [m for m in matches if log_format(m)]
+        if not known:
+            allowed = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
+            raise InputError(
+                f"config: '{where}' holds '{pattern}', which matches '{matches[0]}': no kind of log "
+                f"(allowed: {allowed})"
+            )
+        for match in known:
+            if not Path(match).resolve().is_relative_to(root):
+                raise InputError(
+                    f"config: '{where}' holds '{pattern}'; '{match}' leads outside the folder {_folder(pattern)}; "
+                    "name the folder that it is in"
+                )
+        found += known
+    # Files inside a bag's folder belong to the bag.
+    bags = {Path(m) for m in found if Path(m).is_dir()}
+    return sorted({m for m in found if not bags & set(Path(m).parents)}, key=_natural)
+
+
+def log_key(path: str) -> str:
+    """Return a name for the results of one log: readable, safe in file names, different for every path."""
+    stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(path).stem)[:40].strip("_") or "log"
+    return f"{stem}-{hashlib.sha256(os.fsencode(path)).hexdigest()[:8]}"
+
+
+def check_robots(config: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Check the entries of ``monitor.robots`` and return the logs of every robot.
+
+    Raises
+    ------
+    InputError : one line naming the robot, the key and what is allowed.
+    """
+    logs = {}
+    for name, entry in config["monitor"]["robots"].items():
+        where = f"monitor.robots.{name}"
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
+            raise InputError(f"config: '{where}': a robot's name is letters, digits and _")
+        path = Path(entry["robot"])
+        if not path.is_file():
+            there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() else []
+            raise InputError(f"config: '{where}.robot' is {path}: no such file{nearest(path.name, there)}")
+        robot = read_robot_file(path)
+        for source in robot_sources(entry["robot"])[1:]:
+            if not Path(source).is_file():
+                raise InputError(f"{path}: 'urdf' names {source}, which does not exist")
+        joints = entry.get("joints")
+        if joints is not None and len(joints) != len(robot["joints"]):
+            raise InputError(
+                f"config: '{where}.joints' names {len(joints)} joints, robot '{robot['name']}' has "
+                f"{len(robot['joints'])}"
+            )
+        try:
+            window_seconds(entry.get("window", "1h"))
+        except InputError as error:
+            raise InputError(f"config: '{where}.window': {error}") from None
+        baseline = entry.get("baseline", {})
+        if len(baseline) > 1:
+            raise InputError(f"config: '{where}.baseline' must hold either 'until' or 'windows'")
+        if isinstance(baseline.get("until"), str):
+            try:
+                utc_seconds(baseline["until"])
+            except ValueError:
+                raise InputError(
+                    f"config: '{where}.baseline.until' is {baseline['until']!r}; allowed: ISO 8601, as "
+                    "2026-01-15T00:00:00Z, or seconds for logs without a date"
+                ) from None
+        logs[name] = find_logs(entry["logs"], f"{where}.logs")
+    return logs
+
+
+def batches_of(logs: Sequence[str], entry: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Return key -> logs of every batch: `files_per_job` logs are read by one job, named after its first."""
+    size = int(entry.get("files_per_job", 1))
+    groups = [list(logs[k : k + size]) for k in range(0, len(logs), size)]
+    return {log_key(group[0]): group for group in groups}

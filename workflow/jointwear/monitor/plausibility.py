@@ -1,0 +1,237 @@
+"""Does a log belong to the robot: degrees, swapped joints, flipped signs, torque of the motor side.
+
+The first log is checked as discovery checks a recording. A later piece of a log is compared with it: where the model
+leaves far more of the torque than in the first log, and as little as there once an axis is turned around or two are
+exchanged, the piece is refused. Where nothing of that kind explains it, the piece is only marked: another load at the
+flange does the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from jointwear.discovery.checks import FEWEST, Refused, _explained, check_recording
+from jointwear.discovery.motion import Measured
+from jointwear.discovery.recording import Recording
+from jointwear.dynamics import Dynamics
+from jointwear.monitor.accumulate import moving
+from jointwear.monitor.derivation import Motion, unwrapped
+from jointwear.monitor.readers.chunk import Chunk
+from jointwear.robot import Robot
+
+#: Samples that a check looks at, in one piece: enough motion, quickly checked.
+LOOK = 6000
+#: Samples of them that are compared with the model.
+THINNED = 1500
+#: Share of the squared torque of an axis below which the model counts as right.
+RIGHT = 0.02
+#: Growth of the log of that share, summed over axes, that is no longer chance; and what may be left of it once a
+#: wrong reading is mended.
+WORSE, MENDED = 2.0, 1.0
+#: Growth of each axis up to which two pieces count as alike.
+ALIKE = 0.7
+
+
+def check_first(
+    chunk: Chunk, stretch: np.ndarray, motion: Motion, robot: Robot, dead_band: np.ndarray, name: str
+) -> list[float | None]:
+    """Check the first log; return for each axis the share of its squared torque that the model leaves, or None.
+
+    Raises
+    ------
+    Refused : names the axis and what it looks like, with a suggestion.
+    """
+    measured = _measured(chunk, stretch, motion, dead_band)
+    if len(measured.time) < FEWEST:
+        return [None] * robot.joints
+    _check_units(measured, robot, name)
+    _check_velocity(chunk, unwrapped(chunk.position), stretch, name)
+    if np.isfinite(measured.torque).any(axis=0).all():
+        _as_discovery(measured, robot, name, measured)
+    left = _explained(Dynamics(robot), *_thinned(measured))
+    return [float(x) if np.isfinite(x) else None for x in left]
+
+
+class LaterCheck:
+    """Compares pieces of one log with the first log.
+
+    Parameters
+    ----------
+    dynamics : of the robot. dead_band : (n,) [rad/s]. usual : what :func:`check_first` returned. name : of the log.
+    """
+
+    def __init__(self, dynamics: Dynamics, dead_band: np.ndarray, usual: list[float | None], name: str) -> None:
+        self._dynamics, self._dead_band, self._name = dynamics, dead_band, name
+        self._usual = np.maximum([np.nan if u is None else u for u in usual], RIGHT)
+        self._known: np.ndarray | None = None
+        self._last: np.ndarray | None = None
+
+    def accept(self) -> None:
+        """Take what the last piece left for granted, so that pieces like it are not examined again."""
+        self._known = self._last
+
+    def __call__(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> bool:
+        """Return whether the model explains much less of the torque than in the first log.
+
+        Raises
+        ------
+        Refused : where turning an axis around, exchanging two or reading degrees mends it.
+        """
+        measured = _measured(chunk, stretch, motion, self._dead_band)
+        if len(measured.time) < FEWEST:
+            return False
+        _check_units(measured, self._dynamics.robot, self._name)
+        _check_velocity(chunk, unwrapped(chunk.position), stretch, self._name)
+        parts, usable = _thinned(measured)
+        self._last = self._growth(parts, usable)
+        plain = float(np.nansum(self._last))
+        if plain < WORSE:
+            return False
+        if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
+            return True
+        best, reason, suggestion = min(self._readings(parts, usable))
+        if best < MENDED and plain - best > WORSE:
+            raise Refused(f"{self._name}: {reason} against the first log", suggestion)
+        return True
+
+    def _growth(self, parts: np.ndarray, usable: np.ndarray, **reading) -> np.ndarray:
+        """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
+        left = _explained(self._dynamics, parts, usable, **reading)
+        return np.log(np.maximum(left, RIGHT) / self._usual)
+
+    def _readings(self, parts: np.ndarray, usable: np.ndarray) -> Iterator[tuple[float, str, str]]:
+        """Yield for every other reading of the axes the growth that it leaves, what it is, and how to mend it."""
+
+        def left(seen: np.ndarray = parts, **reading) -> float:
+            growth = self._growth(seen, usable, **reading)
+            # An axis that another reading leaves without motion is not explained by it.
+            return float(np.nansum(np.where(np.isfinite(growth), growth, self._last)))
+
+        def with_torque(axis: int, factor: float) -> np.ndarray:
+            seen = parts.copy()
+            seen[:, 3, axis] *= factor
+            return seen
+
+        robot = self._dynamics.robot
+        n = robot.joints
+        for axis in range(n):
+            signs = np.where(np.arange(n) == axis, -1.0, 1.0)
+            told = f"joint {axis + 1}"
+            mend = f"turn the sign of position and torque of {told}"
+            yield left(signs=signs), f"the sign of {told} looks flipped", mend
+            mend = f"turn the sign of the torque of {told}"
+            yield left(with_torque(axis, -1.0)), f"the sign of the torque of {told} looks flipped", mend
+            gear = float(robot.gear_ratio[axis])
+            if abs(gear) > 2:
+                reason = f"the torque of {told} looks like that of the motor, before the gear"
+                yield left(with_torque(axis, gear)), reason, "multiply the torque by the gear ratio"
+        for first, second in combinations(range(n), 2):
+            order = np.arange(n)
+            order[[first, second]] = second, first
+            told = f"joints {first + 1} and {second + 1}"
+            yield left(order=order), f"{told} look swapped", f"exchange the columns of {told}"
+
+
+def _check_velocity(chunk: Chunk, position: np.ndarray, stretch: np.ndarray, name: str) -> None:
+    """Compare the path that a measured velocity adds up to with the change of position, over pieces of 0.2 s.
+
+    Raises
+    ------
+    Refused : where the two differ by more than a fifth.
+    """
+    if chunk.velocity is None or len(chunk.time) < FEWEST:
+        return
+    steps = np.diff(chunk.time)
+    whole = np.diff(stretch) == 0
+    usual = float(np.median(steps[whole])) if whole.any() else np.inf
+    if usual > 0.1:
+        return
+    reach = max(1, round(0.2 / usual))
+    path = np.zeros(chunk.velocity.shape)
+    mean = 0.5 * (chunk.velocity[1:] + chunk.velocity[:-1])
+    path[1:] = np.cumsum(np.nan_to_num(mean) * np.where(whole, steps, 0.0)[:, None], axis=0)
+    same = stretch[reach:] == stretch[:-reach]
+    for j in range(path.shape[1]):
+        told = (path[reach:, j] - path[:-reach, j])[same]
+        moved = (position[reach:, j] - position[:-reach, j])[same]
+        good = np.isfinite(told) & np.isfinite(moved)
+        told, moved = told[good], moved[good]
+        if len(told) < FEWEST or np.abs(moved).sum() < 0.05 * reach:
+            continue
+        power = float(np.sum(moved**2))
+        ratio = float(np.sum(told * moved)) / power
+        if not 0.8 < ratio < 1.25:
+            hint = "; it looks like degrees" if 45 < ratio < 70 else ""
+            raise Refused(
+                f"{name}: the velocity of joint {j + 1} is {ratio:.3g} times the change of its position{hint}",
+                "mend the units or the sign of the velocity, or leave it out: it is then derived",
+            )
+
+
+def _measured(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.ndarray) -> Measured:
+    """Return the busiest piece with its motion, as discovery takes it."""
+    chosen = _busiest(motion.velocity * motion.usable, LOOK)
+    usable = motion.usable & moving(motion.velocity, stretch, dead_band, 1) & np.isfinite(chunk.torque)
+    n = usable.shape[1]
+    return Measured(
+        time=chunk.time[chosen],
+        trajectory=stretch[chosen],
+        position=motion.position[chosen],
+        velocity=motion.velocity[chosen],
+        acceleration=motion.acceleration[chosen],
+        torque=chunk.torque[chosen],
+        temperature=np.full((len(stretch[chosen]), n), np.nan),
+        usable=usable[chosen],
+        cutoff=np.full(n, np.nan),
+        rate=1.0,
+        speed_floor=dead_band,
+    )
+
+
+def _thinned(measured: Measured) -> tuple[np.ndarray, np.ndarray]:
+    """Return position, velocity, acceleration and torque (k, 4, n) of about THINNED samples, and which are usable."""
+    step = max(1, len(measured.time) // THINNED)
+    parts = (measured.position, measured.velocity, measured.acceleration, np.nan_to_num(measured.torque))
+    return np.stack([p[::step] for p in parts], axis=1), measured.usable[::step]
+
+
+def _check_units(measured: Measured, robot: Robot, name: str) -> None:
+    nothing = np.zeros(0, dtype=int)
+    names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
+    _as_discovery(measured, robot, name, replace(measured, **{n: getattr(measured, n)[nothing] for n in names}))
+
+
+def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured) -> None:
+    """Check as discovery does, comparing `against` with the model."""
+    recording = Recording(
+        time=measured.time,
+        trajectory=measured.trajectory,
+        position=measured.position,
+        torque=np.nan_to_num(measured.torque),
+        name=name,
+    )
+    try:
+        check_recording(recording, robot, lambda: against)
+    except Refused as refusal:
+        raise Refused(str(refusal).replace(f"data set '{name}'", name, 1), refusal.suggestion) from None
+
+
+def _busiest(velocity: np.ndarray, most: int) -> slice:
+    """Return the `most` samples in a row in which the axes move most, each measured by its own usual speed."""
+    if len(velocity) <= most:
+        return slice(0, len(velocity))
+    speed = np.abs(velocity)
+    usual = np.maximum(speed.mean(axis=0), 1e-9)
+    total = np.cumsum(np.concatenate([[0.0], (speed / usual).sum(axis=1)]))
+    start = int(np.argmax(total[most:] - total[:-most]))
+    return slice(start, start + most)
+
+
+def outside_limits(position: np.ndarray, robot: Robot, margin: float = 0.5) -> np.ndarray:
+    """Return where positions lie further than `margin` [rad] outside the limits of the joint, (m, n)."""
+    with np.errstate(invalid="ignore"):
+        return (position < robot.lower - margin) | (position > robot.upper + margin)

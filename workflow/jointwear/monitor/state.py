@@ -1,0 +1,197 @@
+"""Results of monitoring as files: the state of every axis in every window, and the alarms."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear import provenance
+from jointwear.files import replace_text
+from jointwear.monitor.assembly import History
+from jointwear.monitor.friction import window_friction
+from jointwear.monitor.judge import Judgement
+from jointwear.robot import Robot
+from jointwear.storage import Variable, open_dataset, read_variable, write_dataset
+
+ALARM_COLUMNS = (
+    "time", "axis", "quantity", "change", "change_low", "change_high", "unit", "probability_axis", "hours_to_limit",
+    "hours_to_limit_low", "hours_to_limit_high", "detector",
+)  # fmt: skip
+
+
+def stamp(seconds: float, dated: bool) -> str:
+    """Return a time as ISO 8601 UTC, or as seconds for logs without a date."""
+    if not math.isfinite(seconds):
+        return ""
+    if not dated:
+        return f"{seconds:.10g}"
+    moment = datetime.fromtimestamp(round(seconds, 3), tz=UTC)
+    digits = "milliseconds" if moment.microsecond else "seconds"
+    return moment.isoformat(timespec=digits).replace("+00:00", "Z")
+
+
+def write_alarms(path: str | Path, alarms: Iterable[Mapping[str, Any]], dated: bool) -> None:
+    """Write alarms (`time` in seconds) as CSV, in order of time; unknown numbers stay empty."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(ALARM_COLUMNS)
+    for alarm in sorted(alarms, key=lambda a: (a["time"], a["axis"] or 0, a["detector"])):
+        row = {name: _cell(alarm[name]) for name in ALARM_COLUMNS}
+        writer.writerow([*({**row, "time": stamp(float(alarm["time"]), dated)}).values()])
+    replace_text(path, buffer.getvalue())
+
+
+def _cell(value: Any) -> str:
+    if value is None or (isinstance(value, (float, np.floating)) and math.isnan(value)):
+        return ""
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.6g}"
+    return str(value)
+
+
+def write_state(
+    path: str | Path,
+    judgement: Judgement,
+    history: History,
+    baseline: int,
+    robot: Robot,
+    entry: Mapping[str, Any],
+    name: str,
+) -> None:
+    """Write the state of every axis in every window: status, estimates, what they rest on, and the logs."""
+    s, pair = history.statistics, ("window", "axis")
+    clock = "seconds since 1970-01-01T00:00:00Z" if s.dated else "s"
+    variables = {
+        "axis": Variable(("axis",), np.arange(1, s.axes + 1), "axis of the robot", "1"),
+        "joint": Variable(("axis",), np.array(robot.joint_names), "name of the joint"),
+        "start": Variable(("window",), s.start, "start of the window", clock),
+        "end": Variable(("window",), s.end, "end of the window", clock),
+        "status": Variable(pair, np.array(judgement.status), "state of the axis"),
+        "temperature": Variable(pair, s.temperature, "mean temperature, NaN where unknown", "degC"),
+        "share_used": Variable(pair, s.share_used, "share of the samples that show friction", "1"),
+        "count": Variable(pair, s.count, "samples that show friction", "1", kind="i4"),
+        "travel": Variable(pair, s.travel, "path of the joint", "rad"),
+        "torque_peak": Variable(pair, s.torque_peak, "largest absolute torque", "N m"),
+        "flags": Variable(pair, s.flags, "what was found in reading, a bit field", "1", kind="i4"),
+    }
+    friction = window_friction(s, robot, baseline)
+    estimates = estimates_of(judgement) | {"friction": (friction.value, friction.std, "N m")}
+    variables["friction_speed"] = Variable(("axis",), friction.speed, "speed that `friction` is for", "rad/s")
+    for key, (values, std, unit) in estimates.items():
+        words = key.replace("_", " ")
+        variables[key] = Variable(pair, values, words, unit)
+        variables[f"{key}_std"] = Variable(pair, std, f"standard deviation of {words}", unit)
+    pieces = history.pieces
+    text = {
+        "log": ([p.log for p in pieces], "log"),
+        "log_refused": (["; ".join(p.refused) for p in pieces], "what was refused in the log, empty if nothing"),
+    }
+    for key, (values, meaning) in text.items():
+        variables[key] = Variable(("log",), np.array(values, dtype=object), meaning)
+    variables["log_first"] = Variable(("log",), np.array([p.first for p in pieces]), "first sample", clock)
+    variables["log_last"] = Variable(("log",), np.array([p.last for p in pieces]), "last sample", clock)
+    attributes = provenance.attributes("state of every axis", dict(entry))
+    attributes |= {
+        "monitored": name,
+        "robot": robot.name,
+        "baseline_windows": baseline,
+        "dated": int(s.dated),
+        "laid_end_to_end": int(history.shifted),
+        "alarms": json.dumps([{k: _plain(v) for k, v in a.items()} for a in judgement.alarms]),
+    }
+    write_dataset(path, variables, attributes)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def estimates_of(judgement: Judgement) -> dict[str, tuple[np.ndarray, np.ndarray, str]]:
+    """Return name -> (values, standard deviations, unit) of the estimates, each (window, axis)."""
+    return {
+        name: (judgement.estimates[name], judgement.std[name], judgement.units[name]) for name in judgement.estimates
+    }
+
+
+@dataclass(frozen=True)
+class State:
+    """What :func:`write_state` wrote. Arrays (window, axis) unless stated; `estimates`: name -> (values, std, unit)."""
+
+    name: str
+    robot: str
+    joints: tuple[str, ...]
+    dated: bool
+    baseline: int
+    laid_end_to_end: bool
+    start: np.ndarray
+    end: np.ndarray
+    status: np.ndarray
+    temperature: np.ndarray
+    share_used: np.ndarray
+    flags: np.ndarray
+    count: np.ndarray
+    friction_speed: np.ndarray
+    estimates: dict[str, tuple[np.ndarray, np.ndarray, str]]
+    alarms: list[dict[str, Any]]
+    logs: tuple[str, ...]
+    refused: tuple[str, ...]
+    first: np.ndarray
+    last: np.ndarray
+    entry: dict[str, Any]
+
+    @property
+    def axes(self) -> int:
+        """Number of axes."""
+        return len(self.joints)
+
+    @property
+    def short(self) -> bool:
+        """Whether the logs have no date and span less than two hours, so that seconds say more than hours."""
+        return not self.dated and float(self.end[-1] - self.start[0]) < 7200
+
+
+def read_state(path: str | Path) -> State:
+    """Read a state file."""
+    with open_dataset(path) as dataset:
+
+        def get(name: str) -> np.ndarray:
+            return read_variable(dataset, path, name)
+
+        estimates = {}
+        for name in dataset.variables:
+            if f"{name}_std" in dataset.variables:
+                estimates[name] = (get(name), get(f"{name}_std"), str(dataset.variables[name].units))
+        return State(
+            name=str(dataset.monitored),
+            robot=str(dataset.robot),
+            joints=tuple(str(j) for j in get("joint")),
+            dated=bool(dataset.dated),
+            baseline=int(dataset.baseline_windows),
+            laid_end_to_end=bool(dataset.laid_end_to_end),
+            start=get("start"),
+            end=get("end"),
+            status=get("status"),
+            temperature=get("temperature"),
+            share_used=get("share_used"),
+            flags=get("flags"),
+            count=get("count"),
+            friction_speed=get("friction_speed"),
+            estimates=estimates,
+            alarms=json.loads(dataset.alarms),
+            logs=tuple(str(x) for x in get("log")),
+            refused=tuple(str(x) for x in get("log_refused")),
+            first=get("log_first"),
+            last=get("log_last"),
+            entry=json.loads(dataset.config),
+        )

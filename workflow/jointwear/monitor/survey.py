@@ -1,0 +1,227 @@
+"""What the first log tells about all: cut-off, dead band, torque scale, clock. Every other log is read with it.
+
+Only the first log decides, so that a log that arrives later changes nothing of what was worked out before.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.discovery.checks import Refused
+from jointwear.discovery.motion import noise_floor
+from jointwear.errors import InputError
+from jointwear.files import replace_text
+from jointwear.monitor.accumulate import moving
+from jointwear.monitor.clock import Clock, Ordered
+from jointwear.monitor.derivation import Motion, derive_motion, unwrapped
+from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.plausibility import check_first
+from jointwear.monitor.readers import Chunk, Layout, read_log
+
+#: Samples of the first log that are looked at.
+LOOK = 200_000
+#: Slowest rate [Hz] at which velocity can be derived from position.
+SLOWEST_RATE = 10.0
+#: Highest cut-off [Hz]: no arm is moved faster, and the acceleration's noise grows with its power of 2.5.
+HIGHEST_CUTOFF = 40.0
+#: Dead band: this many standard deviations of the velocity's noise, this share of the fast speed, and this [rad/s].
+NOISE, SHARE, LEAST = 5.0, 0.02, 1e-3
+#: Length of a block in times that the noise remembers, and fewest blocks in the motion of a window.
+BLOCK_TIMES, FEWEST_BLOCKS = 5.0, 30
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What the first log tells. Lists have one number an axis.
+
+    `cutoff` [Hz] of the filter for what is derived; `dead_band` [rad/s]; `torque_reference` [N m]; `rate` [Hz];
+    `dated`; `measured`: roles that the log has; `left`: share of the squared torque that the model leaves, or None;
+    `block` [s] of :class:`~jointwear.monitor.accumulate.WindowSettings`.
+    """
+
+    dated: bool
+    rate: float
+    cutoff: list[float]
+    dead_band: list[float]
+    torque_reference: list[float]
+    measured: list[str]
+    left: list[float | None]
+    block: float
+
+    def write(self, path: str | Path) -> None:
+        """Keep the survey as JSON."""
+        replace_text(path, json.dumps(asdict(self), indent=1, allow_nan=False) + "\n")
+
+
+def guard_of(rate: float) -> int:
+    """Return how many samples around a reversal are left out: none where they lie far apart."""
+    return 1 if rate >= SLOWEST_RATE else 0
+
+
+def read_survey(path: str | Path) -> Survey:
+    """Read what :meth:`Survey.write` wrote."""
+    try:
+        return Survey(**json.loads(Path(path).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(f"{path}: cannot be read ({error}); delete it and run again") from None
+
+
+def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dead_band: Any = None) -> Survey:
+    """Survey the first log of a robot.
+
+    Parameters
+    ----------
+    length : of a window [s]. dead_band : [rad/s] of the config, a number or one an axis, or None.
+
+    Raises
+    ------
+    InputError : if the log cannot be read or contradicts the model (:class:`Refused`, with what to mend).
+    """
+    robot = model.robot
+    clock = Clock(length, path)
+    parts: list[Ordered] = []
+    count = 0
+    for chunk in read_log(path, layout, 50_000):
+        parts.append(clock.order(chunk))
+        count += len(parts[-1].stretch)
+        if count >= LOOK:
+            break
+    chunk = _joined([p.chunk for p in parts])
+    stretch = np.concatenate([p.stretch for p in parts])
+    if len(stretch) < 2:
+        raise InputError(f"{path}: holds {len(stretch)} samples; that is too short for a survey")
+    dead = np.flatnonzero(~np.isfinite(chunk.position).any(axis=0))
+    if len(dead):
+        raise InputError(
+            f"{path}: the position of joint {dead[0] + 1} is never a finite number; every torque depends on it"
+        )
+    steps = np.diff(chunk.time)[np.diff(stretch) == 0]
+    rate = 1.0 / float(np.median(steps)) if len(steps) else 0.0
+    roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
+    derived = "velocity" not in roles or "acceleration" not in roles
+    if derived and rate < SLOWEST_RATE:
+        raise InputError(
+            f"{path}: is sampled at {rate:.3g} Hz; velocity and acceleration cannot be derived from it: log both, or "
+            f"at least {SLOWEST_RATE:g} Hz"
+        )
+    cutoff, noise = _spectra(chunk, stretch, rate, derived)
+    motion = derive_motion(chunk, stretch, cutoff)
+    dead_bands = _dead_band(motion, noise, dead_band)
+    try:
+        left = check_first(chunk, stretch, motion, robot, dead_bands, path)
+    except Refused as refusal:
+        raise Refused(f"{refusal}; {refusal.suggestion}", refusal.suggestion) from None
+    return Survey(
+        dated=chunk.dated,
+        rate=rate,
+        cutoff=cutoff.tolist(),
+        dead_band=dead_bands.tolist(),
+        torque_reference=_torque_reference(chunk.torque).tolist(),
+        measured=roles,
+        left=left,
+        block=_block_length(chunk, stretch, motion, model, dead_bands, length, rate),
+    )
+
+
+def _joined(chunks: list[Chunk]) -> Chunk:
+    def all_of(name: str) -> np.ndarray | None:
+        values = [getattr(c, name) for c in chunks]
+        return None if any(v is None for v in values) else np.concatenate(values)
+
+    names = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory")
+    return Chunk(**{name: all_of(name) for name in names}, dated=all(c.dated for c in chunks))
+
+
+def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cut-off [Hz] and the noise of the velocity [rad/s], each (n,); rule of discovery.motion.
+
+    Samples far apart show no spectrum: their noise counts as 0.
+    """
+    n = chunk.position.shape[1]
+    if rate < SLOWEST_RATE:
+        return np.full(n, 0.4 * rate), np.zeros(n)
+    edges = [0, *(np.flatnonzero(np.diff(stretch)) + 1), len(stretch)]
+    pieces = [slice(a, b) for a, b in itertools.pairwise(edges) if b - a >= 64][:200]
+    cutoff, noise = np.full(n, min(0.4 * rate, HIGHEST_CUTOFF)), np.zeros(n)
+    source = unwrapped(chunk.position) if chunk.velocity is None else chunk.velocity
+    for j in range(n):
+        signals = [x[np.isfinite(x)] for x in (source[p, j] for p in pieces)]
+        density, end = noise_floor([x for x in signals if len(x) >= 64], rate)
+        if derived:
+            cutoff[j] = min(2.0 * end, 0.4 * rate, HIGHEST_CUTOFF)
+        limit = cutoff[j] if derived else 0.5 * rate
+        scale = (2 * np.pi) ** 2 * limit**3 / 3 if chunk.velocity is None else limit
+        noise[j] = np.sqrt(density * scale)
+    return cutoff, noise
+
+
+def _dead_band(motion: Motion, noise: np.ndarray, given: Any) -> np.ndarray:
+    n = len(noise)
+    if given is not None:
+        return np.broadcast_to(np.asarray(given, dtype=float), (n,)).copy()
+    speed = np.where(motion.usable, np.abs(motion.velocity), np.nan)
+    fast = np.array([np.nanquantile(s, 0.95) if np.isfinite(s).any() else 0.0 for s in speed.T])
+    return np.maximum.reduce([NOISE * noise, SHARE * fast, np.full(n, LEAST)])
+
+
+def _torque_reference(torque: np.ndarray) -> np.ndarray:
+    """Largest |torque| of each axis; 1 N m where the log has none."""
+    largest = np.array([np.nanmax(np.abs(t)) if np.isfinite(t).any() else 0.0 for t in torque.T])
+    return np.where(largest > 0, largest, 1.0)
+
+
+def _block_length(
+    chunk: Chunk,
+    stretch: np.ndarray,
+    motion: Motion,
+    model: TorqueModel,
+    dead_band: np.ndarray,
+    length: float,
+    rate: float,
+) -> float:
+    """Return the length of a block [s]: BLOCK_TIMES the time that the noise remembers, FEWEST_BLOCKS fit a window."""
+    m = min(len(stretch), 30_000)
+    part = slice(0, m)
+    time, stretch = chunk.time[part], stretch[part]
+    v, q, a = motion.velocity[part], motion.position[part], motion.acceleration[part]
+    temperature = None if motion.temperature is None else motion.temperature[part]
+    torque = model(q, v, a, time, temperature, stretch)
+    residual = chunk.torque[part] - torque.total
+    used = moving(v, stretch, dead_band, guard_of(rate)) & motion.usable[part] & np.isfinite(residual)
+    steps = np.diff(time)[np.diff(stretch) == 0]
+    step = float(np.median(steps)) if len(steps) else 1.0
+    memory = 1.0
+    for j in range(v.shape[1]):
+        u = used[:, j]
+        if u.sum() < 50:
+            continue
+        design = np.stack([v[:, j] > 0, v[:, j] < 0, v[:, j], torque.gravity[:, j], torque.inertial[:, j]], axis=1)
+        fit = np.linalg.lstsq(design[u].astype(float), residual[u, j], rcond=1e-9)[0]
+        error = np.where(u, residual[:, j] - design @ fit, 0.0)
+        memory = max(memory, _memory(error, u, stretch))
+    windows = len(np.unique(np.floor(time / length)))
+    in_motion = step * float(used.sum(axis=0).max(initial=0)) / windows
+    return float(max(min(BLOCK_TIMES * memory * step, in_motion / FEWEST_BLOCKS), 2 * step))
+
+
+def _memory(error: np.ndarray, used: np.ndarray, stretch: np.ndarray, longest: int = 400) -> float:
+    """Return 1 + 2 sum of the autocorrelations up to the first below 0.05, in samples."""
+    power, total = float(np.sum(error**2)) / max(int(used.sum()), 1), 1.0
+    if power <= 0:
+        return total
+    for lag in range(1, min(longest, len(error) - 1)):
+        pair = used[lag:] & used[:-lag] & (stretch[lag:] == stretch[:-lag])
+        count = int(pair.sum())
+        if count < 20:
+            break
+        rho = float(np.sum(error[lag:] * error[:-lag] * pair)) / count / power
+        if rho < 0.05:
+            break
+        total += 2 * rho
+    return total

@@ -1,0 +1,104 @@
+# Monitoring: survey the first log -> window statistics of every log -> judge -> page. A new log costs its own windows.
+
+
+wildcard_constraints:
+    monitored="[A-Za-z][A-Za-z0-9_]*",
+    batch_key="[A-Za-z0-9_-]+",
+
+
+rule monitor:
+    input:
+        expand(
+            "results/monitor/{monitored}/{file}",
+            monitored=CHOSEN_ROBOTS,
+            file=["alarms.csv", "state.nc", "monitor.html"],
+        ),
+
+
+rule survey_logs:
+    input:
+        log=first_log_files,
+        robot=monitored_robot,
+        model=monitored_model,
+        modules=modules_of("survey_logs"),
+    output:
+        "results/monitor/{monitored}/survey.json",
+    log:
+        "results/logs/survey_logs/{monitored}.log",
+    params:
+        first=first_log,
+        entry=reading_entry,
+    script:
+        "../scripts/survey_logs.py"
+
+
+rule accumulate_windows:
+    input:
+        logs=batch_files,
+        survey="results/monitor/{monitored}/survey.json",
+        robot=monitored_robot,
+        model=monitored_model,
+        modules=modules_of("accumulate_windows"),
+    output:
+        "results/monitor/{monitored}/windows/{batch_key}.nc",
+    log:
+        "results/logs/accumulate_windows/{monitored}/{batch_key}.log",
+    params:
+        logs=batch_logs,
+        entry=reading_entry,
+    script:
+        "../scripts/accumulate_windows.py"
+
+
+rule judge_windows:
+    input:
+        windows=window_files,
+        robot=monitored_robot,
+        model=monitored_model,
+        modules=modules_of("judge_windows"),
+    output:
+        state="results/monitor/{monitored}/state.nc",
+        alarms="results/monitor/{monitored}/alarms.csv",
+    log:
+        "results/logs/judge_windows/{monitored}.log",
+    params:
+        entry=monitored_entry,
+    script:
+        "../scripts/judge_windows.py"
+
+
+rule report_monitoring:
+    input:
+        state="results/monitor/{monitored}/state.nc",
+        templates=[
+            "report/monitor.html.j2",
+            "report/base.html.j2",
+            "report/macros.html.j2",
+            "report/style.css",
+        ],
+        modules=modules_of("report_monitoring"),
+    output:
+        page="results/monitor/{monitored}/monitor.html",
+        figures=directory("results/monitor/{monitored}/figures"),
+    log:
+        "results/logs/report_monitoring/{monitored}.log",
+    script:
+        "../scripts/report_monitoring.py"
+
+
+MONITOR_EXAMPLE = expand(
+    "results/examples/monitor_puma560/day_{day}",
+    day=["1.nc", "2.parquet", "3.csv", "4.parquet", "5.nc"],
+)
+
+
+rule make_monitor_example:
+    input:
+        robot="config/robots/puma560.yaml",
+        modules=modules_of("make_monitor_example"),
+    output:
+        MONITOR_EXAMPLE,
+    log:
+        "results/logs/make_monitor_example.log",
+    script:
+        "../scripts/make_monitor_example.py"

@@ -1,0 +1,15 @@
+"""Judge all windows of a monitored robot."""
+
+from jointwear.monitor.stages import judge_windows
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        judge_windows(
+            snakemake.input.windows,
+            snakemake.input.robot,
+            snakemake.params.entry,
+            snakemake.output.state,
+            snakemake.output.alarms,
+            snakemake.wildcards.monitored,
+        )

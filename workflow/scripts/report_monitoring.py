@@ -1,0 +1,8 @@
+"""Write the page of a monitored robot."""
+
+from jointwear.monitor.page import write_page
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        write_page(snakemake.input.state, snakemake.output.page, snakemake.output.figures)

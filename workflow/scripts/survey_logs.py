@@ -1,0 +1,8 @@
+"""Survey the first log of a monitored robot."""
+
+from jointwear.monitor.stages import survey_logs
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        survey_logs(snakemake.params.first, snakemake.input.robot, snakemake.params.entry, snakemake.output[0])
