@@ -25,6 +25,10 @@ TARGETS = [
     ("dynamics", "largest_difference_nm", "<=", 1e-9, "N m"),
     ("simulation", "samples_per_second_all_cores", ">=", 1_000_000, "/s"),
     ("memory", "largest_mib", "<=", 1024, "MiB"),
+    ("monitor", "week_minutes", "<=", 10, "min"),
+    ("monitor", "largest_mib", "<=", 2048, "MiB"),
+    ("monitor", "against_per_call", ">=", 5, "x"),
+    ("scaling", "useful_share_of_largest_fleet", ">=", 0.8, ""),
     ("studies", "multiverse_seconds", "<=", 900, "s"),
 ]
 OUTPUT = ROOT / "bench" / "results.json"
@@ -49,6 +53,9 @@ def parts(peers: str) -> dict[str, Callable[[], dict]]:
         "memory": lambda: measure(sys.executable, "simulation.py", ROBOT, TASK, "--memory", "--replicates", "1000"),
         "workflow": lambda: measure(sys.executable, "workflow.py"),
         "studies": lambda: measure(sys.executable, "studies.py"),
+        "monitor": lambda: measure(peers, "monitor.py", ROBOT, TASK),
+        "reruns": lambda: measure(sys.executable, "reruns.py"),
+        "scaling": lambda: measure(sys.executable, "scaling.py"),
     }
 
 
