@@ -15,6 +15,11 @@ REPORT := results/report/index.html
 lock_of = $(shell cat $(1) | sha256sum | cut -c1-16)
 RUN := $(VENV)/.run-$(call lock_of,requirements/run.txt)
 TEST := $(VENV)/.test-$(call lock_of,requirements/run.txt requirements/test.txt)
+PUBLISH := $(VENV)/.publish-$(call lock_of,requirements/run.txt requirements/publish.txt)
+CLUSTER := $(VENV)/.cluster-$(call lock_of,requirements/run.txt requirements/cluster.txt)
+CHECK_VENV := .venv-check
+CHECK_LOCKS := $(addprefix requirements/,run.txt test.txt publish.txt cluster.txt check.txt)
+CHECK := $(CHECK_VENV)/.check-$(call lock_of,$(CHECK_LOCKS))
 BENCH_VENV := .venv-bench
 BENCH := $(BENCH_VENV)/.bench-$(call lock_of,requirements/run.txt requirements/bench.txt)
 
@@ -39,6 +44,25 @@ $(TEST): $(RUN)
 	@$(BIN)/python $(PIP_INSTALL) -r requirements/test.txt
 	@touch $@
 
+$(PUBLISH): $(RUN)
+	@echo "adding requirements/publish.txt to $(VENV)"
+	@rm -f $(VENV)/.publish-*
+	@$(BIN)/python $(PIP_INSTALL) -r requirements/publish.txt
+	@touch $@
+
+$(CLUSTER): $(RUN)
+	@echo "adding requirements/cluster.txt to $(VENV)"
+	@rm -f $(VENV)/.cluster-*
+	@$(BIN)/python $(PIP_INSTALL) -r requirements/cluster.txt
+	@touch $@
+
+$(CHECK):
+	@echo "building $(CHECK_VENV) from requirements: run, test, publish, cluster, check"
+	@rm -rf $(CHECK_VENV)
+	@"$(PYTHON)" -m venv $(CHECK_VENV)
+	@$(CHECK_VENV)/bin/python $(PIP_INSTALL) $(addprefix -r ,$(CHECK_LOCKS))
+	@touch $@
+
 $(BENCH):
 	@echo "building $(BENCH_VENV) from requirements/run.txt and requirements/bench.txt"
 	@rm -rf $(BENCH_VENV)
@@ -56,11 +80,23 @@ reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of 
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not browser"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs)"
 
 .PHONY: test-browser
-test-browser: $(TEST)  ## Test the report in headless Chromium (Debian: chromium chromium-driver)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m browser
+test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium chromium-driver)
+	@PATH="$(CURDIR)/$(CHECK_VENV)/bin:$$PATH" $(CHECK_VENV)/bin/python -m pytest -m browser
+
+.PHONY: test-publish
+test-publish: $(CHECK)  ## Test crate, CF conventions, site, citation and the Kubernetes profile
+	@PATH="$(CURDIR)/$(CHECK_VENV)/bin:$$PATH" $(CHECK_VENV)/bin/python -m pytest -m publish
+
+.PHONY: test-slurm
+test-slurm: $(TEST) $(CLUSTER)  ## Run the tiny reproduction on a real Slurm (Debian: slurm-wlm munge)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m slurm
+
+.PHONY: test-docs
+test-docs: $(TEST) $(PUBLISH) $(CLUSTER)  ## Run every command of the documentation
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m docs
 
 .PHONY: lint
 lint: $(TEST)  ## Check style: ruff, snakefmt, snakemake --lint
@@ -79,6 +115,24 @@ format: $(TEST)  ## Format the code
 bench: $(RUN) $(BENCH)  ## Measure speed and memory, half an hour; PARTS="dynamics workflow" measures these alone
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/bench --peers $(BENCH_VENV)/bin/python $(PARTS)
 
+.PHONY: crate
+crate: $(PUBLISH)  ## Pack the run as a Workflow Run RO-Crate (AGENT="Jane Doe" ORCID=... name who ran it)
+	@$(SNAKEMAKE) crate
+	@echo "crate: crate/ro-crate-metadata.json"
+
+.PHONY: site
+site: $(RUN)  ## Write the static site: report, further pages that are built, data, archive
+	@$(SNAKEMAKE) site
+	@echo "site: site/index.html"
+
+.PHONY: test-versions
+test-versions: $(RUN)  ## Compare numbers across cores, runs, Python 3.12 and the lower bounds of pyproject.toml
+	@PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=workflow $(BIN)/python workflow/bench/versions.py
+
+.PHONY: reference
+reference: $(RUN)  ## Write docs/reference from schemas and docstrings
+	@PYTHONPATH=workflow $(BIN)/python -m jointwear.reference docs/reference
+
 .PHONY: lock
 lock:  ## Renew requirements/*.txt from requirements/*.in
 	@"$(PYTHON)" -m venv .venv-lock
@@ -89,4 +143,4 @@ lock:  ## Renew requirements/*.txt from requirements/*.in
 
 .PHONY: clean
 clean:  ## Remove results and caches, keep the environment
-	@rm -rf results .snakemake .pytest_cache .hypothesis .ruff_cache
+	@rm -rf results crate site .snakemake .pytest_cache .hypothesis .ruff_cache

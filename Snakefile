@@ -21,8 +21,13 @@ include: "workflow/rules/location.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/crate.smk"
+include: "workflow/rules/verify.smk"
+include: "workflow/rules/site.smk"
 include: "workflow/rules/recover.smk"
 include: "workflow/rules/multiverse.smk"
+include: "workflow/rules/inputs_of_monitor_study.smk"
+include: "workflow/rules/monitor_study.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/inputs_of_discover.smk"
 include: "workflow/rules/discover.smk"
@@ -30,9 +35,13 @@ include: "workflow/rules/inputs_of_challenge.smk"
 include: "workflow/rules/challenge.smk"
 include: "workflow/rules/inputs_of_monitor.smk"
 include: "workflow/rules/monitor.smk"
+include: "workflow/rules/fleet.smk"
 
 
 rule all:
     default_target: True
     input:
         "results/report/index.html",
+
+
+include: "workflow/rules/everything.smk"

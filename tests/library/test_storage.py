@@ -59,3 +59,24 @@ def test_text_is_replaced_at_once(tmp_path):
     replace_text(tmp_path / "sub" / "a.txt", "two")
     assert (tmp_path / "sub" / "a.txt").read_text() == "two"
     assert len(list((tmp_path / "sub").iterdir())) == 1
+
+
+def test_what_the_cf_conventions_ask_is_added(tmp_path):
+    import netCDF4
+
+    variables = {
+        "n": Variable(("n",), np.arange(3), "number", "1"),
+        "flag": Variable(("n",), np.array([True, False, True]), "flag", "1"),
+    }
+    write_dataset(tmp_path / "a.nc", variables, {"title": "t"})
+    with netCDF4.Dataset(tmp_path / "a.nc") as data:
+        assert data.Conventions == "CF-1.8"
+        assert data.history
+        assert data["n"].dtype == np.int32
+        assert data["flag"].dtype == np.int8
+        assert data["flag"][...].tolist() == [1, 0, 1]
+
+
+def test_integers_beyond_32_bits_are_not_cut(tmp_path):
+    with pytest.raises(ValueError, match="beyond 32 bits"):
+        write_dataset(tmp_path / "a.nc", {"n": Variable(("n",), np.array([2**40]), "n")}, {})

@@ -1,77 +1,11 @@
-"""A scratch copy of the project with a tiny experiment, and Snakemake run in it as a user would."""
+"""The tiny experiment, run once a session, and copies of it that a test may change."""
 
-import re
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
-import yaml
+from scratch_project import TINY, Project, copy_project, merged
 
-ROOT = Path(__file__).resolve().parents[2]
-PARTS = ("Snakefile", "workflow", "profiles", "config", "report", "data")
-TINY = {
-    "replicates": 3,
-    "tasks": ["T1"],
-    "wear": {"axes": [1, 3], "increase_percent": [20], "hours": 24},
-    "normal": {"test_hours": 24},
-}
-
-
-class Project:
-    """A copy of the project in `folder`."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    def snakemake(self, *arguments: str, ok: bool = True) -> subprocess.CompletedProcess:
-        """Run Snakemake; fail the test with its output if it fails though `ok`."""
-        command = [sys.executable, "-m", "snakemake", *arguments]
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=600, check=False)
-        assert not ok or done.returncode == 0, done.stdout[-3000:] + done.stderr[-5000:]
-        return done
-
-    def planned(self, *arguments: str) -> dict[str, int]:
-        """Rules that a run would execute now, with their number of jobs."""
-        done = self.snakemake("--dry-run", *arguments)
-        table = re.search(r"Job stats:\njob +count\n-+ +-+\n(.*?)\ntotal", done.stdout + done.stderr, re.DOTALL)
-        if table is None:
-            assert "Nothing to be done" in done.stdout + done.stderr
-            return {}
-        rows = [line.split() for line in table[1].splitlines()]
-        return {name: int(count) for name, count in rows if name != "all"}
-
-    @property
-    def config_file(self) -> Path:
-        return self.folder / "config/config.yaml"
-
-    def config(self) -> dict:
-        return yaml.safe_load(self.config_file.read_text())
-
-    def write_config(self, config: dict) -> None:
-        self.config_file.write_text(yaml.safe_dump(config))
-
-
-def merged(base: dict, change: dict) -> dict:
-    """Merge nested mappings."""
-    result = dict(base)
-    for key, value in change.items():
-        result[key] = merged(base[key], value) if isinstance(value, dict) and key in base else value
-    return result
-
-
-def copy_project(folder: Path) -> Project:
-    """Copy the project with the tiny experiment."""
-    for part in PARTS:
-        source = ROOT / part
-        if source.is_dir():
-            shutil.copytree(source, folder / part, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
-        elif source.exists():
-            shutil.copy2(source, folder / part)
-    project = Project(folder)
-    project.write_config(merged(project.config(), TINY))
-    return project
+__all__ = ["TINY", "Project", "copy_project", "merged"]
 
 
 @pytest.fixture(scope="session")

@@ -31,16 +31,16 @@ def write_trajectory(robot: str | Path, task: str | Path, output: str | Path) ->
     motion = the_task.grid(STEP)
     translation, _ = dynamics.forward_kinematics(motion.position)
     stops, _ = dynamics.forward_kinematics(the_task.waypoints)
-    by_joint = ("time", "axis")
+    by_joint = ("instant", "axis")
     write_dataset(
         output,
         {
-            "time": Variable(("time",), motion.time, "time in the cycle", "s"),
+            "time": Variable(("instant",), motion.time, "time in the cycle", "s"),
             "axis": Variable(("axis",), np.arange(1, dynamics.robot.joints + 1), "axis of the robot", "1"),
             "position": Variable(by_joint, motion.position, "joint position", "rad"),
             "velocity": Variable(by_joint, motion.velocity, "joint velocity", "rad s-1"),
             "acceleration": Variable(by_joint, motion.acceleration, "joint acceleration", "rad s-2"),
-            "end_effector": Variable(("time", "coordinate"), translation, "end effector in the base frame", "m"),
+            "end_effector": Variable(("instant", "coordinate"), translation, "end effector in the base frame", "m"),
             "waypoint": Variable(("stop", "coordinate"), stops, "end effector at the waypoints", "m"),
         },
         provenance.attributes(f"commanded motion of {the_task.name}", {"step": STEP}),

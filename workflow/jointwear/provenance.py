@@ -26,7 +26,6 @@ def attributes(title: str, settings: Mapping[str, Any]) -> dict[str, Any]:
         digest covers these alone, so that a file does not change with settings that it does not use.
     """
     result: dict[str, Any] = {
-        "Conventions": "CF-1.8",
         "title": title,
         "source": f"jointwear {__version__}",
         "workflow_version": __version__,

@@ -18,6 +18,17 @@ import numpy as np
 
 from jointwear.errors import InputError
 
+# What the CF conventions (version 1.8, sections 2.6.1 and 2.6.2) ask of every file. A history without a date: the
+# same inputs give the same bytes.
+CONVENTIONS = {
+    "Conventions": "CF-1.8",
+    "institution": "computed by jointwear, no institution",
+    "references": (
+        "V. Sathish, S. Ramaswamy, S. Butail: A simulation based approach to detect wear in industrial robots, "
+        "IEEE CASE 2015"
+    ),
+}
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -46,8 +57,10 @@ def create_dataset(
     ----------
     path : the file; missing folders are made.
     sizes : length of every dimension.
-    variables : what the file holds; a variable named like its only dimension is a coordinate.
-    attributes : global attributes, such as :func:`jointwear.provenance.attributes` gives them.
+    variables : what the file holds; a variable named like its only dimension is a coordinate. A dimension called
+        `time` is for dates alone (CF 1.8, section 4.4); durations take another name, such as `instant`.
+    attributes : global attributes, such as :func:`jointwear.provenance.attributes` gives them; what the CF
+        conventions ask of every file is added.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -55,11 +68,11 @@ def create_dataset(
     try:
         with netCDF4.Dataset(part, "w", format="NETCDF4") as dataset:
             dataset.set_fill_off()
-            dataset.setncatts(dict(attributes))
+            dataset.setncatts({**CONVENTIONS, "history": _history(attributes), **attributes})
             for name, size in sizes.items():
                 dataset.createDimension(name, size)
             for name, content in variables.items():
-                values = None if content.values is None else np.asarray(content.values)
+                values = None if content.values is None else _storable(name, np.asarray(content.values))
                 text = values is not None and values.dtype.kind in "UO"
                 kind = content.kind or (str if text else values.dtype)
                 packing = {"compression": "zlib", "complevel": 1} if content.compressed else {}
@@ -94,6 +107,26 @@ def write_dataset(path: str | Path, variables: Mapping[str, Variable], attribute
                 raise ValueError(f"{name}: dimension {dimension} is {size}, elsewhere {sizes[dimension]}")
     with create_dataset(path, sizes, variables, attributes):
         pass
+
+
+def _storable(name: str, values: np.ndarray) -> np.ndarray:
+    """Return values in a data type that CF 1.8, section 2.2, allows: it has no integers of 64 bits.
+
+    Raises
+    ------
+    ValueError : naming the variable, if an integer needs more than 32 bits.
+    """
+    if values.dtype.kind == "b":
+        return values.astype(np.int8)
+    if values.dtype.kind not in "iu" or values.dtype.itemsize < 4:
+        return values
+    if values.size and not -(2**31) <= values.min() <= values.max() < 2**31:
+        raise ValueError(f"{name}: holds integers beyond 32 bits; store them as float64")
+    return values.astype(np.int32)
+
+
+def _history(attributes: Mapping[str, Any]) -> str:
+    return f"written by {attributes.get('source', 'jointwear')}: {attributes.get('title', 'a result')}"
 
 
 @contextmanager

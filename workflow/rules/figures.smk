@@ -20,7 +20,12 @@ rule draw_figure_1:
         published=PUBLISHED,
         modules=modules_of("draw_figure_1"),
     output:
-        "results/figures/figure_1.svg",
+        report(
+            "results/figures/figure_1.svg",
+            caption="../../report/captions/figure_1.rst",
+            category="Figures",
+            labels={"figure": "1"},
+        ),
     log:
         "results/logs/draw_figure_1.log",
     params:
@@ -35,7 +40,12 @@ rule draw_figure_2:
         published=PUBLISHED,
         modules=modules_of("draw_figure_2"),
     output:
-        "results/figures/figure_2.svg",
+        report(
+            "results/figures/figure_2.svg",
+            caption="../../report/captions/figure_2.rst",
+            category="Figures",
+            labels={"figure": "2"},
+        ),
     log:
         "results/logs/draw_figure_2.log",
     params:
@@ -51,7 +61,12 @@ rule draw_figure_3:
         published=PUBLISHED,
         modules=modules_of("draw_figure_3"),
     output:
-        "results/figures/figure_3.svg",
+        report(
+            "results/figures/figure_3.svg",
+            caption="../../report/captions/figure_3.rst",
+            category="Figures",
+            labels={"figure": "3"},
+        ),
     log:
         "results/logs/draw_figure_3.log",
     params:
@@ -67,7 +82,12 @@ rule draw_figure_4:
         published=PUBLISHED,
         modules=modules_of("draw_figure_4"),
     output:
-        "results/figures/figure_4.svg",
+        report(
+            "results/figures/figure_4.svg",
+            caption="../../report/captions/figure_4.rst",
+            category="Figures",
+            labels={"figure": "4"},
+        ),
     log:
         "results/logs/draw_figure_4.log",
     script:
@@ -79,7 +99,12 @@ rule draw_lag_map:
         table="results/tables/table_ii.csv",
         modules=modules_of("draw_lag_map"),
     output:
-        "results/figures/table_ii.svg",
+        report(
+            "results/figures/table_ii.svg",
+            caption="../../report/captions/map_ii.rst",
+            category="Figures",
+            labels={"figure": "Lags (Table II)"},
+        ),
     log:
         "results/logs/draw_lag_map.log",
     params:
@@ -93,7 +118,12 @@ rule draw_detection_map:
         table="results/tables/table_iv.csv",
         modules=modules_of("draw_detection_map"),
     output:
-        "results/figures/table_iv.svg",
+        report(
+            "results/figures/table_iv.svg",
+            caption="../../report/captions/map_iv.rst",
+            category="Figures",
+            labels={"figure": "Detection (Table IV)"},
+        ),
     log:
         "results/logs/draw_detection_map.log",
     script:

@@ -74,7 +74,12 @@ rule build_report:
         templates=TEMPLATES,
         modules=modules_of("build_report"),
     output:
-        page="results/report/index.html",
+        page=report(
+            "results/report/index.html",
+            caption="../../report/captions/page.rst",
+            category="Report",
+            labels={"page": "Whole report"},
+        ),
         numbers="results/report/summary.json",
     log:
         "results/logs/build_report.log",

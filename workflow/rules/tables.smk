@@ -7,8 +7,18 @@ rule tabulate_lags:
         locations=cells("location"),
         modules=modules_of("tabulate_lags"),
     output:
-        csv="results/tables/table_ii.csv",
-        netcdf="results/tables/table_ii.nc",
+        csv=report(
+            "results/tables/table_ii.csv",
+            caption="../../report/captions/table_ii.rst",
+            category="Tables",
+            labels={"table": "II", "form": "CSV"},
+        ),
+        netcdf=report(
+            "results/tables/table_ii.nc",
+            caption="../../report/captions/table_ii.rst",
+            category="Tables",
+            labels={"table": "II", "form": "netCDF"},
+        ),
     log:
         "results/logs/tabulate_lags.log",
     params:
@@ -23,8 +33,18 @@ rule tabulate_design:
         detections=cells("detection"),
         modules=modules_of("tabulate_design"),
     output:
-        csv="results/tables/table_iii.csv",
-        netcdf="results/tables/table_iii.nc",
+        csv=report(
+            "results/tables/table_iii.csv",
+            caption="../../report/captions/table_iii.rst",
+            category="Tables",
+            labels={"table": "III", "form": "CSV"},
+        ),
+        netcdf=report(
+            "results/tables/table_iii.nc",
+            caption="../../report/captions/table_iii.rst",
+            category="Tables",
+            labels={"table": "III", "form": "netCDF"},
+        ),
     log:
         "results/logs/tabulate_design.log",
     script:
@@ -38,8 +58,18 @@ rule tabulate_detection:
         locations=cells("location"),
         modules=modules_of("tabulate_detection"),
     output:
-        csv="results/tables/table_iv.csv",
-        netcdf="results/tables/table_iv.nc",
+        csv=report(
+            "results/tables/table_iv.csv",
+            caption="../../report/captions/table_iv.rst",
+            category="Tables",
+            labels={"table": "IV", "form": "CSV"},
+        ),
+        netcdf=report(
+            "results/tables/table_iv.nc",
+            caption="../../report/captions/table_iv.rst",
+            category="Tables",
+            labels={"table": "IV", "form": "netCDF"},
+        ),
     log:
         "results/logs/tabulate_detection.log",
     script:
@@ -53,8 +83,18 @@ rule tabulate_torque:
         detections=cells("detection"),
         modules=modules_of("tabulate_torque"),
     output:
-        csv="results/tables/table_v.csv",
-        netcdf="results/tables/table_v.nc",
+        csv=report(
+            "results/tables/table_v.csv",
+            caption="../../report/captions/table_v.rst",
+            category="Tables",
+            labels={"table": "V", "form": "CSV"},
+        ),
+        netcdf=report(
+            "results/tables/table_v.nc",
+            caption="../../report/captions/table_v.rst",
+            category="Tables",
+            labels={"table": "V", "form": "netCDF"},
+        ),
     log:
         "results/logs/tabulate_torque.log",
     script:
@@ -68,8 +108,18 @@ rule tabulate_variation:
         detections=cells("detection"),
         modules=modules_of("tabulate_variation"),
     output:
-        csv="results/tables/table_vi.csv",
-        netcdf="results/tables/table_vi.nc",
+        csv=report(
+            "results/tables/table_vi.csv",
+            caption="../../report/captions/table_vi.rst",
+            category="Tables",
+            labels={"table": "VI", "form": "CSV"},
+        ),
+        netcdf=report(
+            "results/tables/table_vi.nc",
+            caption="../../report/captions/table_vi.rst",
+            category="Tables",
+            labels={"table": "VI", "form": "netCDF"},
+        ),
     log:
         "results/logs/tabulate_variation.log",
     script:

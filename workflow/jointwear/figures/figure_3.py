@@ -39,8 +39,9 @@ def draw_figure_3(
     axes = figure.add_subplot()
     axes.set_yscale("log")
     shown = curves.training_hour > -end
-    # A residual of exactly zero, which a constant series gives, has no place on a logarithmic scale.
-    floor = np.finfo(float).tiny
+    # A residual of zero, as a constant series has it or a model that keeps every component, has no place on a
+    # logarithmic scale.
+    floor = 1e-30
     for hour, q, part, colour, label in (
         (curves.training_hour, curves.training, shown, palette.SERIES[2], "training"),
         (curves.hour, curves.run, np.ones(len(curves.hour), dtype=bool), palette.SERIES[0], "wear"),

@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from glob import glob, has_magic
 from pathlib import Path
 from typing import Any
@@ -129,6 +130,7 @@ def check_robots(config: Mapping[str, Any]) -> dict[str, list[str]]:
     InputError : one line naming the robot, the key and what is allowed.
     """
     logs = {}
+    read_once = cache(read_robot_file)  # a fleet shares its robot files
     for name, entry in config["monitor"]["robots"].items():
         where = f"monitor.robots.{name}"
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
@@ -137,7 +139,7 @@ def check_robots(config: Mapping[str, Any]) -> dict[str, list[str]]:
         if not path.is_file():
             there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() else []
             raise InputError(f"config: '{where}.robot' is {path}: no such file{nearest(path.name, there)}")
-        robot = read_robot_file(path)
+        robot = read_once(path)
         for source in robot_sources(entry["robot"])[1:]:
             if not Path(source).is_file():
                 raise InputError(f"{path}: 'urdf' names {source}, which does not exist")

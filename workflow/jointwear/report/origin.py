@@ -14,7 +14,13 @@ PACKAGES = ("jinja2", "matplotlib", "netCDF4", "numpy", "pin", "scikit-learn", "
 
 
 def commit(root: str | Path) -> dict[str, Any] | None:
-    """Return the commit of the working tree at `root` and whether files differ from it; None outside git."""
+    """Return the commit of the working tree at `root` and whether files differ from it; None outside git.
+
+    A crate of a run is no git checkout: its file commit.json says what the run knew.
+    """
+    packed = Path(root) / "commit.json"
+    if packed.is_file():
+        return json.loads(packed.read_text(encoding="utf-8"))
 
     def git(*arguments: str) -> str:
         call = ["git", "-C", str(root), *arguments]

@@ -1,0 +1,1 @@
+"""A run of the workflow as a Workflow Run RO-Crate: `records` reads what Snakemake kept, `writing` packs it."""

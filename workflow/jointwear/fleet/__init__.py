@@ -1,0 +1,1 @@
+"""Many robots in one job: starting a job costs more than judging a robot."""

@@ -1,0 +1,1 @@
+"""The static site: `contents` says what goes where, `writing` puts it there."""

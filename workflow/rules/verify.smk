@@ -1,0 +1,11 @@
+# Compute the run of a crate again and compare file by file; fails if a file differs.
+rule verify:
+    input:
+        modules=modules_of("verify"),
+    log:
+        "results/logs/verify.log",
+    threads: workflow.cores
+    params:
+        crate=CRATE,
+    script:
+        "../scripts/verify.py"

@@ -1,0 +1,8 @@
+"""Write the table of the fleet."""
+
+from jointwear.fleet.watch import summarise_fleet
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        summarise_fleet(snakemake.input.batches, snakemake.output[0])

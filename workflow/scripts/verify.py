@@ -1,0 +1,14 @@
+"""Compute a crate again and compare; exit 1 if a file differs."""
+
+import sys
+
+from jointwear.errors import InputError
+from jointwear.script import reported
+from jointwear.verification.recomputation import verify
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        if not snakemake.params.crate:
+            raise InputError("config: 'crate' is missing; name one with --config crate=PATH (`make crate` writes one)")
+        if not verify(snakemake.params.crate, snakemake.threads):
+            sys.exit(1)

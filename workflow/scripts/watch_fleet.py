@@ -1,0 +1,8 @@
+"""Judge a batch of robots."""
+
+from jointwear.fleet.watch import watch_robots
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        watch_robots(snakemake.params.entries, snakemake.params.logs, snakemake.params.folder, snakemake.output[0])
