@@ -22,7 +22,7 @@ from jointwear.discovery.recording import Recording, elapsed_time, split
 from jointwear.discovery.structure import hats
 from jointwear.dynamics import Dynamics
 from jointwear.errors import InputError
-from jointwear.robot import load_robot, robot_from_data
+from jointwear.robot import Link, load_robot, robot_from_data
 
 
 def motion(rate=100.0, seconds=12.0):
@@ -173,3 +173,18 @@ def test_wrong_entries_are_named(tmp_path, entry, words):
     write_recording(split(recording()), tmp_path / "r.nc", {"dataset": "x"})
     with pytest.raises(InputError, match=words):
         load_recording(entry, "data", tmp_path)
+
+
+def test_links_of_an_estimate_are_bodies():
+    robot = load_robot("config/robots/puma560.yaml")
+    count = 10 * robot.joints
+    for delta in (np.zeros(count), 1e-17 * np.ones(count), np.random.default_rng(0).normal(0, 0.3, count)):
+        links = links_from_parameters(robot, delta)
+        bodies_of_it = tuple(Link(b["mass"], np.array(b["com"]), inertia_matrix(b["inertia"])) for b in links)
+        model = Dynamics(replace(robot, links=bodies_of_it))
+        assert np.isfinite(model.rigid_body_torque(*np.zeros((3, 1, robot.joints)))).all()
+
+
+def inertia_matrix(six):
+    xx, yy, zz, xy, yz, xz = six
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from jointwear.discovery import Settings, discover, load_recording
+from jointwear.discovery.page import compare_published, joint_table, write_page
 from jointwear.discovery.stages import (
     decide_effects,
     ingest_recording,
@@ -14,6 +15,7 @@ from jointwear.discovery.stages import (
     simulate_models,
     simulate_nominal,
 )
+from jointwear.documents import read_yaml
 from jointwear.errors import InputError
 from jointwear.robot import load_robot
 
@@ -60,6 +62,17 @@ def test_stages_give_the_verdict_of_the_library(tmp_path):
     assert [e["effect"] for e in written["effects"]] == [e["effect"] for e in direct["effects"]]
     for kind in ("nominal", "retuned", "augmented"):
         assert written["gap"][kind] == pytest.approx(direct["gap"][kind], rel=1e-4)
+    # A fit without effects misses the coupled wrist however free its parameters are.
+    assert written["free_identification"][4] > 2.0 * written["gap"]["augmented"][4]
+    published = "data/measured/staubli_tx40/published.yaml"
+    write_page(d / "verdict.json", d / "where.nc", d / "models.nc", d / "page.html", d / "figures", published)
+    page = (d / "page.html").read_text(encoding="utf-8")
+    assert "fvm6" in page
+    rows = {(r["axis"], r["parameter"]): r for r in compare_published(written, read_yaml(published))}
+    assert rows[5, "viscous"]["found"] == pytest.approx(rows[5, "viscous"]["value"], rel=0.3)
+    joints = {row["axis"]: row for row in joint_table(written)}
+    assert joints[5]["better"] > 3.0
+    assert joints[5]["named"] == ["drive coupling from joint 6"]
 
 
 def test_a_refused_data_set_leaves_its_reason(tmp_path):

@@ -85,7 +85,13 @@ def test_delay_is_linear_for_small_delays(state):
     effect = effects.get_effect("actuation_delay")
     column = effect.columns(state, 1, None, {"delay": 0.004})[:, 0]
     half = effect.torque(state, 1, None, effect.parameters_of({"delay": 0.004}, np.array([0.5])))
-    np.testing.assert_allclose(half, 0.5 * column, atol=1e-9)
+    # Friction jumps at a reversal; away from one the torque is smooth.
+    direction = np.sign(state.velocity[:, 1])
+    near = np.convolve(np.abs(np.diff(direction, append=direction[-1])), np.ones(5), mode="same") > 0
+    assert 0 < near.sum() < 0.5 * len(near)
+    np.testing.assert_allclose(half[~near], 0.5 * column[~near], atol=1e-9)
+    with_lag = effect.torque(state, 1, None, {"delay": 0.004, "lag": 1})
+    assert np.corrcoef(with_lag[~near], column[~near])[0, 1] > 0.99
 
 
 @pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash"}))

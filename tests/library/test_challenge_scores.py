@@ -12,6 +12,7 @@ from jointwear.challenge.page import calibration_points, confusion_table, write_
 from jointwear.challenge.peer_scores import best_settings, judged_answers, write_peer_scores
 from jointwear.challenge.peer_terms import AxisProblem
 from jointwear.challenge.peers import effects_of, least_squares
+from jointwear.challenge.plan import part_batches
 from jointwear.challenge.scores import (
     calibration,
     confusion,
@@ -22,7 +23,8 @@ from jointwear.challenge.scores import (
     wilson,
 )
 from jointwear.challenge.scoring import peak_covered, summarise
-from jointwear.challenge.tiers import EFFECTS, TARGETS
+from jointwear.challenge.stored import write_stored, write_stored_page
+from jointwear.challenge.tiers import EFFECTS, TARGETS, TIERS
 
 
 def effect(name="stribeck_friction", axis=2, energy=1000.0, **more):
@@ -242,6 +244,28 @@ def two_axes():
     names = ("stribeck_friction", "stribeck_friction", "wear_drift", "payload")
     target = terms @ [1.0, 0.5, 0.0, 0.0] + 0.1 * rng.normal(size=400)
     return [AxisProblem(target, terms, names), AxisProblem(0.1 * rng.normal(size=400), terms, names)]
+
+
+def test_a_part_holds_the_first_batches_of_every_tier():
+    seed_set, numbers = part_batches("report_first_5")
+    assert (seed_set, set(numbers.values())) == ("report", {5})
+    _, all_of_them = part_batches("report")
+    assert min(all_of_them.values()) > 5
+    assert part_batches("sample_first_999") == part_batches("sample")
+
+
+def test_the_summary_is_small_and_says_how_much_was_run(tmp_path, root):
+    scores = tmp_path / "scores.json"
+    scores.write_text(json.dumps(summarise(rows_of_a_tier())))
+    stored, page = tmp_path / "challenge.json", tmp_path / "page.html"
+    write_stored(scores, stored, "report_first_2", 560, {"accept": 9.0})
+    content = json.loads(stored.read_text())
+    assert content["batches"] == dict.fromkeys(TIERS, 2)
+    assert content["cases"] < content["cases_of_the_whole_set"] == 3120
+    write_stored_page(stored, None, str(root / "report/challenge.html.j2"), page)
+    text = page.read_text()
+    assert "the first 2 batches of every tier" in text
+    assert content["command"] in text
 
 
 def test_peers_terms_are_counted_by_effect():

@@ -117,6 +117,7 @@ rule report_discovery:
         verdict="results/discover/{dataset}/verdict.json",
         where="results/discover/{dataset}/where.nc",
         models="results/discover/{dataset}/models.nc",
+        published=published_values,
         templates=[
             "report/discover.html.j2",
             "report/base.html.j2",

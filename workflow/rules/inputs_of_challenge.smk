@@ -1,24 +1,21 @@
-# The files of a seed set of the hidden-effect test.
-from jointwear.challenge.plan import batches
-from jointwear.challenge.tiers import BATCH, COUNTS, SEED, SETS, TIERS
-
-
-def challenge_batches(seed_set):
-    """Batches of a seed set, as they stand in file names."""
-    return [
-        f"{tier}_{k:03d}"
-        for tier in TIERS
-        for k in range(len(batches(seed_set, tier, COUNTS[seed_set], BATCH[seed_set])))
-    ]
+# The files of a seed set of the hidden-effect test, or of its first batches.
+from jointwear.challenge.plan import part_batches
+from jointwear.challenge.tiers import SEED, SETS, TIERS
 
 
 def challenge_files(folder, ending):
-    """All files of one folder of a seed set, in the order of the batches."""
+    """All files of one folder of a seed set, or of its first batches, in the order of the batches."""
 
     def files(wildcards):
+        seed_set, numbers = part_batches(wildcards.part)
         return [
-            f"results/challenge/{wildcards.seed_set}/{folder}/{name}.{ending}"
-            for name in challenge_batches(wildcards.seed_set)
+            f"results/challenge/{seed_set}/{folder}/{tier}_{k:03d}.{ending}"
+            for tier in TIERS
+            for k in range(numbers[tier])
         ]
 
     return files
+
+
+# Numbers of the other methods, where they are kept with the project.
+STORED_PEERS = [path for path in ("bench/challenge_peers.json",) if Path(path).exists()]

@@ -26,3 +26,9 @@ def dataset_robot(wildcards):
 def dataset_model(wildcards):
     """All files that the robot of a data set is made of."""
     return robot_sources(DATASETS[wildcards.dataset]["robot"])
+
+
+def published_values(wildcards):
+    """What others found for a data set: published.yaml beside the measured file, if there is one."""
+    path = Path(DATASETS[wildcards.dataset]["measured"]).with_name("published.yaml")
+    return [str(path)] if path.exists() else []

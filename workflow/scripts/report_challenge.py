@@ -10,6 +10,6 @@ if __name__ == "__main__":
             snakemake.input.get("peers") or None,
             snakemake.input.template,
             snakemake.output[0],
-            snakemake.wildcards.seed_set,
+            snakemake.wildcards.part,
             snakemake.params.seed,
         )

@@ -11,4 +11,5 @@ if __name__ == "__main__":
             snakemake.input.models,
             snakemake.output.page,
             snakemake.output.figures,
+            next(iter(snakemake.input.published), None),
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -170,5 +170,9 @@ def write_warm_task(robot: str, task: str, output: str | Path, settings: dict[st
     shape, length = fields.pop("wear_shape", 1.5), fields.pop("wear_hours", 120.0)
     wear = None if not percent else Wear(percent, shape, length)
     data, _ = warm_task_data(load_robot(robot), load_task(task), WarmTask(**fields, wear=wear), seed)
-    told = {**settings, "seed": seed, "robot": Path(robot).name, "task": Path(task).name}
+    # What changes in the arm is not told, as in the other data set.
+    told = {k: v for k, v in settings.items() if not k.startswith("wear")}
+    told |= {"seed": seed, "robot": Path(robot).name, "task": Path(task).name}
+    single = ("position", "velocity", "acceleration", "torque", "temperature")
+    data = replace(data, **{k: getattr(data, k).astype("f4") for k in single})
     write_case_data(output, data, "Torque log of a task over many hours", told)

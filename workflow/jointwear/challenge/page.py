@@ -8,6 +8,7 @@ from typing import Any
 
 from jointwear.challenge.case_files import read_json
 from jointwear.challenge.generate import CLOSED_LOOP, DURATION, INTERVAL
+from jointwear.challenge.plan import part_batches
 from jointwear.challenge.scores import SHARES, UPPER_LIMITS
 from jointwear.challenge.separability import IDENTIFIABLE, SEPARABLE
 from jointwear.challenge.tiers import COUNTS, EFFECTS, FULL, TARGETS, TIERS
@@ -112,8 +113,33 @@ def calibration_points(bins: list[Mapping[str, Any]]) -> list[dict[str, float]]:
     ]
 
 
-def write_page(scores_path: str, peers_path: str | None, template: str, output: str, seed_set: str, seed: int) -> None:
+def set_words(part: str, cases: int) -> str:
+    """Return in words which cases a page shows; `part` as in :func:`jointwear.challenge.plan.part_batches`."""
+    seed_set, numbers = part_batches(part)
+    whole = len(TIERS) * sum(COUNTS[seed_set].values())
+    if cases >= whole:
+        return _SET_WORDS[seed_set]
+    count = max(numbers.values())
+    return (
+        f"{_SET_WORDS[seed_set]}: the first {count} batches of every tier, each a like mixture of all kinds, "
+        f"{cases} of {whole} cases. The share was fixed before any result was looked at"
+    )
+
+
+def write_page(
+    scores_path: str,
+    peers_path: str | None,
+    template: str,
+    output: str,
+    part: str,
+    seed: int,
+    command: str | None = None,
+) -> None:
     """Write the page from the scores (and, where they were run, those of the peers).
+
+    Parameters
+    ----------
+    part : a seed set or its first batches. command : what makes the scores, where they were not made just now.
 
     Raises
     ------
@@ -136,8 +162,9 @@ def write_page(scores_path: str, peers_path: str | None, template: str, output: 
     replace_text(
         output,
         page.render(
-            set_words=_SET_WORDS[seed_set],
-            is_sample=COUNTS[seed_set] is not FULL,
+            set_words=set_words(part, scores["cases"]),
+            is_sample=COUNTS[part_batches(part)[0]] is not FULL,
+            command=command,
             seed=seed,
             cases=scores["cases"],
             tiers=tiers,

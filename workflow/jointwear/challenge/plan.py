@@ -74,3 +74,14 @@ def batches(seed_set: str, tier: str, counts: Mapping[str, int], size: int) -> l
 def batch(seed_set: str, tier: str, index: int) -> list[Case]:
     """Return one batch of a seed set with the counts and batch size that belong to it."""
     return batches(seed_set, tier, COUNTS[seed_set], BATCH[seed_set])[index]
+
+
+def part_batches(part: str) -> tuple[str, dict[str, int]]:
+    """Return the seed set of a part and how many batches of each tier it holds.
+
+    A part is the name of a seed set, or `<set>_first_<k>`: the first k batches of every tier. Batches are like
+    mixtures of all kinds, so that a part is a fair sample of its set.
+    """
+    seed_set, _, first = part.partition("_first_")
+    counts = {t: len(batches(seed_set, t, COUNTS[seed_set], BATCH[seed_set])) for t in TIERS}
+    return seed_set, {t: min(n, int(first)) if first else n for t, n in counts.items()}

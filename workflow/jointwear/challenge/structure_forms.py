@@ -172,8 +172,10 @@ _FORMS = {"lugre": _lugre, "maxwell_slip": _maxwell_slip, "dahl_half": _dahl_hal
 def delay(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
     """Torque that is recorded 3 to 20 ms late: a dead time, or the first-order lag of a current filter."""
     time, form = log_uniform(rng, 0.003, 0.02), str(rng.choice(["dead_time", "lag"]))
-    # Gauss-Laguerre nodes: a first-order lag is an exponentially weighted mean of the past.
-    nodes, weights = np.polynomial.laguerre.laggauss(4) if form == "lag" else (np.ones(1), np.ones(1))
+    # A first-order lag is an exponentially weighted mean of the past. Friction jumps at reversals, so that the nodes
+    # are spread over the share of the weight (Gauss-Legendre), not over a polynomial of the delay (Gauss-Laguerre).
+    share, weights = np.polynomial.legendre.leggauss(12)
+    nodes, weights = (-np.log(0.5 - 0.5 * share), weights / 2) if form == "lag" else (np.ones(1), np.ones(1))
 
     def term(world: World) -> np.ndarray:
         late = sum(w * world.torque_before(time * x)[:, axis] for x, w in zip(nodes, weights, strict=True))

@@ -5,10 +5,13 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from jointwear.discovery.checks import check_recording
 from jointwear.discovery.decide import search
 from jointwear.discovery.files import load_recording
 from jointwear.discovery.final import finalise
+from jointwear.discovery.motion import measure
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.recording import Recording, split
 from jointwear.discovery.settings import Settings
@@ -31,8 +34,9 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     """
     settings = settings or Settings()
     recording = split(recording)
-    restrictions = check_recording(recording, robot)
-    problem = build_problem(recording, robot, settings)
+    measured = cache(lambda: measure(recording))
+    restrictions = check_recording(recording, robot, measured)
+    problem = build_problem(recording, robot, settings, measured())
     restrictions += problem_restrictions(problem)
     return make_verdict(recording.name, finalise(search(problem)), restrictions)
 

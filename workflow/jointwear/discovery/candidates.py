@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 from jointwear.discovery.inertia import mass_direction
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.problem import White, link_mass_blocks
+from jointwear.discovery.reversals import TIMING, resolved_motion
 from jointwear.discovery.structure import hats, knots_of
 from jointwear.effects import Effect, State, get_effect, library
 from jointwear.effects.order import second_derivative
@@ -94,6 +95,8 @@ def build_dictionary(white: White) -> Dictionary:
         for effect in library().values():
             if not effect.identifiable or effect.whole_arm:
                 continue
+            if effect.identifier in TIMING and not resolved_motion(problem.measured):
+                continue
             for source in sources_of(axis, n) if effect.needs_source else [None]:
                 if source is not None and np.ptp(state.position[:, source]) < 1e-4:
                     continue
@@ -120,6 +123,13 @@ def build_dictionary(white: White) -> Dictionary:
         if blocks:
             whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([0.25])))
     return Dictionary(matrix, entries, whole)
+
+
+def _shrunk(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """Posterior mean of coefficients under their prior."""
+    if len(b) == 1:
+        return b / (gram[0] + 1 / std**2)
+    return np.linalg.solve(gram + np.diag(1 / std**2), b)
 
 
 def _payload_std(white: White) -> np.ndarray:
@@ -158,8 +168,8 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
             gram = x.T @ x - turned[where] @ turned[where].T
             effect = get_effect(candidate.effect)
             if len(std) == 1 or effect.needs_source:
-                size = np.linalg.solve(gram + np.diag(1 / std**2), b[where])
-                if not _possible(effect, candidate.nonlinear, size):
+                size = _shrunk(b[where], gram, std)
+                if not possible(effect, candidate.nonlinear, size):
                     continue
             families.setdefault(candidate.key, []).append((gain(b[where], gram, std), candidate, {axis: x}, std))
     for candidate, blocks, std in dictionary.whole:
@@ -242,7 +252,7 @@ def form_of(white: White, candidate: Candidate) -> Form | None:
     return Form(candidate, knots) if len(knots) > 1 else None
 
 
-def _possible(effect: Effect, nonlinear: dict[str, Any], coefficients: np.ndarray) -> bool:
+def possible(effect: Effect, nonlinear: dict[str, Any], coefficients: np.ndarray) -> bool:
     """Return whether the parameters lie within their bounds: no friction that drives, no delay of a quarter second."""
     found = effect.parameters_of(nonlinear, coefficients)
     return all(p.lower <= found.get(p.name, p.default) <= p.upper for p in effect.parameters)

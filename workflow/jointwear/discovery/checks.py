@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
 
-from jointwear.discovery.motion import measure
+from jointwear.discovery.motion import Measured, measure
 from jointwear.discovery.recording import Recording
 from jointwear.dynamics import Dynamics
 from jointwear.errors import InputError
@@ -30,8 +31,12 @@ class Refused(InputError):
         self.reason, self.suggestion = reason, suggestion
 
 
-def check_recording(recording: Recording, robot: Robot) -> list[str]:
+def check_recording(recording: Recording, robot: Robot, measured: Callable[[], Measured] | None = None) -> list[str]:
     """Check units, order and signs of a recording against the nominal model; return restrictions in words.
+
+    Parameters
+    ----------
+    measured : gives the samples with their derivatives, where the caller keeps them; called after the first checks.
 
     Raises
     ------
@@ -61,7 +66,7 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
     restrictions = []
     if good.mean() < 1.0:
         restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are not finite and were left out")
-    _against_model(recording, robot)
+    _against_model(recording, robot, measured() if measured is not None else measure(recording))
     if len(recording.time) < 400:
         restrictions.append(f"only {len(recording.time)} samples: weak effects cannot be seen")
     return restrictions
@@ -82,11 +87,11 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
         )
 
 
-def _features(recording: Recording, robot: Robot) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions, velocities, accelerations and torques of a thinned recording that moves, (m, 4, n)."""
-    measured = measure(recording)
+    n = measured.position.shape[1]
     if not len(measured.time):
-        return np.zeros((0, 4, recording.joints)), np.zeros(0), np.zeros((0, recording.joints), bool)
+        return np.zeros((0, 4, n)), np.zeros(0), np.zeros((0, n), bool)
     step = max(1, len(measured.time) // LOOK)
     parts = (measured.position, measured.velocity, measured.acceleration, measured.torque)
     return np.stack([p[::step] for p in parts], axis=1), measured.time[::step], measured.usable[::step]
@@ -126,9 +131,9 @@ def _score(left: np.ndarray, floor: float) -> float:
     return float(np.nansum(np.log(np.maximum(left, floor))))
 
 
-def _against_model(recording: Recording, robot: Robot) -> None:
+def _against_model(recording: Recording, robot: Robot, measured: Measured) -> None:
     """Recognise a flipped axis, swapped joints and motor-side torque: each must explain the data far better."""
-    parts, time, usable = _features(recording, robot)
+    parts, time, usable = _features(measured)
     if len(time) < FEWEST:
         return
     dynamics = Dynamics(robot)

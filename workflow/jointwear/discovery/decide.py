@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import gammaincc
 
+from jointwear.discovery.acceptance import follows_time, holds, predicts
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -15,6 +16,7 @@ from jointwear.discovery.candidates import (
     build_dictionary,
     companion,
     form_of,
+    prior_std,
     raw_blocks,
     raw_columns,
     resolved,
@@ -22,64 +24,10 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.linear import Fit, Term, chi_square, gain
+from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.problem import Problem, White, estimate_noise, whiten
+from jointwear.discovery.refine import refine
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
-from jointwear.effects import get_effect
-
-
-@dataclass(frozen=True)
-class Named:
-    """An effect that was accepted, with its rivals.
-
-    `evidence` [nats] is lost when the effect and the tolerance of its form are taken out of the final model;
-    `cross_validated` the share of the squared residual that it explains in records left out in turn.
-    """
-
-    candidate: Candidate
-    term: Term
-    form: Term | None
-    evidence: float
-    cross_validated: float = 0.0
-    ties: tuple[Candidate, ...] = ()
-
-    @property
-    def terms(self) -> list[Term]:
-        """The term of the effect and that of the tolerance of its form."""
-        return [self.term] if self.form is None else [self.term, self.form]
-
-
-@dataclass(frozen=True)
-class Unexplained:
-    """Structure of one 0-based axis over an argument that no effect explains."""
-
-    axis: int
-    argument: str
-    unit: str
-    low: float
-    high: float
-    p_value: float
-    nats: float
-
-
-@dataclass
-class Outcome:
-    """What the search found; `white` and `fit` are those of the final model."""
-
-    problem: Problem
-    white: White
-    fit: Fit
-    dictionary: Dictionary
-    refused: set = field(default_factory=set)
-    named: list[Named] = field(default_factory=list)
-    unexplained: list[Unexplained] = field(default_factory=list)
-    profile: list[Unexplained] = field(default_factory=list)
-
-
-#: Squared error [N m] in records left out, with an effect over without it, above which the effect is not believed:
-#: whitened noise can favour an effect that makes slow torque worse.
-WORST_RAW = 1.005
-#: An effect may cost no record that is left out more than this [nats]: it belongs to the robot, not to one recording.
-WORST_RECORD = -4.0
 
 
 def search(problem: Problem) -> Outcome:
@@ -100,7 +48,7 @@ def search(problem: Problem) -> Outcome:
         if best is None:
             break
         trial = _named(white, fit, best)
-        if not _holds(white, named, trial):
+        if not holds(white, named, trial):
             refused.add(best.candidate.key)
             if len(refused) > 12:
                 break
@@ -132,27 +80,6 @@ def _best(white: White, dictionary: Dictionary, fit: Fit, named: list[Named], re
     if len(close) == 1:
         return close[0]
     return max(close, key=lambda s: _with_form(white, fit, s))
-
-
-def _follows_time(candidate: Candidate) -> bool:
-    return candidate.effect != LINK_MASS and get_effect(candidate.effect).argument.startswith("time")
-
-
-def _cancels(white: White, trial: Named) -> bool:
-    """Return whether an effect, fitted, is twice the discrepancy of its axis: then it only cancels other terms.
-
-    What friction and motor inertia could take over of it does not count.
-    """
-    problem, axis = white.problem, trial.candidate.axis
-    used = problem.usable[:, axis]
-    fit = white.fit()
-    b, gram = fit.gram(trial.term.blocks)
-    coefficients = np.linalg.solve(gram + np.diag(1 / trial.term.std**2), b)
-    torque = (raw_columns(white, trial.candidate) @ coefficients)[used]
-    friction = problem.friction_columns(problem.train_state, axis)[used]
-    torque = torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
-    discrepancy = problem.discrepancy[problem.train, axis][used]
-    return bool(np.mean(torque**2) > 4.0 * np.mean(discrepancy**2))
 
 
 def _full_axes(named: list[Named], most: int) -> set:
@@ -195,28 +122,14 @@ def _with_form(white: White, fit: Fit, scored: Scored) -> float:
 
 
 def _named(white: White, fit: Fit, scored: Scored) -> Named:
+    if scored.candidate.axis is not None and scored.candidate.effect != LINK_MASS:
+        candidate = refine(white, fit, scored.candidate)
+        columns, axis = raw_columns(white, candidate), candidate.axis
+        blocks, std = {axis: white.columns(axis, columns)}, prior_std(white, axis, columns)
+        scored = Scored(candidate, scored.evidence, blocks, std)
     label = f"{scored.candidate.effect} {scored.candidate.axis}"
     term = Term(label, scored.blocks, scored.std, raw_blocks(white, scored.candidate))
     return Named(scored.candidate, term, _form_of(white, fit, scored), scored.evidence)
-
-
-def _holds(white: White, named: list[Named], trial: Named) -> bool:
-    """Return whether an effect predicts records left out in turn, and survives a wider inertial prior."""
-    before = [t for n in named for t in n.terms]
-    found = cross_validate(white, before, [trial.term])
-    if found.nats < max(2.0, 0.15 * trial.evidence) or found.raw > WORST_RAW or found.worst < WORST_RECORD:
-        return False
-    if trial.candidate.axis is not None and trial.candidate.effect != LINK_MASS:
-        # What changes with time is wanted for the time to come.
-        if _follows_time(trial.candidate) and found.last < 0.0:
-            return False
-        if _cancels(white, trial):
-            return False
-    wide = [replace(t, std=3.0 * t.std) if t.label == "inertial" else t for t in white.base]
-    fit = Fit(white.targets, [*wide, *before])
-    b, gram = fit.gram(trial.term.blocks)
-    need = 0.5 * white.problem.settings.accept
-    return trial.candidate.effect == LINK_MASS or gain(b, gram, trial.term.std) > need
 
 
 def _evidence_of(white: White, named: list[Named], index: int) -> float:
@@ -262,11 +175,12 @@ def _predicting(white: White, named: list[Named]) -> list[Named]:
         for i, one in enumerate(named):
             others = [t for k, n in enumerate(named) if k != i for t in n.terms]
             result = cross_validate(white, others, [one.term])
-            if _follows_time(one.candidate) and one.form is not None:
+            if one.form is not None and (follows_time(one.candidate) or not predicts(result, 0.0)):
                 bent = cross_validate(white, others, one.terms)
-                result = min(result, bent, key=lambda r: r.nats)
+                pick = min if follows_time(one.candidate) else max
+                result = pick(result, bent, key=lambda r: r.nats)
             found.append(result)
-        bad = [i for i, f in enumerate(found) if f.nats < 2.0 or f.raw > WORST_RAW or f.worst < WORST_RECORD]
+        bad = [i for i, f in enumerate(found) if not predicts(f, 0.0)]
         if not bad:
             return named
         worst = max(bad, key=lambda i: found[i].raw)
@@ -289,7 +203,7 @@ def _with_ties(outcome: Outcome, one: Named) -> Named:
     ties = [
         s.candidate for s in close if s.candidate.key != one.candidate.key and scores[s.candidate.key] > own - margin
     ]
-    share = cross_validate(white, others, one.terms).share
+    share = max(cross_validate(white, others, terms).share for terms in ([one.term], one.terms))
     return replace(one, ties=tuple(ties), cross_validated=share, evidence=_evidence_of(white, named, index))
 
 

@@ -199,16 +199,16 @@ def write_recording(recording: Recording, path: str | Path, settings: Mapping[st
     count, n = recording.position.shape
     variables = {
         "joint": Variable(("joint",), np.arange(1, n + 1), "number of the joint", "1"),
-        "time": Variable(("time",), recording.time, "time", "s"),
-        "trajectory": Variable(("time",), recording.trajectory, "label of the trajectory", "1"),
-        "position": Variable(("time", "joint"), recording.position, "joint position", "rad"),
-        "torque": Variable(("time", "joint"), recording.torque, "measured torque, joint side", "N m"),
+        "time": Variable(("instant",), recording.time, "time", "s"),
+        "trajectory": Variable(("instant",), recording.trajectory, "label of the trajectory", "1"),
+        "position": Variable(("instant", "joint"), recording.position, "joint position", "rad"),
+        "torque": Variable(("instant", "joint"), recording.torque, "measured torque, joint side", "N m"),
     }
     for role, unit in (("velocity", "rad/s"), ("acceleration", "rad/s2"), ("temperature", "degC")):
         values = getattr(recording, role)
         if values is not None:
             values = np.broadcast_to(values[:, None], (count, n)) if values.ndim == 1 else values
-            variables[role] = Variable(("time", "joint"), values, f"measured {role}", unit)
+            variables[role] = Variable(("instant", "joint"), values, f"measured {role}", unit)
     attributes = provenance.attributes(f"measured data set {recording.name}, checked", settings)
     attributes |= {"dataset": recording.name, "train": list(recording.train), "test": list(recording.test)}
     write_dataset(path, variables, attributes)

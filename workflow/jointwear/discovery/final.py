@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.discovery.base import friction_torque, likely_base, pinned
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -16,15 +17,20 @@ from jointwear.discovery.candidates import (
     raw_columns,
 )
 from jointwear.discovery.crossval import cross_validate
-from jointwear.discovery.decide import Named, Outcome
 from jointwear.discovery.inertia import mass_direction
-from jointwear.discovery.linear import Fit, Term, gain
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.problem import White
+from jointwear.discovery.refine import evidence_at, free_parameters, refine, simplest
 from jointwear.effects import State, get_effect
 
 #: Bends of a form are kept where records left out gain at least this much from them [nats].
 KEEP_FORM = 3.0
 DRAWS = 400
+#: Up to this relative error of the numbers of the drives they are taken as right.
+RIGHT_NUMBERS = 0.03
+#: The peak torque of an effect is stated for samples that are at least as fast as this [rad/s].
+JUDGED_SPEED = 0.02
 #: Arguments over which a robot file cannot bend the form of an effect.
 UNBENDING = ("rate of torque", "second derivative of the load")
 
@@ -77,14 +83,22 @@ def finalise(outcome: Outcome) -> Final:
     refined: list[tuple[Named, Candidate, Term]] = []
     for i, one in enumerate(effects):
         others = [t for _, _, t in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
-        candidate = _refine(white, white.fit(others), one.candidate)
+        fit = white.fit(others)
+        candidate = simplest(white, fit, refine(white, fit, one.candidate))
         refined.append((one, candidate, _term(white, candidate, one.term)))
     forms: list[tuple[Form, Term] | None] = []
     for i, (one, candidate, term) in enumerate(refined):
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
         forms.append(_form_if_kept(white, one, candidate, term, others))
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
-    base = sparse_base(white, terms)
+    base, error = likely_base(white, terms)
+    if error <= RIGHT_NUMBERS and any(
+        f is None and "reference" in r[1].nonlinear for f, r in zip(forms, refined, strict=True)
+    ):
+        others = mass_terms + [f[1] for f in forms if f is not None]
+        refined = _with_references(white, base, refined, forms, others, error)
+        terms = [t for _, _, t in refined] + others
+        base, error = likely_base(white, terms)
     fit = Fit(white.targets, [*base, *terms])
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
@@ -99,71 +113,41 @@ def finalise(outcome: Outcome) -> Final:
             next_form += 1
         estimates.append(_estimate(problem, white, fit, one, candidate, form, where, rng, refined, i))
     friction, std, inertial = _base_of(white, fit, mass_terms, masses)
-    alone = Fit(white.targets, [*sparse_base(white, mass_terms), *mass_terms])
+    alone = Fit(white.targets, [*likely_base(white, mass_terms)[0], *mass_terms])
     base_friction, _, base_inertial = _base_of(white, alone, mass_terms, masses)
     return Final(outcome, fit, tuple(estimates), friction, std, inertial, base_friction, base_inertial)
 
 
-#: Relative error that a nominal number of the drive typically has.
-TYPICAL_ERROR = 0.15
-#: Evidence [nats] for a correction before it is made: of two dozen numbers one would else move by chance.
-NEEDED_NATS = 2.5
-
-
-def sparse_base(white: White, extra: list[Term]) -> list[Term]:
-    """Return the base terms that the data call for: a number that is right is left as it is.
-
-    Every correction of friction and motor inertia is weighed against none (Savage-Dickey ratio, the correction
-    being of :data:`TYPICAL_ERROR` before the data), the inertial parameters all together.
-    """
-    robot = white.problem.robot
-    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
-    base: list[Term] = []
-    slab: dict[str, float] = {}
-    for term in white.base:
-        if not term.label.startswith("friction "):
-            base.append(term)
+def _with_references(white, base, refined, forms, others, error):
+    """Place the reference temperatures where the numbers of the drives, known to be right, need no correction."""
+    result = list(refined)
+    for i, (one, candidate, term) in enumerate(refined):
+        if forms[i] is not None or "reference" not in candidate.nonlinear:
             continue
-        axis = int(term.label.split()[1])
-        for k in range(4):
-            label = f"{term.label} {k}"
-            base.append(Term(label, {axis: term.blocks[axis][:, [k]]}, term.std[[k]], {axis: term.raw[axis][:, [k]]}))
-            typical = TYPICAL_ERROR * nominal[axis, k]
-            slab[label] = min(term.std[k], typical) if typical > 0 else float(term.std[k])
-    fit = Fit(white.targets, [*base, *extra])
-    inertial = next((t for t in base if t.label == "inertial"), None)
-    if inertial is not None:
-        without = Fit(white.targets, [*(t for t in base if t is not inertial), *extra])
-        if without.evidence > fit.evidence:
-            base, fit = [t for t in base if t is not inertial], without
-    for _ in range(8):
-        for_removal = {}
-        for term, where in zip(fit.terms, fit.slices, strict=True):
-            if term.label in slab:
-                variance, value = fit.covariance[where, where][0, 0], fit.theta[where][0]
-                ratio = 0.5 * np.log(slab[term.label] ** 2 / variance) - 0.5 * value**2 / variance
-                if ratio > -NEEDED_NATS:
-                    for_removal[term.label] = ratio
-        if not for_removal:
-            break
-        # Numbers that stand in for each other must not go together: the upper half first.
-        bar = float(np.median(list(for_removal.values())))
-        gone = {label for label, ratio in for_removal.items() if ratio >= bar}
-        base = [t for t in base if t.label not in gone]
-        fit = Fit(white.targets, [*base, *extra])
-    # A number that would have to be negative is not what is wrong: it stays as it is.
-    for _ in range(4):
-        values = {t.label: fit.theta[w][0] for t, w in zip(fit.terms, fit.slices, strict=True) if t.label in slab}
-        gone = set()
-        for label, value in values.items():
-            axis, k = map(int, label.split()[1:])
-            if nominal[axis, k] + (value if k != 1 else -value) < 0:
-                gone.add(label)
-        if not gone:
-            break
-        base = [t for t in base if t.label not in gone]
-        fit = Fit(white.targets, [*base, *extra])
-    return base
+        rest = [t for k, (_, _, t) in enumerate(result) if k != i] + others
+        fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
+        warm = white.problem.train_state.temperature[:, candidate.axis]
+        low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
+        margin = 0.25 * (high - low)
+
+        def at(temperature, candidate=candidate, fit=fit):
+            moved = replace(candidate, nonlinear={**candidate.nonlinear, "reference": round(float(temperature), 3)})
+            return evidence_at(white, fit, moved), moved
+
+        value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, 13)), key=lambda x: x[0])
+        step = (high - low) / 16
+        while step > 0.01:
+            around = [at(moved.nonlinear["reference"] + sign * step) for sign in (1, -1)]
+            best = max(around, key=lambda x: x[0])
+            if best[0] > value:
+                value, moved = best
+            else:
+                step *= 0.4
+        moved = refine(white, fit, moved)
+        value = evidence_at(white, fit, moved)
+        if fit.evidence + value > Fit(white.targets, [*base, *rest, term]).evidence:
+            result[i] = (one, moved, _term(white, moved, term))
+    return result
 
 
 def effect_on(state: State, estimate: Estimate) -> np.ndarray:
@@ -218,49 +202,6 @@ def _term(white: White, candidate: Candidate, old: Term) -> Term:
     )
 
 
-def _free(candidate: Candidate) -> list:
-    """The nonlinear parameters of a candidate that may be refined."""
-    if candidate.axis is None or get_effect(candidate.effect).needs_source:
-        return []
-    known = {p.name: p for p in get_effect(candidate.effect).parameters}
-    return [known[k] for k in candidate.nonlinear if not known[k].fixed and k != "order"] + [
-        known[k] for k in candidate.nonlinear if k == "order" and get_effect(candidate.effect).argument != "motor angle"
-    ]
-
-
-def _value(white: White, fit: Fit, candidate: Candidate) -> float:
-    columns = raw_columns(white, candidate)
-    if not np.isfinite(columns).all():
-        return -np.inf
-    b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
-    return gain(b, gram, prior_std(white, candidate.axis, columns))
-
-
-def _refine(white: White, fit: Fit, candidate: Candidate) -> Candidate:
-    """Move the nonlinear parameters of a candidate to the largest evidence, one after the other, twice.
-
-    Parameters that are positive are searched on a logarithmic scale, with steps that shrink.
-    """
-    free = _free(candidate)
-    if not free:
-        return candidate
-    best, value = candidate, _value(white, fit, candidate)
-    step = {p.name: 0.25 for p in free}
-    for _ in range(7):
-        for p in free:
-            for sign in (1.0, -1.0):
-                trial_value = float(best.nonlinear[p.name]) * np.exp(sign * step[p.name])
-                trial_value = float(np.clip(trial_value, p.lower, p.upper))
-                trial = replace(best, nonlinear={**best.nonlinear, p.name: trial_value})
-                got = _value(white, fit, trial)
-                if got > value:
-                    best, value = trial, got
-                    break
-            else:
-                step[p.name] *= 0.45
-    return best
-
-
 def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Term] | None:
     form = form_of(white, candidate)
     effect = get_effect(candidate.effect)
@@ -303,17 +244,18 @@ def _estimate(problem, white, fit, one, candidate, form, where, rng, refined, in
     others = [t for k, (_, _, t) in enumerate(refined) if k != index]
     rest = white.fit(others)
     directions = []
-    for p in _free(candidate):
+    for p in free_parameters(candidate):
         if p.name == "delay":
             continue
         spread = _spread(white, rest, candidate, p)
         std[p.name] = spread * abs(float(candidate.nonlinear[p.name]))
         directions.append(_profile_change(problem, white, rest, candidate, p.name, spread))
-    if "reference" in candidate.nonlinear:
+    # A reference that the search left in the middle of the temperatures is not known; one that was placed is.
+    if candidate.nonlinear.get("reference") == one.candidate.nonlinear.get("reference", np.nan):
         directions.append(_reference_change(problem, candidate, coefficients[:own]))
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
-    moving = problem.measured.usable[problem.test]
+    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= JUDGED_SPEED)
     torque = np.where(moving, columns @ coefficients, 0.0)
     peak = float(np.max(np.abs(torque), initial=0.0))
     root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
@@ -324,6 +266,10 @@ def _estimate(problem, white, fit, one, candidate, form, where, rng, refined, in
         sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None]).max(axis=(0, 1))
     else:
         sampled = columns[:, candidate.axis] @ draws
+        # Friction that was corrected beside the effect may be a part of it: some, all or none.
+        if not effect.sequential and effect.argument != "motor angle":
+            correction = friction_torque(fit, test, candidate.axis)
+            sampled = sampled + correction[:, None] * rng.beta(0.5, 0.5, DRAWS)
         for change in directions:
             sampled = sampled + change[:, candidate.axis][:, None] * rng.standard_normal(DRAWS)
         sampled = np.abs(sampled * moving[:, candidate.axis][:, None]).max(axis=0)
@@ -365,7 +311,7 @@ def _reference_change(problem, candidate: Candidate, coefficients: np.ndarray) -
 
 
 #: Relative standard deviation of the form of an effect in the interval of its peak torque.
-FORM_ERROR = 0.1
+FORM_ERROR = 0.2
 
 
 def _spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
@@ -374,7 +320,7 @@ def _spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
 
     def at(shift):
         value = float(candidate.nonlinear[parameter.name]) * np.exp(shift)
-        return _value(white, fit, replace(candidate, nonlinear={**candidate.nonlinear, parameter.name: value}))
+        return evidence_at(white, fit, replace(candidate, nonlinear={**candidate.nonlinear, parameter.name: value}))
 
     curvature = -(at(h) - 2 * at(0.0) + at(-h)) / h**2
     return float(np.clip(1 / np.sqrt(max(curvature, 1e-9)), 1e-4, 1.0))

@@ -126,6 +126,25 @@ def mass_direction(robot: Robot, link: int) -> np.ndarray:
     return direction
 
 
+#: Relative size below which an entry of an inertia matrix is round-off.
+ROUND_OFF = 1e-10
+
+
+def _of_a_body(inertia: np.ndarray) -> np.ndarray:
+    """Return the nearest inertia matrix (3, 3) without negative moments, free of round-off.
+
+    No body has negative moments and no model by DH table takes them; a URDF takes any set of parameters, physical or
+    not, that gives the torques of the fit, and is left alone.
+    """
+    size = float(np.abs(inertia).max())
+    clean = np.where(np.abs(inertia) < ROUND_OFF * size, 0.0, inertia)
+    moments, axes = np.linalg.eigh(clean)
+    if moments[0] >= 0:
+        return clean
+    # A shade more than nothing, so that rounding does not make it negative again.
+    return (axes * np.maximum(moments, ROUND_OFF * size)) @ axes.T
+
+
 def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
     """Return mass, com and inertia of every link, in the layout of a robot file, after adding `delta` (10 n,)."""
     result = []
@@ -135,6 +154,8 @@ def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
         new_mass = float(max(pi[0], 0.0))
         new_com = pi[1:4] / pi[0] if pi[0] > 1e-9 else np.zeros(3)
         about = _matrix(pi[4:]) - new_mass * _skew(new_com).T @ _skew(new_com)
+        if robot.links is not None:
+            about = _of_a_body(about)
         result.append(
             {
                 "mass": new_mass,

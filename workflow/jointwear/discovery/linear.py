@@ -80,6 +80,9 @@ class Fit:
 
 def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> float:
     """Return the evidence [nats] that columns with prior `std` add: fit less the price of complexity."""
+    if len(b) == 1:
+        one = 1.0 + float(std[0] * gram[0, 0] * std[0])
+        return -np.inf if one <= 0 else 0.5 * float(std[0] * b[0]) ** 2 / one - 0.5 * float(np.log(one))
     scaled = np.eye(len(b)) + std[:, None] * gram * std
     right = std * b
     sign, log_det = np.linalg.slogdet(scaled)

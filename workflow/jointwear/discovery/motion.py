@@ -9,6 +9,7 @@ twice that frequency, so that it leaves the signal alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -18,6 +19,8 @@ from jointwear.discovery.recording import Recording, elapsed_time
 
 #: Rates above this are decimated [Hz], to about TARGET.
 HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
+#: Samples below this share of the speed of the axis (95 % quantile), and below this speed [rad/s], count as rest.
+SLOW_SHARE, SLOW = 0.02, 0.02
 #: Shortest run of samples that a zero-phase filter is asked to handle.
 SHORTEST = 24
 
@@ -29,7 +32,8 @@ class Measured:
     `usable` marks samples that can be judged: the joint moves, away from filter edges, everything finite.
     `cutoff` (n,) [Hz] of the filter that made the derivatives, NaN where they were given. `rate` [Hz].
     `speed_floor` (n,) [rad/s] below which a joint counts as at rest. `band` [Hz] above which the torque was filtered
-    away, infinite where it was left alone.
+    away, infinite where it was left alone. `reach` (n,) [Hz] up to which the positions hold a signal, where
+    accelerations were derived; else None.
     """
 
     time: np.ndarray
@@ -44,6 +48,7 @@ class Measured:
     rate: float
     speed_floor: np.ndarray
     band: float = np.inf
+    reach: np.ndarray | None = None
 
 
 def runs(trajectory: np.ndarray) -> list[slice]:
@@ -80,11 +85,16 @@ def noise_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
     return floor, float(max(end, frequencies[1]))
 
 
+@lru_cache(maxsize=128)
+def _butterworth(cutoff: float, rate: float) -> np.ndarray:
+    return butter(4, cutoff, fs=rate, output="sos")
+
+
 def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
     """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
     if cutoff >= 0.45 * rate or len(values) < SHORTEST:
         return values
-    sos = butter(4, cutoff, fs=rate, output="sos")
+    sos = _butterworth(cutoff, rate)
     pad = min(len(values) - 1, int(3 * rate / cutoff))
     return sosfiltfilt(sos, values, axis=0, padlen=pad)
 
@@ -116,6 +126,9 @@ def measure(recording: Recording) -> Measured:
     velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
     acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
     source = position if velocity is None else velocity
+    reach = None
+    if velocity is None or acceleration is None:
+        reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
     for j in range(n):
         density, end = noise_floor([source[p, j] for p in pieces], rate)
         if velocity is None or acceleration is None:
@@ -171,7 +184,9 @@ def measure(recording: Recording) -> Measured:
         np.concatenate(group) for group in zip(*parts, strict=True)
     )
     fast = np.array([np.quantile(np.abs(velocity[:, j]), 0.95) for j in range(n)])
-    speed_floor = np.maximum(np.maximum(5 * floors[0], 0.01 * fast), 1e-6)
+    # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
+    slow = np.minimum(SLOW_SHARE * fast, SLOW)
+    speed_floor = np.maximum(np.maximum(5 * floors[0], slow), 1e-6)
     usable = ok & _moving(velocity, trajectory, speed_floor, guard)
     return Measured(
         time,
@@ -186,6 +201,7 @@ def measure(recording: Recording) -> Measured:
         out_rate,
         speed_floor,
         0.5 * out_rate if factor > 1 else np.inf,
+        reach,
     )
 
 

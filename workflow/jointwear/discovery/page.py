@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from jointwear.discovery.drawing import draw_all
+from jointwear.documents import read_yaml
 from jointwear.effects import library
 from jointwear.files import replace_text
 from jointwear.report.inline import inline_svg
@@ -69,10 +71,55 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
     return tuple(1 - (root[k] - root["noise_floor"]) / width for k in ("retuned", "augmented"))
 
 
+def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return one row a joint: what was named, corrected and left, and the part of the gap that each model leaves."""
+    effects, gap = library(), content["gap"]
+    whole = [effects[e["effect"]].name.lower() for e in content["effects"] if e["axis"] is None]
+    rows = []
+    for axis in range(1, len(gap["nominal"]) + 1):
+        named = [
+            effects[e["effect"]].name.lower() + (f" from joint {e['source_axis']}" if e["source_axis"] else "")
+            for e in content["effects"]
+            if e["axis"] == axis
+        ]
+        left = [u["argument"] for u in content["unexplained"] if u["axis"] == axis]
+        retuned = [r["parameter"].replace("_", " ") for r in content["retuned"] if r["axis"] == axis]
+        k = axis - 1
+        better = None
+        if gap["retuned"][k] and gap["augmented"][k]:
+            better = gap["retuned"][k] / gap["augmented"][k]
+        rows.append({"axis": axis, "named": named + whole, "left": left[:3], "retuned": retuned, "better": better})
+    return rows
+
+
+def compare_published(content: Mapping[str, Any], published: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return published values beside those found; `found` is None where the effect was not named."""
+    rows = []
+    for entry in published["values"]:
+        same = [
+            e
+            for e in content["effects"]
+            if (e["effect"], e["axis"], e["source_axis"]) == (entry["effect"], entry["axis"], entry.get("source_axis"))
+        ]
+        found = same[0]["parameters"].get(entry["parameter"]) if same else None
+        rows.append({**entry, "found": found["value"] if found else None, "std": found["std"] if found else None})
+    return rows
+
+
 def write_page(
-    verdict: str | Path, where: str | Path, models: str | Path, output: str | Path, figures: str | Path
+    verdict: str | Path,
+    where: str | Path,
+    models: str | Path,
+    output: str | Path,
+    figures: str | Path,
+    published: str | Path | None = None,
 ) -> None:
-    """Write the page of one data set; `figures` is the folder for its SVG files."""
+    """Write the page of one data set.
+
+    Parameters
+    ----------
+    figures : folder for its SVG files. published : YAML file with values that others found, or None.
+    """
     content = json.loads(Path(verdict).read_text(encoding="utf-8"))
     files = draw_all(verdict, where, models, figures)
     effects = library()
@@ -87,6 +134,11 @@ def write_page(
         "figures": {name: inline_svg(path, name.replace("_", "-")) for name, path in files.items()},
         "files": {name: Path(path).relative_to(Path(output).parent).as_posix() for name, path in files.items()},
         "single": single,
+        "joints": joint_table(content),
+        "published": None,
         "pairs": pairs,
     }
+    if published is not None:
+        others = read_yaml(str(published))
+        context["published"] = {**others, "rows": compare_published(content, others)}
     replace_text(output, render_page("discover.html.j2", context))

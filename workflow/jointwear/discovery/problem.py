@@ -14,10 +14,11 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.motion import Measured, low_pass, measure, runs
 from jointwear.discovery.noise import Whitener, corrected, estimate
 from jointwear.discovery.recording import Recording
+from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.structure import axis_bases
 from jointwear.dynamics import Dynamics
-from jointwear.effects import State, effect_torque, make_state
+from jointwear.effects import State, effect_torque, library, make_state
 from jointwear.robot import Robot
 
 #: Fewest usable samples of an axis that a verdict is based on.
@@ -99,9 +100,9 @@ class Problem:
         )
 
 
-def build_problem(recording: Recording, robot: Robot, settings: Settings) -> Problem:
-    """Set up the comparison of a split recording with `robot`."""
-    measured = measure(recording)
+def build_problem(recording: Recording, robot: Robot, settings: Settings, measured: Measured | None = None) -> Problem:
+    """Set up the comparison of a split recording with `robot`; `measured` are its samples if already at hand."""
+    measured = leave_out_reversals(measured or measure(recording))
     dynamics = Dynamics(robot)
     q, v, a = measured.position, measured.velocity, measured.acceleration
     regressor = inertial_regressor(dynamics, q, v, a)
@@ -184,6 +185,9 @@ def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None)
         if extra is not None and axis in extra:
             groups.append(extra[axis])
         groups += [b.columns for b in axis_bases(state, axis, used, coarse=True)]
+        if used.sum() >= ROOM * sum(g.shape[1] for g in groups):
+            groups += _sequential_columns(state, axis)
+            groups.append(_beside_reversals(state, axis, label, problem.measured.rate))
         columns = np.concatenate(groups, axis=1)
         scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
         columns = columns[:, scale > 1e-9] / scale[scale > 1e-9]
@@ -193,6 +197,32 @@ def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None)
         white = corrected(estimate(take_off(y), used, label), take_off, label, problem.measured.rate)
         result.append(white)
     return result
+
+
+#: Samples for each column of the saturated fit from which it may hold still more columns.
+ROOM = 15
+#: Frequencies [Hz] above which a step at a reversal is kept.
+SHARP = (4.0, 6.0, 9.0)
+
+
+def _beside_reversals(state: State, axis: int, label: np.ndarray, rate: float) -> np.ndarray:
+    """Return what is sharp in the sign of the velocity, (N, 3): misfits beside reversals are not noise."""
+    sense = state.direction[:, axis]
+    result = np.zeros((len(sense), len(SHARP)))
+    for piece in runs(label):
+        for k, frequency in enumerate(SHARP):
+            result[piece, k] = sense[piece] - low_pass(sense[piece], frequency, rate)
+    return result
+
+
+def _sequential_columns(state: State, axis: int) -> list[np.ndarray]:
+    """Return the columns of effects that depend on the order of samples: no basis over an argument follows them."""
+    return [
+        effect.columns(state, axis, None, nonlinear)
+        for effect in library().values()
+        if effect.identifiable and effect.sequential
+        for nonlinear in effect.grid(state, axis)
+    ]
 
 
 def _remover(columns: np.ndarray, used: np.ndarray, white: Whitener | None) -> Callable[[np.ndarray], np.ndarray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from jointwear.discovery.decide import Outcome, search, unexplained
 from jointwear.discovery.experiment import propose
 from jointwear.discovery.files import load_recording, read_recording, write_recording
 from jointwear.discovery.final import finalise
+from jointwear.discovery.free import free_identification
 from jointwear.discovery.motion import measure
 from jointwear.discovery.problem import build_problem, estimate_noise, whiten
 from jointwear.discovery.recording import split
@@ -67,11 +69,11 @@ def ingest_recording(name: str, entry: Mapping[str, Any], robot: str | Path, out
 
 def _motion_variables(measured) -> dict[str, Variable]:
     n = measured.position.shape[1]
-    pair = ("time", "joint")
+    pair = ("instant", "joint")
     return {
         "joint": Variable(("joint",), np.arange(1, n + 1), "number of the joint", "1"),
-        "time": Variable(("time",), measured.time, "time, never running backwards", "s"),
-        "trajectory": Variable(("time",), measured.trajectory, "label of the trajectory", "1"),
+        "time": Variable(("instant",), measured.time, "time, never running backwards", "s"),
+        "trajectory": Variable(("instant",), measured.trajectory, "label of the trajectory", "1"),
         "position": Variable(pair, measured.position, "joint position", "rad"),
         "velocity": Variable(pair, measured.velocity, "joint velocity", "rad/s"),
         "acceleration": Variable(pair, measured.acceleration, "joint acceleration", "rad/s2"),
@@ -98,8 +100,8 @@ def simulate_nominal(recording: str | Path, robot: str | Path, output: str | Pat
     measured = measure(data)
     torque, load = simulate_robot(load_robot(robot), measured)
     variables = _motion_variables(measured)
-    variables["nominal"] = Variable(("time", "joint"), torque, "torque of the nominal model", "N m")
-    variables["load"] = Variable(("time", "joint"), load, "rigid-body torque without motor inertia", "N m")
+    variables["nominal"] = Variable(("instant", "joint"), torque, "torque of the nominal model", "N m")
+    variables["load"] = Variable(("instant", "joint"), load, "rigid-body torque without motor inertia", "N m")
     attributes = provenance.attributes(f"nominal model of data set {data.name}", {"dataset": data.name})
     attributes |= {"train": list(data.train), "test": list(data.test), "rate_hz": measured.rate}
     write_dataset(output, variables, attributes)
@@ -149,8 +151,9 @@ def decide_effects(
     """Score every candidate, decide, and write the verdict without its gap, both robots and the evidence."""
     data = read_recording(recording)
     arm = load_robot(robot)
-    problem = build_problem(data, arm, settings_of(entry))
-    restrictions = check_recording(data, arm) + motion_restrictions(problem)
+    measured = cache(lambda: measure(data))
+    problem = build_problem(data, arm, settings_of(entry), measured())
+    restrictions = check_recording(data, arm, measured) + motion_restrictions(problem)
     outcome = search(problem)
     final = finalise(outcome)
     verdict = make_verdict(data.name, final, restrictions)
@@ -168,6 +171,7 @@ def decide_effects(
         }
         _write_trajectory(path, experiment.time, experiment.position)
     content["noise_floor"] = verdict.data["gap"]["noise_floor"]
+    content["free_identification"] = [None if e is None else _number(e) for e in free_identification(problem)]
     content["filter_cutoff_hz"] = [_number(c) if np.isfinite(c) else None for c in problem.measured.cutoff]
     replace_text(decision, json.dumps(content, indent=1, allow_nan=False) + "\n")
     for path, with_effects in ((Path(augmented), True), (Path(retuned), False)):
@@ -230,7 +234,7 @@ def simulate_models(
     measured = measure(data)
     variables = _motion_variables(measured)
     (torque, load) = read_variables(nominal, "nominal", "load")
-    pair = ("time", "joint")
+    pair = ("instant", "joint")
     variables["load"] = Variable(pair, load, "rigid-body torque of the nominal model without motor inertia", "N m")
     variables["nominal"] = Variable(pair, torque, "torque of the nominal model", "N m")
     for name, path in (("retuned", retuned), ("augmented", augmented)):

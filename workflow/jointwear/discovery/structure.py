@@ -21,11 +21,12 @@ class Basis:
 
 def knots_of(values: np.ndarray, count: int) -> np.ndarray:
     """Return up to `count` knots over `values`: half evenly spaced, half at quantiles, so that none is empty."""
-    low, high = np.quantile(values, [0.002, 0.998])
+    ordered = np.sort(values)
+    quantiles = ordered[np.round(np.linspace(0.002, 0.998, count) * (len(ordered) - 1)).astype(int)]
+    low, high = quantiles[0], quantiles[-1]
     if high - low <= 1e-9 * max(1.0, abs(low), abs(high)):
         return np.zeros(0)
     even = np.linspace(low, high, count)
-    quantiles = np.quantile(values, np.linspace(0.002, 0.998, count))
     return np.unique(0.5 * (even + quantiles))
 
 

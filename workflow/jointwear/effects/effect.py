@@ -44,6 +44,7 @@ class Effect:
     grid : nonlinear parameters to try on a given state and axis; empty where the state cannot show the effect.
     shape : (carrier, argument) with torque = carrier x function(argument), each (...,), or None. It lets the
         function be corrected by a table over the argument.
+    plain : nonlinear parameters of the simplest forms, simplest first, taken where the data do not decide.
     needs_source : the effect comes from another axis. whole_arm : it acts on all axes at once.
     sequential : depends on the order of samples; without an order it acts in its settled limit, with zero torque.
     identifiable : False where torque and position alone cannot show it at all (`reason` says why).
@@ -63,6 +64,7 @@ class Effect:
     parameters_of: Callable[[Parameters, np.ndarray], dict[str, float]] | None
     grid: Callable[[State, int], Sequence[Parameters]]
     shape: Callable[[State, int, Parameters], tuple[np.ndarray, np.ndarray]] | None = None
+    plain: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
     needs_source: bool = False
     whole_arm: bool = False
     sequential: bool = False

@@ -1,19 +1,47 @@
 """Torque that is measured or acts later than commanded."""
 
+import numpy as np
+
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.order import delayed
 
+#: A lag is a mean of delays with exponential weights; quantiles of equal weight stand for it.
+_QUANTILES = -np.log1p(-(np.arange(8) + 0.5) / 8)
+
+
+def _coulomb(state, axis, velocity):
+    level = np.where(velocity > 0, state.drive.coulomb_positive[axis], state.drive.coulomb_negative[axis])
+    return np.where(velocity == 0, 0.0, level)
+
+
+def _late(state, axis, delay):
+    # Coulomb friction jumps between two samples: the instant of reversal comes from the velocity, which does not.
+    velocity, torque = state.velocity[..., axis], state.torque[..., axis]
+    smooth = delayed(state, torque - _coulomb(state, axis, velocity), delay)
+    return smooth + _coulomb(state, axis, delayed(state, velocity, delay))
+
 
 def _columns(state, axis, source, p):
-    torque = state.torque[..., axis]
-    return (delayed(state, torque, p["delay"]) - torque)[..., None]
+    if state.record is None:
+        return np.zeros((*np.shape(state.time), 1))
+    times = p["delay"] * _QUANTILES if p.get("lag") else [p["delay"]]
+    return (sum(_late(state, axis, d) for d in times) / len(times) - state.torque[..., axis])[..., None]
+
+
+def _grid(state, axis):
+    if state.record is None:
+        return []
+    return [{"delay": d, "lag": 0} for d in (0.004, 0.012, 0.02)] + [{"delay": d, "lag": 1} for d in (0.005, 0.015)]
 
 
 EFFECT = Effect(
     identifier="actuation_delay",
     name="Actuation delay",
-    equation="tau(t - d) - tau(t)",
-    parameters=(Parameter("delay", "s", 0.0, 0.06, "d"),),
+    equation="tau(t - d) - tau(t), or the same with a first-order lag of time constant d",
+    parameters=(
+        Parameter("delay", "s", 0.0, 0.06, "d"),
+        Parameter("lag", "1", 0, 1, "0: a dead time, 1: a first-order lag", 0, fixed=True),
+    ),
     confused_with=("presliding_hysteresis", "joint_flexibility"),
     excitation="fast changes of torque, with and without reversals",
     source="engineering judgement",
@@ -22,7 +50,7 @@ EFFECT = Effect(
     torque=lambda state, axis, source, p: _columns(state, axis, source, p)[..., 0],
     columns=_columns,
     # To first order the effect is -d times the rate of torque, so the coefficient scales the delay.
-    parameters_of=lambda p, c: {"delay": float(p["delay"] * c[0])},
-    grid=lambda state, axis: [] if state.record is None else [{"delay": d} for d in (0.004, 0.012, 0.02)],
+    parameters_of=lambda p, c: {**p, "delay": float(p["delay"] * c[0])},
+    grid=_grid,
     sequential=True,
 )

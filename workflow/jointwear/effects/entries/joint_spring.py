@@ -4,11 +4,17 @@ import numpy as np
 
 from jointwear.effects.effect import Effect, Parameter
 
+#: Share of the travel over which the torque goes on straight beyond either end.
+_BEYOND = 0.15
+
 
 def _columns(state, axis, source, p):
-    # Beyond the travel that it was found on a polynomial says nothing: it stays at its end.
-    x = np.clip(state.position[..., axis], p["low"], p["high"]) - p["centre"]
-    return np.stack([x, x**2, x**3], axis=-1)
+    # Beyond the travel that it was found on a polynomial says nothing: it goes on straight for a while, then stays.
+    inside = np.clip(state.position[..., axis], p["low"], p["high"])
+    reach = _BEYOND * (p["high"] - p["low"])
+    beyond = np.clip(state.position[..., axis] - inside, -reach, reach)
+    x = inside - p["centre"]
+    return np.stack([x + beyond, x**2 + 2 * x * beyond, x**3 + 3 * x**2 * beyond], axis=-1)
 
 
 def _grid(state, axis):

@@ -21,7 +21,7 @@ EFFECT = Effect(
     equation="A sin(n q + phi) sign(v)",
     parameters=(
         Parameter("amplitude", "N m", 0.0, 1e4, "A"),
-        Parameter("order", "1", 0.2, 40.0, "n, waves in one turn of the joint", 1.0),
+        Parameter("order", "1", 0.8, 40.0, "n, waves in one turn of the joint", 1.0),
         Parameter("phase", "rad", -6.3, 6.3, "phi"),
     ),
     confused_with=("joint_spring",),

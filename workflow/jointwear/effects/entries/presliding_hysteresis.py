@@ -48,7 +48,7 @@ EFFECT = Effect(
     equation="Fc (z - sign(v)), dz/dq = (1 - sign(v) z)/x0",
     parameters=(
         Parameter("level", "N m", 0.0, 1e4, "Fc, friction that builds up"),
-        Parameter("distance", "rad", 5e-4, 1.0, "x0, travel over which it builds up", 0.03),
+        Parameter("distance", "rad", 4e-3, 1.0, "x0, travel over which it builds up", 0.03),
     ),
     confused_with=("actuation_delay", "stribeck_friction"),
     excitation="many reversals at different accelerations",

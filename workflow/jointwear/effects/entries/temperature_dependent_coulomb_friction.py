@@ -5,22 +5,28 @@ import numpy as np
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.temperature import reference_temperature, warming
 
+#: Scale [K] beyond which the fall counts as a straight line.
+_STRAIGHT = 1e4
+
 
 def _columns(state, axis, source, p):
-    return (-warming(state, axis, p["reference"]) * state.direction[..., axis])[..., None]
+    scale = p["scale"]
+    fall = scale * np.expm1(-warming(state, axis, p["reference"]) / scale)
+    return (fall * state.direction[..., axis])[..., None]
 
 
 def _grid(state, axis):
     reference = reference_temperature(state, axis)
-    return [] if reference is None else [{"reference": reference}]
+    return [] if reference is None else [{"reference": reference, "scale": s} for s in (_STRAIGHT, 100.0, 40.0)]
 
 
 EFFECT = Effect(
     identifier="temperature_dependent_coulomb_friction",
     name="Temperature-dependent Coulomb friction",
-    equation="-a Fc (T - T0) sign(v)",
+    equation="a Fc Tc (exp(-(T - T0)/Tc) - 1) sign(v), which is -a Fc (T - T0) sign(v) for a large Tc",
     parameters=(
-        Parameter("slope", "N m/K", 0.0, 1e3, "a Fc, fall of Coulomb friction per kelvin"),
+        Parameter("slope", "N m/K", 0.0, 1e3, "a Fc, fall of Coulomb friction per kelvin at T0"),
+        Parameter("scale", "K", 10.0, _STRAIGHT, "Tc, warming over which the fall bends", _STRAIGHT),
         Parameter(
             "reference", "degC", -50.0, 200.0, "T0, at which the robot file's Coulomb friction holds", 25.0, fixed=True
         ),
@@ -34,6 +40,7 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "slope": float(c[0])},
     grid=_grid,
+    plain=lambda state, axis: _grid(state, axis)[:1],
     shape=lambda state, axis, p: (
         state.direction[..., axis],
         np.nan_to_num(state.temperature[..., axis], nan=p["reference"]),

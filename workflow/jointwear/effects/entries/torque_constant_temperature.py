@@ -21,7 +21,7 @@ EFFECT = Effect(
     equation="-a (T - T0) tau",
     parameters=(
         Parameter("slope", "1/K", 0.0, 0.1, "a, fall of the gain per kelvin"),
-        Parameter("reference", "degC", -50.0, 200.0, "T0, at which the gain is right", 25.0),
+        Parameter("reference", "degC", -50.0, 200.0, "T0, at which the gain is right", 25.0, fixed=True),
     ),
     confused_with=("temperature_dependent_viscous_friction", "temperature_dependent_coulomb_friction"),
     excitation="gravity load with little motion, cold and warm",

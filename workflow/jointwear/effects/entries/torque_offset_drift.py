@@ -42,6 +42,12 @@ def _grid(state, axis):
     return rises + [{"start": start, "period": f * span} for f in (0.5, 0.7, 1.0, 1.5, 2.5)]
 
 
+def _plain(state, axis):
+    # A straight line.
+    start, span = float(np.min(state.time)), float(np.ptp(state.time))
+    return [{"start": start, "time_constant": 20.0 * span}] if span > 0 else []
+
+
 EFFECT = Effect(
     identifier="torque_offset_drift",
     name="Drifting torque offset",
@@ -63,5 +69,6 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=_parameters_of,
     grid=_grid,
+    plain=_plain,
     shape=lambda state, axis, p: (np.ones(np.shape(state.time)), state.time),
 )

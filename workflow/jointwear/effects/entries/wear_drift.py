@@ -23,6 +23,12 @@ def _grid(state, axis):
     return [{"start": start, "rate": x / span, "exponent": m} for x, m in shapes]
 
 
+def _plain(state, axis):
+    # Growth in proportion to time.
+    start, span = float(np.min(state.time)), float(np.ptp(state.time))
+    return [{"start": start, "rate": 0.3 / span, "exponent": 1.0}] if span > 0 else []
+
+
 EFFECT = Effect(
     identifier="wear_drift",
     name="Wear: growing Coulomb friction",
@@ -42,5 +48,6 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "level": float(c[0])},
     grid=_grid,
+    plain=_plain,
     shape=lambda state, axis, p: (state.direction[..., axis], state.time),
 )

@@ -1,0 +1,129 @@
+"""How wrong the nominal numbers are: corrections of friction, motor inertia and inertial parameters with a likely size.
+
+The search leaves the numbers of the drives free. The model that is written asks how far numbers of this model
+usually are from the truth: one relative error for all of them, chosen by the evidence of the data (empirical Bayes),
+and numbers that stand out are set free one by one. Where the nominal model is right the corrections vanish, so that
+they cannot take a part of an effect; where all its numbers are somewhat wrong each is moved as far as the data ask.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.problem import White
+from jointwear.effects import State
+
+#: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free.
+DRIVE_ERRORS = (1e-4, 0.03, 0.1, 0.3, np.inf)
+#: The same for the inertial parameters, in units of their prior.
+INERTIAL_ERRORS = (1e-3, 0.3, 1.0)
+#: Evidence [nats] that setting one number free needs, and how many may be: of two dozen one would go by chance.
+NEEDED_NATS = 4.0
+MOST_FREE = 6
+
+
+def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
+    """Return the base terms, one a number of the drives, with the prior under which the data are most likely.
+
+    Parameters
+    ----------
+    extra : the effects that are part of the model.
+
+    Returns
+    -------
+    the terms, and the relative error of the numbers of the drives, one of :data:`DRIVE_ERRORS`.
+    """
+    robot = white.problem.robot
+    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
+    base: list[Term] = []
+    for term in white.base:
+        if not term.label.startswith("friction "):
+            base.append(term)
+            continue
+        axis = int(term.label.split()[1])
+        for k in range(4):
+            blocks, raw = {axis: term.blocks[axis][:, [k]]}, {axis: term.raw[axis][:, [k]]}
+            base.append(Term(f"{term.label} {k}", blocks, term.std[[k]], raw))
+    fit = Fit(white.targets, [*base, *extra])
+    data = fit.normal - np.diag(fit.std**-2.0)
+    places = {t.label: w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label.startswith("friction ")}
+    inertial = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == "inertial"), None)
+    drives = np.array([w.start for w in places.values()], dtype=int)
+    size = np.array([abs(nominal[int(x.split()[1]), int(x.split()[2])]) for x in places])
+    wide = fit.std[drives]
+
+    def weigh(std: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Evidence up to a constant, coefficients and their variances under a prior."""
+        factor = cho_factor(data + np.diag(std**-2.0))
+        theta = cho_solve(factor, fit.right)
+        log_det = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * float(np.sum(np.log(std)))
+        return 0.5 * float(fit.right @ theta) - 0.5 * log_det, theta, factor
+
+    best: tuple[float, np.ndarray, float] = (-np.inf, fit.std, np.inf)
+    for restraint in INERTIAL_ERRORS if inertial is not None else (1.0,):
+        for error in DRIVE_ERRORS:
+            std = fit.std.copy()
+            if inertial is not None:
+                std[inertial] *= restraint
+            # A number that the model gives as zero has no relative error: it is free.
+            std[drives] = np.where(size > 0, np.minimum(wide, error * np.maximum(size, 1e-12)), wide)
+            value, theta, factor = weigh(std)
+            for _ in range(MOST_FREE if np.isfinite(error) else 0):
+                pull = np.where(std[drives] < wide, np.abs(theta[drives]) / std[drives] ** 2, 0.0)
+                # By how much the fit pulls at a prior, in units of what noise would make of it.
+                spread = np.maximum(std[drives] ** 2 - np.diag(cho_solve(factor, np.eye(len(std))))[drives], 1e-300)
+                k = int(np.argmax(pull * std[drives] ** 2 / np.sqrt(spread)))
+                if std[drives[k]] >= wide[k]:
+                    break
+                trial = std.copy()
+                trial[drives[k]] = wide[k]
+                got, theta_free, factor_free = weigh(trial)
+                if got < value + NEEDED_NATS:
+                    break
+                std, value, theta, factor = trial, got, theta_free, factor_free
+            if value > best[0]:
+                best = (value, std, error)
+    std = best[1]
+    chosen = [Term(t.label, t.blocks, std[w], t.raw) for t, w in zip(fit.terms, fit.slices, strict=True)][: len(base)]
+    # A number that would have to be negative is not what is wrong: it stays as it is.
+    for _ in range(4):
+        fit = Fit(white.targets, [*chosen, *extra])
+        gone = set()
+        for label, where in zip((t.label for t in chosen), fit.slices, strict=False):
+            if label in places:
+                axis, k = map(int, label.split()[1:])
+                value = fit.theta[where][0]
+                if nominal[axis, k] + (value if k != 1 else -value) < 0:
+                    gone.add(label)
+        if not gone:
+            break
+        chosen = [t for t in chosen if t.label not in gone]
+    return chosen, best[2]
+
+
+def pinned(white: White, base: list[Term], axis: int, error: float) -> list[Term]:
+    """Return `base` with the numbers of one drive known to a relative `error`."""
+    robot = white.problem.robot
+    nominal = (robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature)
+    result = []
+    for term in base:
+        own = term.label.startswith(f"friction {axis} ")
+        size = abs(float(nominal[int(term.label.split()[2])][axis])) if own else 0.0
+        result.append(replace(term, std=np.minimum(term.std, error * size)) if size > 0 else term)
+    return result
+
+
+def friction_torque(fit: Fit, state: State, axis: int) -> np.ndarray:
+    """Return the torque (m,) of the correction of Coulomb and viscous friction of one axis in a fit [N m]."""
+    v = state.velocity[:, axis]
+    columns = (v > 0, v < 0, v)
+    total = np.zeros(len(v))
+    for term, where in zip(fit.terms, fit.slices, strict=True):
+        for k, column in enumerate(columns):
+            if term.label == f"friction {axis} {k}":
+                total = total + fit.theta[where][0] * column
+    return total

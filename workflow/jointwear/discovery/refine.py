@@ -1,0 +1,93 @@
+"""Nonlinear parameters of an effect, moved from the grid to the largest evidence."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.linear import Fit, gain
+from jointwear.discovery.problem import White
+from jointwear.effects import get_effect
+
+
+def free_parameters(candidate: Candidate) -> list:
+    """The nonlinear parameters of a candidate that may be refined."""
+    if candidate.axis is None or get_effect(candidate.effect).needs_source:
+        return []
+    known = {p.name: p for p in get_effect(candidate.effect).parameters}
+    return [known[k] for k in candidate.nonlinear if not known[k].fixed and k != "order"] + [
+        known[k] for k in candidate.nonlinear if k == "order" and get_effect(candidate.effect).argument != "motor angle"
+    ]
+
+
+def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
+    """Return the evidence [nats] that a candidate on one axis adds to a fit."""
+    columns = raw_columns(white, candidate)
+    if not np.isfinite(columns).all():
+        return -np.inf
+    b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+    return gain(b, gram, prior_std(white, candidate.axis, columns))
+
+
+def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = False) -> Candidate:
+    """Move the nonlinear parameters of a candidate to the largest evidence, one after the other, twice.
+
+    Parameters that are positive are searched on a logarithmic scale, with steps that shrink. A delay is tried as a
+    dead time and as a lag; `other_form` says that this has been seen to.
+    """
+    free = free_parameters(candidate)
+    if not free:
+        return candidate
+    if "lag" in candidate.nonlinear and not other_form:
+        other = replace(candidate, nonlinear={**candidate.nonlinear, "lag": 1 - candidate.nonlinear["lag"]})
+        found = [refine(white, fit, c, other_form=True) for c in (candidate, other)]
+        return max(found, key=lambda c: evidence_at(white, fit, c))
+    best, value = candidate, evidence_at(white, fit, candidate)
+    step = {p.name: 0.25 for p in free}
+    for _ in range(7):
+        for p in free:
+            for sign in (1.0, -1.0):
+                trial_value = float(best.nonlinear[p.name]) * np.exp(sign * step[p.name])
+                trial_value = float(np.clip(trial_value, p.lower, p.upper))
+                trial = replace(best, nonlinear={**best.nonlinear, p.name: trial_value})
+                got = evidence_at(white, fit, trial)
+                if got > value:
+                    best, value = trial, got
+                    break
+            else:
+                step[p.name] *= 0.45
+    return best
+
+
+#: Evidence [nats] within which the form of an effect counts as undecided.
+UNDECIDED = 3.0
+
+
+def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
+    """Return the candidate with the simplest form that the data do not contradict.
+
+    A form that the data leave open says more than they do where there are none: between recordings, or beyond the
+    travel. Where an effect has a plain form it is taken; of waves over the travel those of the smallest amplitude,
+    because on a short travel a slow wave of large amplitude looks like a fast one of small amplitude.
+    """
+    if candidate.axis is None or not free_parameters(candidate):
+        return candidate
+    best = evidence_at(white, fit, candidate)
+    for nonlinear in get_effect(candidate.effect).plain(white.problem.train_state, candidate.axis):
+        trial = replace(candidate, nonlinear=dict(nonlinear))
+        if evidence_at(white, fit, trial) > best - UNDECIDED:
+            return trial
+    if "order" not in {p.name for p in free_parameters(candidate)}:
+        return candidate
+    found = []
+    for order in (float(candidate.nonlinear["order"]), 1.0, 1.5, 2.0, 3.0, 4.0):
+        trial = replace(candidate, nonlinear={**candidate.nonlinear, "order": order})
+        columns = raw_columns(white, trial)
+        b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+        std = prior_std(white, candidate.axis, columns)
+        size = float(np.linalg.norm(np.linalg.solve(gram + np.diag(1 / std**2), b)))
+        found.append((gain(b, gram, std), size, trial))
+    best = max(value for value, _, _ in found)
+    return min((f for f in found if f[0] > best - UNDECIDED), key=lambda f: f[1])[2]

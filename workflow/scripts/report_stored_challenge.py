@@ -1,0 +1,13 @@
+"""Write the page of the hidden-effect test from the summary kept with the project."""
+
+from jointwear.challenge.stored import write_stored_page
+from jointwear.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        write_stored_page(
+            snakemake.input.scores,
+            next(iter(snakemake.input.get("peers", [])), None),
+            snakemake.input.template,
+            snakemake.output[0],
+        )
