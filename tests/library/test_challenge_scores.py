@@ -20,11 +20,11 @@ from jointwear.challenge.scores import (
     failures,
     reached,
     score_tier,
-    wilson,
 )
 from jointwear.challenge.scoring import peak_covered, summarise
 from jointwear.challenge.stored import write_stored, write_stored_page
 from jointwear.challenge.tiers import EFFECTS, TARGETS, TIERS
+from jointwear.statistics import wilson_interval
 
 
 def effect(name="stribeck_friction", axis=2, energy=1000.0, **more):
@@ -169,7 +169,7 @@ def test_peak_interval():
 @given(st.integers(0, 60), st.integers(0, 60))
 def test_wilson_holds_the_share(a, b):
     right, count = min(a, b), max(a, b, 1)
-    low, high = wilson(right, count)
+    low, high = wilson_interval(right, count)
     assert 0 <= low <= right / count <= high <= 1
 
 

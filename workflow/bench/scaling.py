@@ -85,7 +85,7 @@ def readings(count: int, folder: Path) -> None:
 
 def write_logs(folder: Path) -> list[Path]:
     """Write the logs of the simulated arms; the last third of them wear."""
-    from jointwear.monitor.example import _write_netcdf, real_arm, simulate_day
+    from jointwear.monitor.example import real_arm, simulate_day, write_netcdf
     from jointwear.randomness import generator
     from jointwear.robot import load_robot
 
@@ -95,7 +95,7 @@ def write_logs(folder: Path) -> list[Path]:
         days = [simulate_day(real, day) for day in range(HOURS // 24)]
         paths.append(folder / f"arm_{arm:02d}.nc")
         paths[-1].parent.mkdir(parents=True, exist_ok=True)
-        _write_netcdf(paths[-1], *(np.concatenate(parts) for parts in zip(*days, strict=True)))
+        write_netcdf(paths[-1], *(np.concatenate(parts) for parts in zip(*days, strict=True)))
     return paths
 
 

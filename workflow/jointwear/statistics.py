@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +21,17 @@ def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tu
     share = successes / trials
     centre = (share + z**2 / (2 * trials)) / (1 + z**2 / trials)
     half = z / (1 + z**2 / trials) * np.sqrt(share * (1 - share) / trials + z**2 / (4 * trials**2))
-    low = 0.0 if successes == 0 else centre - half
-    high = 1.0 if successes == trials else centre + half
+    # Round-off must not push a bound past the share itself.
+    low = 0.0 if successes == 0 else min(centre - half, share)
+    high = 1.0 if successes == trials else max(centre + half, share)
     return float(low), float(high)
+
+
+def counted_share(successes: int, trials: int, empty: float | None = None) -> dict[str, Any]:
+    """Return `count`, `of`, `share` and its 95 % interval `low`, `high`; the share is `empty` without trials."""
+    low, high = wilson_interval(int(successes), int(trials))
+    share = successes / trials if trials else empty
+    return {"count": int(successes), "of": int(trials), "share": share, "low": low, "high": high}
 
 
 def spread_over_replicates(values: np.ndarray) -> tuple[float, float, float]:

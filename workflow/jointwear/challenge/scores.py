@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
 from jointwear.challenge.tiers import EFFECTS, FULL, TARGETS, TIERS
+from jointwear.statistics import wilson_interval
 
 Row = Mapping[str, Any]
 
@@ -30,25 +30,13 @@ SHARES = {
 UPPER_LIMITS = {"false_names", "tie_size"}
 
 
-def wilson(right: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Return Wilson's interval of a share (Wilson 1927); (0, 1) without cases."""
-    if not count:
-        return 0.0, 1.0
-    z = NormalDist().inv_cdf(0.5 + confidence / 2)
-    p = right / count
-    middle = (p + z**2 / (2 * count)) / (1 + z**2 / count)
-    half = z / (1 + z**2 / count) * np.sqrt(p * (1 - p) / count + z**2 / (4 * count**2))
-    # Round-off must not push a bound past the share itself.
-    return float(min(max(middle - half, 0), p)), float(max(min(middle + half, 1), p))
-
-
 def _of(rows: Sequence[Row], kind: str, identifiable: bool) -> list[Row]:
     return [r for r in rows if r["kind"] == kind and (r["identifiable"] or not identifiable)]
 
 
 def _share(rows: Sequence[Row], field: str) -> dict[str, Any]:
     answers = [bool(r[field]) for r in rows if r.get(field) is not None]
-    low, high = wilson(sum(answers), len(answers))
+    low, high = wilson_interval(sum(answers), len(answers))
     return {"value": sum(answers) / len(answers) if answers else None, "count": len(answers), "low": low, "high": high}
 
 
@@ -170,7 +158,7 @@ def calibration(
     result = []
     for low, high in pairwise(edges):
         inside = [n["right"] for n in names if low <= n["evidence"] < high]
-        interval = wilson(sum(inside), len(inside))
+        interval = wilson_interval(sum(inside), len(inside))
         result.append(
             {
                 "low": float(low),

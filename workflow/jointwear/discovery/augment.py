@@ -11,6 +11,7 @@ import numpy as np
 from jointwear.discovery.final import Estimate, Final
 from jointwear.discovery.inertia import links_from_parameters
 from jointwear.effects import effect_torque, get_effect, make_state
+from jointwear.plain import builtin
 from jointwear.robot import EffectEntry, Link, Robot
 
 
@@ -51,7 +52,7 @@ def augmented_robot(final: Final, urdf_name: str | None = None, with_effects: bo
         )
     payload = [e for e in estimates if e.named.candidate.effect == "payload"]
     data["payload"] = _payload(robot.payload, payload[0] if payload else None)
-    data["effects"] = [_plain(vars(e)) for e in robot.effects]
+    data["effects"] = [builtin(vars(e)) for e in robot.effects]
     for e in estimates:
         if e.named.candidate.effect != "payload":
             data["effects"] += _entries(e)
@@ -133,20 +134,20 @@ def _entries(e: Estimate) -> list[dict[str, Any]]:
         "effect": candidate.effect,
         "axis": candidate.axis + 1,
         "source_axis": None if candidate.source is None else candidate.source + 1,
-        "parameters": _plain(e.parameters),
+        "parameters": builtin(e.parameters),
     }
     if e.form is None:
         return [entry]
     bend = e.coefficients[own:]
     if e.form.knots is not None and not effect.needs_source:
-        entry["parameters"]["correction"] = _plain({"knots": e.form.knots, "values": bend})
+        entry["parameters"]["correction"] = builtin({"knots": e.form.knots, "values": bend})
         return [entry]
     if effect.argument == "motor angle":
         angle = np.linspace(0, 2 * np.pi, 97)
         values = sum(
             bend[2 * i] * np.sin(k * angle) + bend[2 * i + 1] * np.cos(k * angle) for i, k in enumerate((2, 3))
         )
-        entry["parameters"]["correction"] = _plain({"knots": angle, "values": values})
+        entry["parameters"]["correction"] = builtin({"knots": angle, "values": values})
         return [entry]
     if candidate.effect == "presliding_hysteresis":
         more = [
@@ -213,15 +214,3 @@ def _width(e: Estimate) -> int:
     if e.form.knots is not None:
         return len(e.form.knots)
     return 4 if effect.argument == "motor angle" or e.named.candidate.effect == "presliding_hysteresis" else 5
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {k: _plain(v) for k, v in value.items()}
-    if isinstance(value, np.ndarray):
-        return [_plain(v) for v in value]
-    if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
-    if isinstance(value, np.generic):
-        return value.item()
-    return value

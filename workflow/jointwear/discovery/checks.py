@@ -97,7 +97,7 @@ def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([p[::step] for p in parts], axis=1), measured.time[::step], measured.usable[::step]
 
 
-def _explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, order=None, signs=None) -> np.ndarray:
+def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, order=None, signs=None) -> np.ndarray:
     """Return for each axis the part of the squared torque that the model leaves, sizes of friction left free.
 
     With `order` the axes are read in another order, with `signs` turned around.
@@ -137,7 +137,7 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
     if len(time) < FEWEST:
         return
     dynamics = Dynamics(robot)
-    left = _explained(dynamics, parts, usable)
+    left = explained(dynamics, parts, usable)
     if not np.isfinite(left).any():
         return
     n = robot.joints
@@ -146,25 +146,25 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
     for first, second in combinations(range(n), 2):
         order = np.arange(n)
         order[[first, second]] = second, first
-        gained = _score(left, SAME_WRIST) - _score(_explained(dynamics, parts, usable, order=order), SAME_WRIST)
+        gained = _score(left, SAME_WRIST) - _score(explained(dynamics, parts, usable, order=order), SAME_WRIST)
         if plain - gained < best[0]:
             best = (plain - gained, "swap", (first, second))
     for axis in range(n):
         signs = np.ones(n)
         signs[axis] = -1.0
-        score = _score(_explained(dynamics, parts, usable, signs=signs), RIGHT)
+        score = _score(explained(dynamics, parts, usable, signs=signs), RIGHT)
         if score < best[0]:
             best = (score, "flip", axis)
         turned = parts.copy()
         turned[:, 3, axis] *= -1.0
-        score = _score(_explained(dynamics, turned, usable), RIGHT)
+        score = _score(explained(dynamics, turned, usable), RIGHT)
         if score < best[0]:
             best = (score, "torque", axis)
         gear = abs(robot.gear_ratio[axis])
         if gear > 2:
             turned = parts.copy()
             turned[:, 3, axis] *= robot.gear_ratio[axis]
-            score = _score(_explained(dynamics, turned, usable), RIGHT)
+            score = _score(explained(dynamics, turned, usable), RIGHT)
             if score < best[0]:
                 best = (score, "motor", axis)
     name = recording.name

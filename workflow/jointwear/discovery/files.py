@@ -70,7 +70,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         if role not in found:
             raise InputError(f"{path}: has no {role} (looked for '{names[role]}'); name it under 'variables'")
     for role in list(found):
-        found[role] = _converted(found[role], role, units.get(role), name)
+        found[role] = converted(found[role], role, units.get(role), name)
     count = len(found["time"])
     if "trajectory" in found:
         labels = found["trajectory"]
@@ -99,7 +99,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     )
 
 
-def _converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
+def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
     if unit is None:
         return values
     known = _UNITS[role]

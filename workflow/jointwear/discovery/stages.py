@@ -23,11 +23,12 @@ from jointwear.discovery.motion import measure
 from jointwear.discovery.problem import build_problem, estimate_noise, whiten
 from jointwear.discovery.recording import split
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.verdict import _number, make_verdict
+from jointwear.discovery.verdict import make_verdict
 from jointwear.dynamics import Dynamics
 from jointwear.effects import check_effects, effect_torque, make_state
 from jointwear.errors import InputError
 from jointwear.files import replace_text
+from jointwear.plain import six_digits
 from jointwear.robot import Robot, load_robot
 from jointwear.storage import Variable, read_variables, write_dataset
 
@@ -166,13 +167,13 @@ def decide_effects(
         content["next_experiment_purpose"] = {
             "effects": list(experiment.pair),
             "axis": experiment.axis + 1,
-            "share_now": _number(experiment.share_now),
-            "share_then": _number(experiment.share_then),
+            "share_now": six_digits(experiment.share_now),
+            "share_then": six_digits(experiment.share_then),
         }
         _write_trajectory(path, experiment.time, experiment.position)
     content["noise_floor"] = verdict.data["gap"]["noise_floor"]
-    content["free_identification"] = [None if e is None else _number(e) for e in free_identification(problem)]
-    content["filter_cutoff_hz"] = [_number(c) if np.isfinite(c) else None for c in problem.measured.cutoff]
+    content["free_identification"] = [None if e is None else six_digits(e) for e in free_identification(problem)]
+    content["filter_cutoff_hz"] = [six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff]
     replace_text(decision, json.dumps(content, indent=1, allow_nan=False) + "\n")
     for path, with_effects in ((Path(augmented), True), (Path(retuned), False)):
         urdf = path.with_suffix(".urdf")
@@ -259,7 +260,7 @@ def measure_gap(decision: str | Path, models: str | Path, recording: str | Path,
         for j in range(torque.shape[1]):
             chosen = test & (usable[:, j] > 0)
             error = torque[chosen, j] - values[chosen, j]
-            gap[name].append(_number(np.sqrt(np.mean(error**2))) if chosen.any() else None)
+            gap[name].append(six_digits(np.sqrt(np.mean(error**2))) if chosen.any() else None)
     gap["noise_floor"] = content.pop("noise_floor")
     order = ("dataset", "verdict", "effects", "retuned", "unexplained")
     ordered = {k: content[k] for k in order} | {"gap": gap} | {k: v for k, v in content.items() if k not in order}

@@ -15,6 +15,7 @@ from jointwear.discovery.identifiability import NEEDED, Visible, identifiability
 from jointwear.discovery.inertia import bodies
 from jointwear.discovery.problem import FRICTION
 from jointwear.effects import get_effect, library
+from jointwear.plain import six_digits
 
 _FRICTION_UNITS = ("N m", "N m", "N m s/rad", "kg m2")
 
@@ -71,9 +72,9 @@ def make_verdict(name: str, final: Final, restrictions: list[str]) -> Verdict:
         {
             "axis": u.axis + 1,
             "argument": u.argument,
-            "range": [_number(u.low), _number(u.high)],
+            "range": [six_digits(u.low), six_digits(u.high)],
             "unit": u.unit,
-            "p_value": _number(u.p_value),
+            "p_value": six_digits(u.p_value),
         }
         for u in outcome.unexplained[:12]
     ]
@@ -83,7 +84,7 @@ def make_verdict(name: str, final: Final, restrictions: list[str]) -> Verdict:
         word = "effects"
     else:
         word = "retuned" if retuned else "none"
-    floor = [None if w is None else _number(w.marginal) for w in outcome.white.whiteners]
+    floor = [None if w is None else six_digits(w.marginal) for w in outcome.white.whiteners]
     usable, test = problem.measured.usable, problem.test
     data = {
         "dataset": name,
@@ -123,12 +124,7 @@ def make_verdict(name: str, final: Final, restrictions: list[str]) -> Verdict:
 
 
 def _rms(values: np.ndarray, chosen: np.ndarray) -> float | None:
-    return _number(np.sqrt(np.mean(values[chosen] ** 2))) if chosen.any() else None
-
-
-def _number(value: float) -> float:
-    """Six significant digits: more would only show the round-off of the machine."""
-    return float(f"{float(value):.6g}")
+    return six_digits(np.sqrt(np.mean(values[chosen] ** 2))) if chosen.any() else None
 
 
 def _effect_entry(final: Final, e: Estimate) -> dict[str, Any]:
@@ -147,23 +143,23 @@ def _effect_entry(final: Final, e: Estimate) -> dict[str, Any]:
         "tie_set": ties,
         "parameters": {
             name: {
-                "value": _number(value),
-                "std": _number(e.std[name]) if name in e.std else None,
+                "value": six_digits(value),
+                "std": six_digits(e.std[name]) if name in e.std else None,
                 "unit": units[name],
             }
             for name, value in e.parameters.items()
         },
         "regime": {"argument": _argument(effect.argument, candidate), "range": [low, high], "unit": unit},
         "peak_torque": {
-            "value": _number(e.peak),
-            "low": _number(e.peak_low),
-            "high": _number(e.peak_high),
+            "value": six_digits(e.peak),
+            "low": six_digits(e.peak_low),
+            "high": six_digits(e.peak_high),
             "unit": "N m",
             "confidence": 0.95,
         },
         "form_corrected": e.form is not None,
-        "evidence_nats": _number(e.named.evidence),
-        "cross_validated_gain": _number(e.named.cross_validated),
+        "evidence_nats": six_digits(e.named.evidence),
+        "cross_validated_gain": six_digits(e.named.cross_validated),
     }
 
 
@@ -190,8 +186,8 @@ def _regime(final: Final, e: Estimate) -> tuple[float, float, str]:
     else:
         values = state.position[used, axis]
     return (
-        _number(values.min()),
-        _number(values.max()),
+        six_digits(values.min()),
+        six_digits(values.max()),
         effect.argument_unit if effect.shape or effect.needs_source else "rad",
     )
 
@@ -219,9 +215,9 @@ def _retuned(final: Final) -> list[dict[str, Any]]:
                     {
                         "parameter": name,
                         "axis": axis + 1,
-                        "nominal": _number(sign * nominal[axis, k] / side),
-                        "value": _number(sign * (nominal[axis, k] + delta[axis, k]) / side),
-                        "std": _number(std / side),
+                        "nominal": six_digits(sign * nominal[axis, k] / side),
+                        "value": six_digits(sign * (nominal[axis, k] + delta[axis, k]) / side),
+                        "std": six_digits(std / side),
                         "unit": _FRICTION_UNITS[k],
                     }
                 )
@@ -257,9 +253,9 @@ def _wrong_mass(final: Final) -> list[dict[str, Any]]:
         {
             "parameter": "link_mass",
             "axis": best.candidate.axis + 1,
-            "nominal": _number(mass),
-            "value": _number(mass * (1 + share)),
-            "std": _number(mass / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2)),
+            "nominal": six_digits(mass),
+            "value": six_digits(mass * (1 + share)),
+            "std": six_digits(mass / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2)),
             "unit": "kg",
         }
     ]

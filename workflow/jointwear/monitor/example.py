@@ -87,11 +87,11 @@ def write_example(robot: str | Path, outputs: Sequence[str | Path]) -> None:
     arm = real_arm(load_robot(robot), generator(SEED, "monitor_example_arm", replicate=0))
     for day, output in enumerate(outputs):
         time, position, torque = simulate_day(arm, day)
-        writer = {".nc": _write_netcdf, ".csv": _write_csv, ".parquet": _write_parquet}[Path(output).suffix]
+        writer = {".nc": write_netcdf, ".csv": _write_csv, ".parquet": _write_parquet}[Path(output).suffix]
         writer(Path(output), time, position, torque)
 
 
-def _write_netcdf(path: Path, time: np.ndarray, position: np.ndarray, torque: np.ndarray) -> None:
+def write_netcdf(path: Path, time: np.ndarray, position: np.ndarray, torque: np.ndarray) -> None:
     pair = ("time", "joint")
     variables = {
         "joint": Variable(("joint",), np.arange(1, position.shape[1] + 1), "number of the joint", "1"),

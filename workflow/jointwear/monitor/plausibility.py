@@ -14,7 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
-from jointwear.discovery.checks import FEWEST, Refused, _explained, check_recording
+from jointwear.discovery.checks import FEWEST, Refused, check_recording, explained
 from jointwear.discovery.motion import Measured
 from jointwear.discovery.recording import Recording
 from jointwear.dynamics import Dynamics
@@ -52,7 +52,7 @@ def check_first(
     _check_velocity(chunk, unwrapped(chunk.position), stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         _as_discovery(measured, robot, name, measured)
-    left = _explained(Dynamics(robot), *_thinned(measured))
+    left = explained(Dynamics(robot), *_thinned(measured))
     return [float(x) if np.isfinite(x) else None for x in left]
 
 
@@ -100,7 +100,7 @@ class LaterCheck:
 
     def _growth(self, parts: np.ndarray, usable: np.ndarray, **reading) -> np.ndarray:
         """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
-        left = _explained(self._dynamics, parts, usable, **reading)
+        left = explained(self._dynamics, parts, usable, **reading)
         return np.log(np.maximum(left, RIGHT) / self._usual)
 
     def _readings(self, parts: np.ndarray, usable: np.ndarray) -> Iterator[tuple[float, str, str]]:

@@ -13,8 +13,9 @@ from jointwear.files import replace_text
 from jointwear.grid import Cell
 from jointwear.monitor_study.calibration import coverage
 from jointwear.monitor_study.grid_study import LATER, RATE, RATES
+from jointwear.plain import finite
 from jointwear.published import Published, load_published
-from jointwear.statistics import wilson_interval
+from jointwear.statistics import counted_share
 from jointwear.storage import open_dataset, read_variable
 
 #: A cell counts as detected from this probability on.
@@ -30,16 +31,9 @@ def read_all(path: str | Path) -> dict[str, Any]:
     return found
 
 
-def number(value: Any) -> float | None:
-    """Return a float, or None where it is not finite."""
-    value = float(value)
-    return value if np.isfinite(value) else None
-
-
 def share(successes: int, trials: int) -> dict[str, Any]:
-    """Return a share with Wilson's 95 % interval."""
-    low, high = wilson_interval(int(successes), int(trials))
-    return {"count": int(successes), "of": int(trials), "share": successes / max(trials, 1), "low": low, "high": high}
+    """Return a share with Wilson's 95 % interval; none of none is no share."""
+    return counted_share(successes, trials, empty=0.0)
 
 
 def rate(count: int, hours: int) -> dict[str, Any]:
@@ -161,8 +155,8 @@ def forecasts(tasks: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
                     "all": share(int(held.sum()), len(held)),
                     "early": float(np.mean(true[ahead] > high[ahead])) if ahead.any() else None,
                     "late": float(np.mean(true[ahead] < low[ahead])) if ahead.any() else None,
-                    "width": number(np.median(width)) if ahead.any() else None,
-                    "error": number(np.median(np.abs(middle - true)[ahead])) if ahead.any() else None,
+                    "width": finite(np.median(width)) if ahead.any() else None,
+                    "error": finite(np.median(np.abs(middle - true)[ahead])) if ahead.any() else None,
                 }
             )
     return rows

@@ -11,7 +11,8 @@ import numpy as np
 from jointwear import readings as ambiguities_of
 from jointwear.files import replace_text
 from jointwear.multiverse.records import CLAIMS, SCORES
-from jointwear.statistics import wilson_interval
+from jointwear.plain import finite
+from jointwear.statistics import counted_share
 from jointwear.storage import open_dataset, read_variable
 
 _QUESTIONS = {
@@ -32,22 +33,6 @@ def meaning(name: str, value: str) -> str:
     if name not in known:
         return value
     return " ".join((known[name].alternatives[value].__doc__ or value).split()).rstrip(".")
-
-
-def _number(value: Any) -> float | None:
-    value = float(value)
-    return value if np.isfinite(value) else None
-
-
-def _share(successes: int, trials: int) -> dict[str, Any]:
-    low, high = wilson_interval(int(successes), int(trials))
-    return {
-        "count": int(successes),
-        "of": int(trials),
-        "share": successes / trials if trials else None,
-        "low": low,
-        "high": high,
-    }
 
 
 def scored_readings(path: str | Path) -> dict[str, Any]:
@@ -73,27 +58,27 @@ def scored_readings(path: str | Path) -> dict[str, Any]:
         "dimensions": len(dimensions),
         "alternatives": int(sum(len(set(v)) for v in choices.values())),
         "default": {
-            "agreement": _number(scores["agreement"][0]),
-            "hour_error": _number(scores["hour_error"][0]),
-            "located_share": _number(scores["located_share"][0]),
+            "agreement": finite(scores["agreement"][0]),
+            "hour_error": finite(scores["hour_error"][0]),
+            "located_share": finite(scores["located_share"][0]),
             "rank": int((scores["penalty"] < scores["penalty"][0]).sum()) + 1,
         },
         "agreement": {
-            "lowest": _number(scores["agreement"].min()),
-            "median": _number(np.median(scores["agreement"])),
-            "highest": _number(scores["agreement"].max()),
+            "lowest": finite(scores["agreement"].min()),
+            "median": finite(np.median(scores["agreement"])),
+            "highest": finite(scores["agreement"].max()),
             "at_least_32": int((scores["agreement"] >= 32).sum()),
             "meets_the_aim": int(((scores["agreement"] >= 32) & (scores["hour_error"] <= 10)).sum()),
         },
         "best": [
             {
                 "reading": int(i),
-                "agreement": _number(scores["agreement"][i]),
-                "balanced": _number(scores["balanced_agreement"][i]),
-                "single_run": _number(single[i]),
-                "hour_error": _number(scores["hour_error"][i]),
-                "located": _number(scores["located_share"][i]),
-                "penalty": _number(scores["penalty"][i]),
+                "agreement": finite(scores["agreement"][i]),
+                "balanced": finite(scores["balanced_agreement"][i]),
+                "single_run": finite(single[i]),
+                "hour_error": finite(scores["hour_error"][i]),
+                "located": finite(scores["located_share"][i]),
+                "penalty": finite(scores["penalty"][i]),
                 "differs": [
                     {"name": k, "value": choices[k][i], "meaning": meaning(k, choices[k][i])}
                     for k in dimensions
@@ -106,9 +91,9 @@ def scored_readings(path: str | Path) -> dict[str, Any]:
             {
                 "claim": k,
                 "meaning": text,
-                "all": _share(supported[k].sum(), number),
-                "sample": _share(supported[k][kind == "sample"].sum(), int((kind == "sample").sum())),
-                "best": _share(supported[k][best].sum(), len(best)),
+                "all": counted_share(supported[k].sum(), number),
+                "sample": counted_share(supported[k][kind == "sample"].sum(), int((kind == "sample").sum())),
+                "best": counted_share(supported[k][best].sum(), len(best)),
             }
             for k, text in CLAIMS.items()
         ],
@@ -139,8 +124,8 @@ def influences(path: str | Path) -> dict[str, Any]:
             {
                 "name": str(name),
                 "question": question(str(name)),
-                "share": _number(values["main_share"][s, i]),
-                "p_value": _number(values["main_p_value"][s, i]),
+                "share": finite(values["main_share"][s, i]),
+                "p_value": finite(values["main_p_value"][s, i]),
                 "levels": json.loads(str(values["main_levels"][s, i])),
             }
             for i, name in enumerate(values["main_name"][s])
@@ -149,8 +134,8 @@ def influences(path: str | Path) -> dict[str, Any]:
         pairs = [
             {
                 "names": [str(first), str(values["pair_second"][s, i])],
-                "share": _number(values["pair_share"][s, i]),
-                "p_value": _number(values["pair_p_value"][s, i]),
+                "share": finite(values["pair_share"][s, i]),
+                "p_value": finite(values["pair_p_value"][s, i]),
                 "levels": json.loads(str(values["pair_levels"][s, i])),
             }
             for i, first in enumerate(values["pair_first"][s])
@@ -174,8 +159,8 @@ def chosen_reading(path: str | Path) -> dict[str, Any]:
             return read_variable(dataset, path, name)
 
         score = read("score").astype(str)
-        chosen = dict(zip(score, map(_number, read("chosen_score")), strict=True))
-        honest = dict(zip(score, map(_number, read("honest_score")), strict=True))
+        chosen = dict(zip(score, map(finite, read("chosen_score")), strict=True))
+        honest = dict(zip(score, map(finite, read("honest_score")), strict=True))
         agreement, choosing = read("agreement"), read("choosing").astype(bool)
         probability, hour, published = read("honest_probability"), read("honest_hour"), read("published_hour")
         wrong, pooled = read("wrong_share"), read("pooled_agreement")
@@ -185,17 +170,17 @@ def chosen_reading(path: str | Path) -> dict[str, Any]:
     for t in range(tasks):
         for c in range(increases):
             for a in range(axes):
-                printed = _number(published[t, c, a])
+                printed = finite(published[t, c, a])
                 cells.append(
                     {
                         "task": t + 1,
                         "column": c + 1,
                         "axis": a + 1,
                         "published": printed,
-                        "probability": _number(probability[t, c, a]),
-                        "hour": _number(hour[t, c, a]),
+                        "probability": finite(probability[t, c, a]),
+                        "hour": finite(hour[t, c, a]),
                         "agrees": bool((probability[t, c, a] >= 0.5) == (printed is not None)),
-                        "wrong_share": _number(wrong[t, c, a]),
+                        "wrong_share": finite(wrong[t, c, a]),
                     }
                 )
     return {
@@ -210,7 +195,7 @@ def chosen_reading(path: str | Path) -> dict[str, Any]:
         "candidates": len(agreement),
         "highest_pooled_agreement": int(pooled.max()),
         "highest_single_agreement": int(agreement.max()),
-        "pairs": _share((agreement >= 32).sum(), agreement.size),
+        "pairs": counted_share((agreement >= 32).sum(), agreement.size),
         "cells": cells,
         "wrong_in_all_candidates": [c for c in cells if c["wrong_share"] == 1],
     }
@@ -231,9 +216,9 @@ def lag_rule(path: str | Path) -> dict[str, Any]:
         "versions": {
             v: {
                 c: {
-                    "right": _share(right[i, k], runs[i]),
-                    "wrong": _share(wrong[i, k], runs[i]),
-                    "nothing": _share(nothing[i, k], runs[i]),
+                    "right": counted_share(right[i, k], runs[i]),
+                    "wrong": counted_share(wrong[i, k], runs[i]),
+                    "nothing": counted_share(nothing[i, k], runs[i]),
                 }
                 for k, c in enumerate(correlations)
             }
@@ -241,14 +226,14 @@ def lag_rule(path: str | Path) -> dict[str, Any]:
         },
         "rise": [
             {
-                "low": _number(low),
-                "high": _number(high),
+                "low": finite(low),
+                "high": finite(high),
                 "runs": int(count),
-                **{c: _share(hits[k, b], count) for k, c in enumerate(correlations)},
+                **{c: counted_share(hits[k, b], count) for k, c in enumerate(correlations)},
             }
             for b, (low, high, count) in enumerate(zip(*rise, strict=True))
         ],
-        "sign_right": dict(zip(correlations, map(_number, signs), strict=True)),
+        "sign_right": dict(zip(correlations, map(finite, signs), strict=True)),
         "named_in_normal_week": {c: [int(v) for v in named[k]] for k, c in enumerate(correlations)},
     }
 
@@ -258,7 +243,7 @@ def mixture(path: str | Path, choice: str | Path) -> dict[str, Any]:
     with open_dataset(choice) as dataset:
         bound = read_variable(dataset, choice, "mixture_bound")
     with open_dataset(path) as dataset:
-        values = {k: _number(read_variable(dataset, path, k)[0]) for k in SCORES}
+        values = {k: finite(read_variable(dataset, path, k)[0]) for k in SCORES}
         choices = {
             n.removeprefix("choice_"): str(read_variable(dataset, path, n)[0])
             for n in dataset.variables

@@ -11,14 +11,10 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import replace_text
+from jointwear.plain import six_digits
 from jointwear.recovery.plan import CAUSES
 from jointwear.statistics import wilson_interval
 from jointwear.storage import open_dataset, read_variable
-
-
-def _number(value: Any) -> float | None:
-    value = float(value)
-    return float(f"{value:.6g}") if np.isfinite(value) else None
 
 
 def bound_summary(path: str | Path) -> dict[str, Any]:
@@ -45,19 +41,19 @@ def bound_summary(path: str | Path) -> dict[str, Any]:
         axes.append(
             {
                 "axis": a + 1,
-                "static": _number(static[a]),
-                "slow": _number(largest[slow, a]),
-                "published": _number(printed.max()),
+                "static": six_digits(static[a]),
+                "slow": six_digits(largest[slow, a]),
+                "published": six_digits(printed.max()),
                 "out_of_reach": int((printed > largest[slow, a]).sum()),
-                "largest_speed": _number(speed[a]),
-                "segment_time_needed": _number(reachable[:, :, a][printed > largest[slow, a]].min(initial=np.inf)),
+                "largest_speed": six_digits(speed[a]),
+                "segment_time_needed": six_digits(reachable[:, :, a][printed > largest[slow, a]].min(initial=np.inf)),
             }
         )
     return {
-        "segment_times": [_number(t) for t in times[finite]],
-        "slow_segment_time": _number(times[slow]),
-        "largest": [[_number(x) for x in row] for row in largest[finite]],
-        "held": [[_number(x) for x in row] for row in held[finite]],
+        "segment_times": [six_digits(t) for t in times[finite]],
+        "slow_segment_time": six_digits(times[slow]),
+        "largest": [[six_digits(x) for x in row] for row in largest[finite]],
+        "held": [[six_digits(x) for x in row] for row in held[finite]],
         "axes": axes,
         "tasks": tasks,
         "cells": int(published.size),
@@ -69,7 +65,7 @@ def comparison_rows(path: str | Path) -> list[dict[str, Any]]:
     """Return results/recovery/comparison.csv with numbers; empty fields are None."""
     with Path(path).open(newline="", encoding="utf-8") as file:
         rows = [
-            {k: (v if k == "candidate" else _number(v) if v else None) for k, v in r.items()}
+            {k: (v if k == "candidate" else six_digits(v) if v else None) for k, v in r.items()}
             for r in csv.DictReader(file)
         ]
     return sorted(rows, key=lambda r: r["bic"])
@@ -86,21 +82,25 @@ def ensemble_summary(path: str | Path) -> dict[str, Any]:
     moved = np.degrees(np.abs(stop - start))
     return {
         "solutions": len(start),
-        "mass": [_number(x) for x in mass],
-        "com_z": [_number(x) for x in z],
-        "shape": [_number(x) for x in shape],
+        "mass": [six_digits(x) for x in mass],
+        "com_z": [six_digits(x) for x in z],
+        "shape": [six_digits(x) for x in shape],
         "product": {
-            "low": _number((mass * z).min()),
-            "median": _number(np.median(mass * z)),
-            "high": _number((mass * z).max()),
+            "low": six_digits((mass * z).min()),
+            "median": six_digits(np.median(mass * z)),
+            "high": six_digits((mass * z).max()),
         },
-        "shape_range": {"low": _number(shape.min()), "median": _number(np.median(shape)), "high": _number(shape.max())},
-        "mass_range": {"low": _number(mass.min()), "high": _number(mass.max())},
+        "shape_range": {
+            "low": six_digits(shape.min()),
+            "median": six_digits(np.median(shape)),
+            "high": six_digits(shape.max()),
+        },
+        "mass_range": {"low": six_digits(mass.min()), "high": six_digits(mass.max())},
         "travel": {
-            "low": [[_number(x) for x in row] for row in np.quantile(moved, 0.05, axis=0)],
-            "high": [[_number(x) for x in row] for row in np.quantile(moved, 0.95, axis=0)],
+            "low": [[six_digits(x) for x in row] for row in np.quantile(moved, 0.05, axis=0)],
+            "high": [[six_digits(x) for x in row] for row in np.quantile(moved, 0.95, axis=0)],
         },
-        "outward": [_number(x) for x in outward],
+        "outward": [six_digits(x) for x in outward],
     }
 
 
@@ -113,18 +113,19 @@ def prediction_summary(path: str | Path) -> dict[str, Any]:
         )
         tasks = [str(t) for t in data["task"][:]]
         scores = {
-            name: _number(data.getncattr(name)) for name in ("plain", "balanced", "brier", "base_brier", "hour_error")
+            name: six_digits(data.getncattr(name))
+            for name in ("plain", "balanced", "brier", "base_brier", "hour_error")
         }
     cells = [
         {
             "task": tasks[t],
             "axis": a + 1,
-            "increase_percent": _number(increase[c]),
-            "probability": _number(probability[t, a, c]),
-            "low": _number(low[t, a, c]),
-            "high": _number(high[t, a, c]),
-            "hour": _number(hour[t, a, c]),
-            "published": _number(published[t, a, c]),
+            "increase_percent": six_digits(increase[c]),
+            "probability": six_digits(probability[t, a, c]),
+            "low": six_digits(low[t, a, c]),
+            "high": six_digits(high[t, a, c]),
+            "hour": six_digits(hour[t, a, c]),
+            "published": six_digits(published[t, a, c]),
         }
         for t, a, c in np.ndindex(probability.shape)
     ]
@@ -141,7 +142,11 @@ def transfer_rows(path: str | Path) -> list[dict[str, Any]]:
         left = read_variable(data, path, "mean_square")
         names, tasks = [str(n) for n in data["candidate"][:]], [str(t) for t in data["task"][:]]
     rows = [
-        {"candidate": n, "mean": _number(row.mean()), "tasks": dict(zip(tasks, (_number(x) for x in row), strict=True))}
+        {
+            "candidate": n,
+            "mean": six_digits(row.mean()),
+            "tasks": dict(zip(tasks, (six_digits(x) for x in row), strict=True)),
+        }
         for n, row in zip(names, left, strict=True)
     ]
     return sorted(rows, key=lambda r: r["mean"])
@@ -166,12 +171,12 @@ def reproduced_cells(verdict: Mapping[str, Any]) -> dict[str, Any]:
     )
     return {
         "cells": cells,
-        "median_percent": _number(np.median(error)),
-        "worst_percent": _number(error.max()),
-        "median_percent_before": _number(np.median(before)),
-        "worst_percent_before": _number(before.max()),
-        "median_variation": _number(np.median(variation)),
-        "worst_variation": _number(variation.max()),
+        "median_percent": six_digits(np.median(error)),
+        "worst_percent": six_digits(error.max()),
+        "median_percent_before": six_digits(np.median(before)),
+        "worst_percent_before": six_digits(before.max()),
+        "median_variation": six_digits(np.median(variation)),
+        "worst_variation": six_digits(variation.max()),
     }
 
 
@@ -208,8 +213,8 @@ def summarise_validation_chapter(validation: str | Path, output: str | Path) -> 
     content = {
         "cases": len(right),
         "right": int(right.sum()),
-        "low": _number(low),
-        "high": _number(high),
+        "low": six_digits(low),
+        "high": six_digits(high),
         "needless": int(needless.sum()),
         "answers": answers,
         "causes": [

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.plain import six_digits
 from jointwear.recovery.candidates import COMPONENTS, Parameter, candidate
 from jointwear.recovery.choice import choose, parts, runner_up
 from jointwear.recovery.fit import Fit, read_fit
@@ -19,10 +20,6 @@ from jointwear.robot import load_robot
 from jointwear.storage import open_dataset, read_variable
 
 UNEXPLAINED = 9.0  # mean squared weighted residual: three per cent of the torque in the root mean square
-
-
-def _number(value: float) -> float | None:
-    return float(f"{value:.6g}") if np.isfinite(value) else None
 
 
 def cells(tables: Tables, fit: Fit) -> list[dict[str, Any]]:
@@ -39,12 +36,12 @@ def cells(tables: Tables, fit: Fit) -> list[dict[str, Any]]:
                         "axis": axis + 1,
                         "increase_percent": float(increase),
                         "published_maximum": float(published),
-                        "reproduced_maximum": _number(fit.maximum[place]),
+                        "reproduced_maximum": six_digits(fit.maximum[place]),
                         "error_percent": None
                         if published == 0
-                        else _number(100 * (fit.maximum[place] / published - 1)),
+                        else six_digits(100 * (fit.maximum[place] / published - 1)),
                         "published_variation": float(tables.variation[place]),
-                        "reproduced_variation": _number(fit.variation[place]),
+                        "reproduced_variation": six_digits(fit.variation[place]),
                     }
                 )
     return result
@@ -75,9 +72,9 @@ def contradictions(tables: Tables, coulomb: np.ndarray) -> list[dict[str, Any]]:
                         "tasks": [tables.tasks[a], tables.tasks[b]],
                         "axis": axis + 1,
                         "hours": [float(h) for h in hours[a, axis]],
-                        "change": [_number(x) for x in change],
+                        "change": [six_digits(x) for x in change],
                         "unit": "N m",
-                        "largest_possible_scatter": _number(3 * scatter),
+                        "largest_possible_scatter": six_digits(3 * scatter),
                         "reason": "same hours and same friction, so the columns must differ alike; axis "
                         f"{axis + 1} bears no gravity (Coulomb friction {coulomb[axis]:.3g} N m)",
                     }
@@ -86,7 +83,7 @@ def contradictions(tables: Tables, coulomb: np.ndarray) -> list[dict[str, Any]]:
 
 
 def _parameter(p: Parameter, value: float, std: float) -> dict[str, Any]:
-    return {"value": _number(value), "std": _number(std), "unit": p.unit}
+    return {"value": six_digits(value), "std": six_digits(std), "unit": p.unit}
 
 
 def build_verdict(
@@ -119,7 +116,7 @@ def build_verdict(
             named = {p.name if p.axis is None else f"{p.name}_{p.axis}": _parameter(p, v, s) for p, v, s in numbers}
             gain = None
             if chosen in transferred and reduced in transferred:
-                gain = _number(1 - transferred[chosen] / transferred[reduced])
+                gain = six_digits(1 - transferred[chosen] / transferred[reduced])
             effects.append(
                 {
                     "effect": component.name,
@@ -130,7 +127,7 @@ def build_verdict(
                     ),
                     "parameters": named,
                     "regime": None,
-                    "evidence_nats": _number((fits[reduced].bic - fit.bic) / 2),
+                    "evidence_nats": six_digits((fits[reduced].bic - fit.bic) / 2),
                     "cross_validated_gain": gain,
                     "candidates_with_it": len(others),
                 }
@@ -141,8 +138,8 @@ def build_verdict(
                     "parameter": p.name,
                     "axis": p.axis,
                     "nominal": p.nominal,
-                    "value": _number(v),
-                    "std": _number(s),
+                    "value": six_digits(v),
+                    "std": six_digits(s),
                     "unit": p.unit,
                     "tie_set": [component.name, *component.same_in_slow_motion],
                     "kind": component.kind,
@@ -165,21 +162,21 @@ def build_verdict(
             "unit": "N m",
             "per": "table cell, |reproduced - published| maximum; order in `cells`",
             "cells": layout,
-            "nominal": [_number(x) for x in gap[0].ravel()],
-            "retuned": [_number(x) for x in np.abs(_best_retuned(fits).maximum - tables.maximum).ravel()],
-            "augmented": [_number(x) for x in gap[1].ravel()],
-            "noise_floor": [_number(x) for x in (0.0045 * tables.maximum).ravel()],
+            "nominal": [six_digits(x) for x in gap[0].ravel()],
+            "retuned": [six_digits(x) for x in np.abs(_best_retuned(fits).maximum - tables.maximum).ravel()],
+            "augmented": [six_digits(x) for x in gap[1].ravel()],
+            "noise_floor": [six_digits(x) for x in (0.0045 * tables.maximum).ravel()],
         },
         "not_identifiable": _not_identifiable(fits, chosen, ensemble),
         "next_experiment": None,
         "runner_up": {
             "candidate": second,
-            "bic": _number(fits[second].bic),
-            "behind_nats": _number((fits[second].bic - fit.bic) / 2),
-            "mean_square": _number(fits[second].variance),
+            "bic": six_digits(fits[second].bic),
+            "behind_nats": six_digits((fits[second].bic - fit.bic) / 2),
+            "mean_square": six_digits(fits[second].variance),
         },
-        "wear_shape": _number(fit.shape),
-        "mean_square": _number(fit.variance),
+        "wear_shape": six_digits(fit.shape),
+        "mean_square": six_digits(fit.variance),
         "cells": cells(tables, fit),
     }
 
@@ -209,9 +206,9 @@ def _not_identifiable(fits, chosen: str, ensemble) -> list[dict[str, Any]]:
                 "effects": ["payload"],
                 "axis": None,
                 "reason": "mass and offset trade off against poses",
-                "range_over_solutions": {k: [_number(x) for x in v] for k, v in spread.items()},
-                "relative_spread": {k: _number(v) for k, v in relative.items()},
-                "correlation_of_mass_and_offset": _number(np.corrcoef(mass, z)[0, 1]) if len(mass) > 2 else None,
+                "range_over_solutions": {k: [six_digits(x) for x in v] for k, v in spread.items()},
+                "relative_spread": {k: six_digits(v) for k, v in relative.items()},
+                "correlation_of_mass_and_offset": six_digits(np.corrcoef(mass, z)[0, 1]) if len(mass) > 2 else None,
             }
         )
     return result

@@ -19,11 +19,14 @@ WEEK = 168.0  # h
 RULES = {"chosen": "source", "raw": "source_raw", "means_removed": "source_means_removed", "shift": "largest_shift"}
 
 
-def proportion(hits: np.ndarray) -> dict[str, Any]:
-    """Return a share with Wilson's 95 % interval; None where nothing was counted."""
-    count, total = int(np.sum(hits)), int(np.size(hits))
+def _proportion(count: int, total: int) -> dict[str, Any]:
     low, high = wilson_interval(count, total)
     return {"count": count, "total": total, "share": count / total if total else None, "low": low, "high": high}
+
+
+def proportion(hits: np.ndarray) -> dict[str, Any]:
+    """Return a share with Wilson's 95 % interval; None where nothing was counted."""
+    return _proportion(int(np.sum(hits)), int(np.size(hits)))
 
 
 def mean_interval(values: np.ndarray, exposure: float) -> dict[str, float]:
@@ -104,9 +107,7 @@ def locations(files: list[str], detections: list[str]) -> list[dict[str, Any]]:
 
 def pooled(parts: list[Mapping[str, Any]]) -> dict[str, Any]:
     """Add up proportions; the interval takes the replicates of all runs as independent."""
-    count, total = sum(p["count"] for p in parts), sum(p["total"] for p in parts)
-    low, high = wilson_interval(count, total)
-    return {"count": count, "total": total, "share": count / total if total else None, "low": low, "high": high}
+    return _proportion(sum(p["count"] for p in parts), sum(p["total"] for p in parts))
 
 
 def located_without_wear(files: list[str], detections: list[str]) -> dict[str, Any]:

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.files import ROLES
-from jointwear.discovery.files import _converted as converted
+from jointwear.discovery.files import ROLES, converted
 from jointwear.errors import InputError, nearest
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
