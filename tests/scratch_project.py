@@ -1,15 +1,15 @@
 """A scratch copy of the project with a tiny experiment, and Snakemake run in it as a user would."""
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import yaml
 
+from jointwear import project as project_files
+
 ROOT = Path(__file__).resolve().parents[1]
-PARTS = ("Snakefile", "workflow", "profiles", "config", "report", "data")
 TINY = {
     "replicates": 3,
     "tasks": ["T1"],
@@ -62,12 +62,7 @@ def merged(base: dict, change: dict) -> dict:
 
 def copy_project(folder: Path) -> Project:
     """Copy the project with the tiny experiment."""
-    for part in PARTS:
-        source = ROOT / part
-        if source.is_dir():
-            shutil.copytree(source, folder / part, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
-        elif source.exists():
-            shutil.copy2(source, folder / part)
+    project_files.copy_project(ROOT, folder)
     project = Project(folder)
     project.write_config(merged(project.config(), TINY))
     return project

@@ -1,21 +1,15 @@
 """The recovered experiment, through the whole workflow: Tables V and VI at the published hours against the paper."""
 
 import csv
-import importlib.util
 
 import numpy as np
 import pytest
-
-PATH = "tests/workflow/conftest.py"
-
+from scratch_project import copy_project
 
 @pytest.fixture(scope="module")
 def tables(root, tmp_path_factory):
     """Tables V and VI of the default grid with few replicates, as lists of rows."""
-    spec = importlib.util.spec_from_file_location("workflow_project", root / PATH)
-    tools = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tools)
-    project = tools.copy_project(tmp_path_factory.mktemp("grid"))
+    project = copy_project(tmp_path_factory.mktemp("grid"))
     shipped = (root / "config/config.yaml").read_text(encoding="utf-8")
     project.config_file.write_text(shipped, encoding="utf-8")
     files = [f"results/tables/{name}.csv" for name in ("table_v", "table_vi")]

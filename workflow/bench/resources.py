@@ -3,7 +3,7 @@
 Adds a benchmark to every rule of a scratch copy of the project, runs the targets there and prints JSON: one entry a
 rule. The profiles under workflow/profiles hold what this measured, with room to spare.
 
-    python workflow/bench/resources.py [target ...]
+    PYTHONPATH=workflow python workflow/bench/resources.py [target ...]
 """
 
 from __future__ import annotations

@@ -6,21 +6,17 @@ Prints JSON. Takes half an hour.
 from __future__ import annotations
 
 import json
-import sys
 import tempfile
 from pathlib import Path
 
 import yaml
-
-from workflow import CORES, ROOT, copy_project, seconds
-
-sys.path.insert(0, str(ROOT / "workflow"))
 
 from jointwear.multiverse.design import read_design
 from jointwear.multiverse.naive import measure_sharing
 from jointwear.multiverse.pose_sets import configured_pose_set
 from jointwear.multiverse.settings import analysis_of, experiment_of
 from jointwear.published import load_published
+from workflow import CORES, copy_project, seconds
 
 REPLICATES = 4
 

@@ -3,7 +3,7 @@
 Builds an environment for each, runs the tiny experiment in it and compares every result with that of the environment
 that runs this program. Prints a table; exits 1 if a result differs by more than the tolerance of `verify`.
 
-    python workflow/bench/versions.py [--python312 PATH] [--keep FOLDER]
+    PYTHONPATH=workflow python workflow/bench/versions.py [--python312 PATH] [--keep FOLDER]
 """
 
 from __future__ import annotations

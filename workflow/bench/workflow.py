@@ -6,7 +6,6 @@ Prints JSON.
 from __future__ import annotations
 
 import json
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -14,19 +13,15 @@ import time
 from pathlib import Path
 from statistics import median
 
+from jointwear import project
+
 ROOT = Path(__file__).resolve().parents[2]
-PARTS = ("Snakefile", "workflow", "profiles", "config", "report", "data")
 CORES = 2
 
 
 def copy_project(target: Path) -> None:
     """Copy what a run needs."""
-    for part in PARTS:
-        source = ROOT / part
-        if source.is_dir():
-            shutil.copytree(source, target / part, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
-        elif source.exists():
-            shutil.copy2(source, target / part)
+    project.copy_project(ROOT, target)
 
 
 def seconds(arguments: list[str], folder: Path) -> float:

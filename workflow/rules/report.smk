@@ -30,7 +30,7 @@ CHAPTER_FIGURES = {
 }
 
 # One small data set with a hidden effect is part of every report.
-SHOWN_DISCOVERY = "results/discover/puma560_hidden/chapter"
+SHOWN_DISCOVERY = f"results/discover/{SHOWN_DATASET}/chapter"
 CHAPTERS["discover"] = f"{SHOWN_DISCOVERY}/chapter.json"
 for picture in ("where", "effect", "gap"):
     CHAPTER_FIGURES[f"discover_{picture}"] = f"{SHOWN_DISCOVERY}/{picture}.svg"
