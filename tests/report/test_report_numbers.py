@@ -51,6 +51,23 @@ def test_false_alarms_are_those_of_the_normal_run(experiment, data):
     assert found["periods_with_alarm"]["count"] == (alarms > 0).sum()
 
 
+def test_models_that_keep_everything_are_counted(tmp_path):
+    def model(path, eigenvalues, kept):
+        variables = {
+            "eigenvalues": Variable(("replicate", "component"), np.array(eigenvalues), "variance", "1"),
+            "kept": Variable(("replicate",), np.array(kept), "number kept", "1"),
+        }
+        write_dataset(path, variables, {})
+        return str(path)
+
+    models = {
+        "Reach": model(tmp_path / "reach.nc", [[1.8, 0.2], [1.9, 0.1]], [2, 1]),
+        "Hold": model(tmp_path / "hold.nc", [[2.0, 1e-17], [2.0, 0.0]], [1, 1]),
+    }
+    found = detection_rates.models_without_residual(models)
+    assert [(found[t]["count"], found[t]["total"]) for t in ("Reach", "Hold")] == [(1, 2), (2, 2)]
+
+
 def test_no_alarm_still_leaves_room_for_some():
     assert detection_rates.mean_interval(np.zeros(100), 1.0) == {"mean": 0, "low": 0, "high": pytest.approx(0.03)}
 

@@ -95,7 +95,13 @@ def _detection(results: Results, config: Mapping[str, Any]) -> dict[str, Any]:
         }
         for name in ("q", "t2")
     }
-    return {"runs": runs, "normal": normal, "normal_pooled": all_weeks, "normal_mean": mean}
+    return {
+        "runs": runs,
+        "normal": normal,
+        "normal_pooled": all_weeks,
+        "normal_mean": mean,
+        "without_residual": detection_rates.models_without_residual(results.models),
+    }
 
 
 def _drivers(results: Results, printed: Published, seed: int) -> dict[str, Any]:

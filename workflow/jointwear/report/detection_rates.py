@@ -15,6 +15,8 @@ from jointwear.statistics import spread_over_replicates, wilson_interval
 from jointwear.storage import read_variables
 
 WEEK = 168.0  # h
+# Share of the variance of training that is no more than round-off.
+NO_VARIANCE = 1e-9
 # Names in the location files of the ways to name the worn axis.
 RULES = {"chosen": "source", "raw": "source_raw", "means_removed": "source_means_removed", "shift": "largest_shift"}
 
@@ -43,6 +45,24 @@ def mean_interval(values: np.ndarray, exposure: float) -> dict[str, float]:
     if np.isnan(half):
         return {"mean": mean, "low": 0.0, "high": np.nan}
     return {"mean": mean, "low": max(0.0, mean - half), "high": mean + half}
+
+
+def models_without_residual(models: Mapping[str, str | Path]) -> dict[str, dict[str, Any]]:
+    """Return for each task how many of its normal models keep all the variance that there is.
+
+    Their Q-statistic is zero but for round-off, and no wear can raise it above its limit: it happens with few joints,
+    when the rule for the number of components keeps every one.
+
+    Parameters
+    ----------
+    models : task -> file of its normal models.
+    """
+    found = {}
+    for task, path in models.items():
+        variance, kept = read_variables(path, "eigenvalues", "kept")
+        left = np.where(np.arange(variance.shape[1]) < kept[:, None], 0.0, variance).sum(axis=1)
+        found[task] = proportion(left <= NO_VARIANCE * variance.sum(axis=1))
+    return found
 
 
 def false_alarms(path: str | Path, rule: str, consecutive: int) -> dict[str, Any]:
