@@ -107,6 +107,13 @@ def test_metadata_is_complete(name):
         assert parameter.description
 
 
+def test_names_stand_within_a_sentence():
+    phrases = {name: effect.phrase for name, effect in effects.library().items()}
+    assert phrases["stribeck_friction"] == "Stribeck friction"
+    assert phrases["wear_drift"] == "wear: growing Coulomb friction"
+    assert phrases["payload"] == "payload"
+
+
 def test_sequential_effects_settle_without_an_order(state):
     from dataclasses import replace
 

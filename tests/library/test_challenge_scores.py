@@ -221,6 +221,8 @@ def test_confusion_calibration_and_failures_count_the_same_cases():
     assert table["nothing"] == {"none": 9, "stribeck_friction": 1}
     drawn = confusion_table(table)
     assert sum(c["count"] for c in drawn["rows"][0]["cells"]) == 35
+    right = {r["truth"]: sum(c["count"] for c in r["cells"] if c["right"]) for r in drawn["rows"]}
+    assert (right["stribeck_friction"], right["nothing"]) == (24, 9)
     bins = calibration(rows)
     assert sum(b["names"] for b in bins) == 25
     assert sum(b["right"] for b in bins) == 24

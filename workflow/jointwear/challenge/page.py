@@ -75,6 +75,10 @@ def score_table(tiers: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
+#: What has to be answered to the kinds that hide no effect of the library.
+RIGHT_ANSWER = {"nothing": "none", "outside": "unknown"}
+
+
 def confusion_table(confusion: Mapping[str, Mapping[str, int]]) -> dict[str, Any]:
     """Return columns and rows of a confusion matrix; every cell has the number and its share of the row."""
     given = {answer for answers in confusion.values() for answer in answers}
@@ -86,7 +90,12 @@ def confusion_table(confusion: Mapping[str, Mapping[str, int]]) -> dict[str, Any
         total = sum(answers.values())
         if total:
             cells = [
-                {"count": answers.get(c, 0), "share": answers.get(c, 0) / total, "right": c == truth} for c in columns
+                {
+                    "count": answers.get(c, 0),
+                    "share": answers.get(c, 0) / total,
+                    "right": c == RIGHT_ANSWER.get(truth, truth),
+                }
+                for c in columns
             ]
             rows.append({"truth": truth, "total": total, "cells": cells})
     return {"columns": columns, "rows": rows}

@@ -44,11 +44,11 @@ def write_chapter(
     found = [
         {
             "effect": e["effect"],
-            "name": known[e["effect"]].name,
+            "name": known[e["effect"]].phrase,
             "equation": known[e["effect"]].equation,
             "axis": e["axis"],
             "source_axis": e["source_axis"],
-            "tie_set": [known[t].name for t in e["tie_set"]],
+            "tie_set": [known[t].phrase for t in e["tie_set"]],
             "evidence_nats": e["evidence_nats"],
         }
         for e in content["effects"]
@@ -60,7 +60,7 @@ def write_chapter(
         "lead": lead(content),
         "effects": found,
         "gap": content["gap"],
-        "hidden": {**hidden, "name": known[hidden["effect"]].name},
+        "hidden": {**hidden, "name": known[hidden["effect"]].phrase},
         "named_rightly": right,
         "exactly": right and len(found) == 1,
     }

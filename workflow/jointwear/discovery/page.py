@@ -12,6 +12,7 @@ from jointwear.documents import read_yaml
 from jointwear.effects import library
 from jointwear.files import replace_text
 from jointwear.report.inline import inline_svg
+from jointwear.report.numbers import number, percent
 from jointwear.report.rendering import render_page
 
 _WORDS = {
@@ -22,11 +23,6 @@ _WORDS = {
 }
 
 
-def number(value: float | None) -> str:
-    """Return a number with three significant digits, a dash for none."""
-    return "–" if value is None else f"{value:.3g}"
-
-
 def lead(content: dict[str, Any]) -> list[str]:
     """Return the verdict in sentences."""
     effects = library()
@@ -34,7 +30,7 @@ def lead(content: dict[str, Any]) -> list[str]:
     def name(e: dict[str, Any]) -> str:
         where = "on the whole arm" if e["axis"] is None else f"on joint {e['axis']}"
         source = f", from joint {e['source_axis']}" if e["source_axis"] else ""
-        return f"{effects[e['effect']].name.lower()} {where}{source}"
+        return f"{effects[e['effect']].phrase} {where}{source}"
 
     named = [name(e) for e in content["effects"]]
     sentences = []
@@ -50,9 +46,12 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
     closed = _closed(content["gap"])
     if closed is not None:
+        alone, augmented = (
+            f"closes {percent(share)}" if share >= 0 else f"widens it by {percent(-share)}" for share in closed
+        )
         sentences.append(
-            f"On held-out motion retuning alone closes {100 * closed[0]:.0f} % of the gap to the noise, "
-            f"the augmented model {100 * closed[1]:.0f} %."
+            f"The gap between model and noise on held-out motion: retuning alone {alone}, "
+            f"the augmented model {augmented}."
         )
     return sentences
 
@@ -74,11 +73,11 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
 def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return one row a joint: what was named, corrected and left, and the part of the gap that each model leaves."""
     effects, gap = library(), content["gap"]
-    whole = [effects[e["effect"]].name.lower() for e in content["effects"] if e["axis"] is None]
+    whole = [effects[e["effect"]].phrase for e in content["effects"] if e["axis"] is None]
     rows = []
     for axis in range(1, len(gap["nominal"]) + 1):
         named = [
-            effects[e["effect"]].name.lower() + (f" from joint {e['source_axis']}" if e["source_axis"] else "")
+            effects[e["effect"]].phrase + (f" from joint {e['source_axis']}" if e["source_axis"] else "")
             for e in content["effects"]
             if e["axis"] == axis
         ]

@@ -10,6 +10,9 @@ import numpy as np
 
 from jointwear.effects.state import State
 
+#: Names that begin with one of a person keep its capital within a sentence.
+_PEOPLE = ("Coulomb", "Stribeck")
+
 Parameters = Mapping[str, Any]
 #: (state, axis, source axis, parameters) -> array; axes are 0-based.
 AxisFunction = Callable[[State, int, "int | None", Parameters], np.ndarray]
@@ -70,6 +73,11 @@ class Effect:
     sequential: bool = False
     identifiable: bool = True
     reason: str = ""
+
+    @property
+    def phrase(self) -> str:
+        """The name as it stands within a sentence: "wear: growing Coulomb friction", but "Stribeck friction"."""
+        return self.name if self.name.startswith(_PEOPLE) else self.name[0].lower() + self.name[1:]
 
     def complete(self, parameters: Parameters) -> dict[str, Any]:
         """Return `parameters` with defaults filled in."""
