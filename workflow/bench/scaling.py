@@ -36,6 +36,9 @@ QUICK = {"replicates": (10, 30, 100), "readings": (10, 30), "robots": (1, 4)}
 HOURS = 48  # of logs that every robot of the fleet brings
 ARMS = 20  # different simulated arms, used in turn
 PLANNED = 10_000
+# As Snakemake starts a job of one thread: idle threads of the linear algebra would count as time spent.
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+ONE_THREAD = {**os.environ, **dict.fromkeys(THREADS, "1")}
 FEWEST, SIMULATIONS = 60, 16  # readings of the smallest design; simulations that readings share
 
 
@@ -230,7 +233,7 @@ def main() -> None:
         points = []
         for size in sizes:
             call = [sys.executable, __file__, "--point", kind, str(size)]
-            done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=ROOT)
+            done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=ROOT, env=ONE_THREAD)
             if done.returncode:
                 sys.exit(f"{kind} {size} failed:\n{done.stderr[-3000:]}")
             points.append(json.loads(done.stdout.strip().splitlines()[-1]))
