@@ -2,6 +2,12 @@
 from jointwear.challenge.tiers import SEED, SETS, TIERS
 
 CHALLENGE_ROBOT = "config/robots/puma560.yaml"
+CHALLENGE_TEMPLATES = [
+    "report/challenge.html.j2",
+    "report/base.html.j2",
+    "report/macros.html.j2",
+    "report/style.css",
+]
 
 
 wildcard_constraints:
@@ -63,7 +69,7 @@ rule score_challenge:
 rule report_challenge:
     input:
         scores="results/challenge/{part}/scores.json",
-        template="report/challenge.html.j2",
+        templates=CHALLENGE_TEMPLATES,
         modules=modules_of("report_challenge"),
     output:
         "results/challenge/{part}/challenge.html",
@@ -126,7 +132,7 @@ rule report_challenge_peers:
     input:
         scores="results/challenge/{part}/scores.json",
         peers="results/challenge/{part}/peers.json",
-        template="report/challenge.html.j2",
+        templates=CHALLENGE_TEMPLATES,
         modules=modules_of("report_challenge"),
     output:
         "results/challenge/{part}/challenge_with_peers.html",
@@ -157,7 +163,7 @@ rule report_stored_challenge:
     input:
         scores="bench/challenge.json",
         peers=STORED_PEERS,
-        template="report/challenge.html.j2",
+        templates=CHALLENGE_TEMPLATES,
         modules=modules_of("report_stored_challenge"),
     output:
         "results/challenge/stored/challenge.html",

@@ -8,7 +8,6 @@ if __name__ == "__main__":
         write_page(
             snakemake.input.scores,
             snakemake.input.get("peers") or None,
-            snakemake.input.template,
             snakemake.output[0],
             snakemake.wildcards.part,
             snakemake.params.seed,

@@ -8,6 +8,5 @@ if __name__ == "__main__":
         write_stored_page(
             snakemake.input.scores,
             next(iter(snakemake.input.get("peers", [])), None),
-            snakemake.input.template,
             snakemake.output[0],
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from jointwear.challenge.case_files import read_json
@@ -13,6 +12,7 @@ from jointwear.challenge.scores import SHARES, UPPER_LIMITS
 from jointwear.challenge.separability import IDENTIFIABLE, SEPARABLE
 from jointwear.challenge.tiers import COUNTS, EFFECTS, FULL, TARGETS, TIERS
 from jointwear.files import replace_text
+from jointwear.report.rendering import render_page
 
 _WORDS = {
     "identifiable_share": "single effects that the motion can show (identifiable)",
@@ -28,6 +28,11 @@ _WORDS = {
     "right_number": "the wrong number itself is listed",
 }
 _ORDER = [*TARGETS, "name_first_strict", "exact_set_strict", "right_number", "not_worse_named"]
+_NAMES = {
+    **{name: name.replace("_", " ").replace("stribeck", "Stribeck").replace("coulomb", "Coulomb") for name in EFFECTS},
+    **{answer: answer for answer in ("nothing", "none", "retuned", "unknown", "refused")},
+    "outside": "outside the library",
+}
 _SET_WORDS = {
     "choose": "the seeds on which thresholds were chosen",
     "sample": "a sample of cases with seeds of their own",
@@ -138,7 +143,6 @@ def set_words(part: str, cases: int) -> str:
 def write_page(
     scores_path: str,
     peers_path: str | None,
-    template: str,
     output: str,
     part: str,
     seed: int,
@@ -154,13 +158,8 @@ def write_page(
     ------
     InputError : if the scores are missing or broken.
     """
-    from jinja2 import Environment, StrictUndefined
-
     scores = read_json(scores_path)
     tiers = scores["tiers"]
-    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
-        Path(template).read_text(encoding="utf-8")
-    )
     missed = [
         f"{_WORDS[name]} ({tier})"
         for tier, content in tiers.items()
@@ -168,26 +167,25 @@ def write_page(
         if content["scores"][name].get("reached") is False
     ]
     judged = sum(content["scores"][n].get("reached") is not None for content in tiers.values() for n in TARGETS)
-    replace_text(
-        output,
-        page.render(
-            set_words=set_words(part, scores["cases"]),
-            is_sample=COUNTS[part_batches(part)[0]] is not FULL,
-            command=command,
-            seed=seed,
-            cases=scores["cases"],
-            tiers=tiers,
-            settings={name: TIERS[name] for name in tiers},
-            table=score_table(tiers),
-            missed=missed,
-            judged=judged,
-            confusion={name: confusion_table(content["confusion"]) for name, content in tiers.items()},
-            calibration={name: calibration_points(content["calibration"]) for name, content in tiers.items()},
-            peers=read_json(peers_path) if peers_path else None,
-            identifiable=IDENTIFIABLE,
-            separable=SEPARABLE,
-            closed_loop=CLOSED_LOOP,
-            duration=DURATION,
-            rate=round(1 / INTERVAL),
-        ),
-    )
+    context = {
+        "names": _NAMES,
+        "set_words": set_words(part, scores["cases"]),
+        "is_sample": COUNTS[part_batches(part)[0]] is not FULL,
+        "command": command,
+        "seed": seed,
+        "cases": scores["cases"],
+        "tiers": tiers,
+        "settings": {name: TIERS[name] for name in tiers},
+        "table": score_table(tiers),
+        "missed": missed,
+        "judged": judged,
+        "confusion": {name: confusion_table(content["confusion"]) for name, content in tiers.items()},
+        "calibration": {name: calibration_points(content["calibration"]) for name, content in tiers.items()},
+        "peers": read_json(peers_path) if peers_path else None,
+        "identifiable": IDENTIFIABLE,
+        "separable": SEPARABLE,
+        "closed_loop": CLOSED_LOOP,
+        "duration": DURATION,
+        "rate": round(1 / INTERVAL),
+    }
+    replace_text(output, render_page("challenge.html.j2", context))

@@ -38,7 +38,7 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
     replace_text(output, json.dumps({**head, "tiers": content["tiers"]}, indent=1) + "\n")
 
 
-def write_stored_page(stored: str | Path, peers: str | None, template: str, output: str | Path) -> None:
+def write_stored_page(stored: str | Path, peers: str | None, output: str | Path) -> None:
     """Write the page from the summary that is kept with the project, with the `peers` where they are kept too."""
     content = read_json(stored)
-    write_page(str(stored), peers, template, str(output), content["part"], content["seed"], content["command"])
+    write_page(str(stored), peers, str(output), content["part"], content["seed"], content["command"])
