@@ -86,8 +86,6 @@ rule fit_candidate:
         "results/recovery/fits/{candidate}.nc",
     log:
         "results/logs/fit_candidate/{candidate}.log",
-    # The long ones first, so that none is left alone at the end.
-    priority: lambda wildcards: 10 if "payload" in wildcards.candidate else 0
     params:
         settings={**RECOVER_SHARED, "search": config["recover"]["search"]},
     script:
