@@ -24,7 +24,7 @@ from jointwear.challenge.scores import (
 )
 from jointwear.challenge.scoring import peak_covered, summarise
 from jointwear.challenge.stored import write_stored, write_stored_page
-from jointwear.challenge.tiers import EFFECTS, TARGETS, TIERS
+from jointwear.challenge.tiers import DRAWINGS, EFFECTS, TARGETS, TIERS
 from jointwear.statistics import wilson_interval
 
 
@@ -268,6 +268,8 @@ def test_the_summary_is_small_and_says_how_much_was_run(tmp_path, root):
     write_stored_page(stored, None, page)
     text = page.read_text()
     assert "the first 2 batches of every tier" in text
+    assert f"(drawing {DRAWINGS['report']}: results on earlier ones had been seen" in text
+    assert content["drawing"] == DRAWINGS["report"] > 1
     assert content["command"] in text
 
 

@@ -159,6 +159,20 @@ rule store_challenge:
         "../scripts/store_challenge.py"
 
 
+# Declares no output in bench: the page of what is stored must never wait for an hour of cases.
+rule keep_challenge:
+    input:
+        scores="results/challenge/{part}/stored.json",
+        peers=peers_to_keep,
+    output:
+        "results/challenge/{part}/kept.txt",
+    log:
+        "results/logs/keep_challenge/{part}.log",
+    shell:
+        "cp {input.scores} bench/challenge.json && cp {input.peers} bench/challenge_peers.json"
+        " && sha256sum {input} > {output} 2> {log}"
+
+
 rule report_stored_challenge:
     input:
         scores="bench/challenge.json",

@@ -17,5 +17,15 @@ def challenge_files(folder, ending):
     return files
 
 
+# The other methods run on these first batches of every tier: they are slower than what they are compared with.
+PEER_BATCHES = 3
+
+
+def peers_to_keep(wildcards):
+    """Scores of the other methods on the first batches of a seed set."""
+    seed_set, _ = part_batches(wildcards.part)
+    return f"results/challenge/{seed_set}_first_{PEER_BATCHES}/peers.json"
+
+
 # Numbers of the other methods, where they are kept with the project.
 STORED_PEERS = [path for path in ("bench/challenge_peers.json",) if Path(path).exists()]

@@ -10,7 +10,7 @@ from jointwear.challenge.generate import CLOSED_LOOP, DURATION, INTERVAL
 from jointwear.challenge.plan import part_batches
 from jointwear.challenge.scores import SHARES, UPPER_LIMITS
 from jointwear.challenge.separability import IDENTIFIABLE, SEPARABLE
-from jointwear.challenge.tiers import COUNTS, EFFECTS, FULL, TARGETS, TIERS
+from jointwear.challenge.tiers import COUNTS, DRAWINGS, EFFECTS, FULL, TARGETS, TIERS
 from jointwear.files import replace_text
 from jointwear.report.rendering import render_page
 
@@ -127,15 +127,18 @@ def calibration_points(bins: list[Mapping[str, Any]]) -> list[dict[str, float]]:
     ]
 
 
-def set_words(part: str, cases: int) -> str:
+def set_words(part: str, cases: int, drawing: int) -> str:
     """Return in words which cases a page shows; `part` as in :func:`jointwear.challenge.plan.part_batches`."""
     seed_set, numbers = part_batches(part)
     whole = len(TIERS) * sum(COUNTS[seed_set].values())
+    words = _SET_WORDS[seed_set]
+    if drawing > 1:
+        words += f" (drawing {drawing}: results on earlier ones had been seen before discovery was last changed)"
     if cases >= whole:
-        return _SET_WORDS[seed_set]
+        return words
     count = max(numbers.values())
     return (
-        f"{_SET_WORDS[seed_set]}: the first {count} batches of every tier, each a like mixture of all kinds, "
+        f"{words}: the first {count} batches of every tier, each a like mixture of all kinds, "
         f"{cases} of {whole} cases. The share was fixed before any result was looked at"
     )
 
@@ -147,12 +150,14 @@ def write_page(
     part: str,
     seed: int,
     command: str | None = None,
+    drawing: int | None = None,
 ) -> None:
     """Write the page from the scores (and, where they were run, those of the peers).
 
     Parameters
     ----------
     part : a seed set or its first batches. command : what makes the scores, where they were not made just now.
+    drawing : of the seed set that was run; default the present one.
 
     Raises
     ------
@@ -160,6 +165,7 @@ def write_page(
     """
     scores = read_json(scores_path)
     tiers = scores["tiers"]
+    drawing = DRAWINGS[part_batches(part)[0]] if drawing is None else drawing
     missed = [
         f"{_WORDS[name]} ({tier})"
         for tier, content in tiers.items()
@@ -169,7 +175,7 @@ def write_page(
     judged = sum(content["scores"][n].get("reached") is not None for content in tiers.values() for n in TARGETS)
     context = {
         "names": _NAMES,
-        "set_words": set_words(part, scores["cases"]),
+        "set_words": set_words(part, scores["cases"], drawing),
         "is_sample": COUNTS[part_batches(part)[0]] is not FULL,
         "command": command,
         "seed": seed,

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from jointwear.challenge.tiers import BATCH, COUNTS, EFFECTS, KINDS, NUMBERS, OUTSIDE, SETS, TIERS
+from jointwear.challenge.tiers import BATCH, COUNTS, DRAWINGS, EFFECTS, KINDS, NUMBERS, OUTSIDE, SETS, TIERS
 from jointwear.errors import InputError, nearest
 
 _SUBJECTS = {"single": EFFECTS, "retuned": NUMBERS, "outside": OUTSIDE}
@@ -35,7 +35,8 @@ class Case:
     @property
     def key(self) -> tuple[str, ...]:
         """Words of the spawn key; the number is the replicate."""
-        return ("challenge", self.set, self.tier, self.kind)
+        drawing = DRAWINGS[self.set]
+        return ("challenge", self.set if drawing == 1 else f"{self.set} {drawing}", self.tier, self.kind)
 
     @property
     def subject(self) -> str | None:

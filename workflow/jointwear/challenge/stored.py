@@ -11,7 +11,7 @@ from typing import Any
 from jointwear.challenge.case_files import read_json
 from jointwear.challenge.page import write_page
 from jointwear.challenge.plan import part_batches
-from jointwear.challenge.tiers import COUNTS, TIERS
+from jointwear.challenge.tiers import COUNTS, DRAWINGS, TIERS
 from jointwear.files import replace_text
 
 
@@ -28,6 +28,7 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
     head = {
         "part": part,
         "seed": seed,
+        "drawing": DRAWINGS[seed_set],
         "cases": content["cases"],
         "cases_of_the_whole_set": len(TIERS) * sum(COUNTS[seed_set].values()),
         "batches": numbers,
@@ -41,4 +42,6 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
 def write_stored_page(stored: str | Path, peers: str | None, output: str | Path) -> None:
     """Write the page from the summary that is kept with the project, with the `peers` where they are kept too."""
     content = read_json(stored)
-    write_page(str(stored), peers, str(output), content["part"], content["seed"], content["command"])
+    write_page(
+        str(stored), peers, str(output), content["part"], content["seed"], content["command"], content["drawing"]
+    )

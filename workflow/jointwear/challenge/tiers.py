@@ -51,6 +51,10 @@ KINDS = ("single", "nothing", "retuned", "two", "outside")
 #: Seed sets. Thresholds are chosen on "choose", "sample" is the quick look, "report" is run once.
 SETS = ("choose", "sample", "report")
 
+#: How often the cases of a set have been drawn. Once results on report cases have been looked at, whatever is changed
+#: in discovery afterwards has to be reported on cases drawn anew.
+DRAWINGS = {"choose": 1, "sample": 1, "report": 2}
+
 #: Cases of each kind in one tier.
 FULL = {"single": 20 * len(EFFECTS), "nothing": 350, "retuned": 60, "two": 150, "outside": 120}
 SAMPLE = {"single": 2 * len(EFFECTS), "nothing": 20, "retuned": 8, "two": 10, "outside": 10}
