@@ -22,6 +22,9 @@ WORST_RECORD = -4.0
 WORST_SHARE, WORST_RAW_IF_STRONG = 0.02, 1.2
 #: Gain [nats] in records left out that is enough for an effect of any evidence.
 ENOUGH = 100.0
+#: Arguments over which a robot file cannot bend the form of an effect: it holds a table, harmonics or several
+#: hysteresis loops.
+UNBENDING = ("rate of torque", "second derivative of the load")
 #: Steps tried within each record [s apart], and how much better than a drift one has to be [nats].
 STEP_EVERY, STEP_BETTER = 0.5, 5.0
 
@@ -115,3 +118,19 @@ def predicts(found: CrossValidated, evidence: float) -> bool:
     # in the prediction of one more record: from some strength on the share is no longer asked for.
     gains = found.nats >= max(2.0, min(0.15 * evidence, ENOUGH)) and found.share > 0.0
     return gains and found.worst >= worst and raw
+
+
+def predicts_most(found: CrossValidated) -> bool:
+    """Return whether terms predict records left out, and in N m most of them.
+
+    One record that gains much may make up in N m for all others that lose: then the effect is one of that record.
+    """
+    return predicts(found, 0.0) and (found.middle <= WORST_RAW or found.share > 0.5)
+
+
+def stiff(candidate: Candidate) -> bool:
+    """Return whether a robot file cannot bend the form of an effect: what is written is the textbook form."""
+    if candidate.effect == LINK_MASS:
+        return False
+    effect = get_effect(candidate.effect)
+    return effect.needs_source or effect.argument in UNBENDING

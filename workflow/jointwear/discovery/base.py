@@ -15,7 +15,6 @@ from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.problem import White
-from jointwear.effects import State
 
 #: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free.
 DRIVE_ERRORS = (1e-4, 0.03, 0.1, 0.3, np.inf)
@@ -115,15 +114,3 @@ def pinned(white: White, base: list[Term], axis: int, error: float) -> list[Term
         size = abs(float(nominal[int(term.label.split()[2])][axis])) if own else 0.0
         result.append(replace(term, std=np.minimum(term.std, error * size)) if size > 0 else term)
     return result
-
-
-def friction_torque(fit: Fit, state: State, axis: int) -> np.ndarray:
-    """Return the torque (m,) of the correction of Coulomb and viscous friction of one axis in a fit [N m]."""
-    v = state.velocity[:, axis]
-    columns = (v > 0, v < 0, v)
-    total = np.zeros(len(v))
-    for term, where in zip(fit.terms, fit.slices, strict=True):
-        for k, column in enumerate(columns):
-            if term.label == f"friction {axis} {k}":
-                total = total + fit.theta[where][0] * column
-    return total

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import combinations
 
 import numpy as np
 
 from jointwear.discovery.motion import Measured, measure
+from jointwear.discovery.reading import Likelihood, Reading, readings
 from jointwear.discovery.recording import Recording
 from jointwear.dynamics import Dynamics
 from jointwear.errors import InputError
@@ -16,8 +16,14 @@ from jointwear.robot import Robot
 #: Samples looked at by the checks against the model.
 LOOK = 1500
 FEWEST = 40
-#: Drop of the log residual, summed over axes, that another reading of the axes needs to be believed.
+#: Drop of the log residual, summed over axes, from which another reading of the axes is believed, and down to which
+#: it is worth a closer look.
 CLEARLY = 0.9
+#: Share of the squared torque of an axis that a right reading of it never leaves.
+WRONG = 0.5
+#: Log likelihood [nats] by which the closer look must favour another reading that fits no better in size, and by
+#: which it may speak against one that does.
+CONTRADICTS = 12.0
 #: Share of the squared torque that wrong numbers leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
 RIGHT, SAME_WRIST = 0.01, 0.03
@@ -132,7 +138,11 @@ def _score(left: np.ndarray, floor: float) -> float:
 
 
 def _against_model(recording: Recording, robot: Robot, measured: Measured) -> None:
-    """Recognise a flipped axis, swapped joints and motor-side torque: each must explain the data far better."""
+    """Recognise a flipped axis, swapped joints and motor-side torque.
+
+    Another reading must explain the data far better with the numbers of the nominal model as they are, unless it is
+    contradicted when these may be somewhat wrong; or it must be far more likely when they may.
+    """
     parts, time, usable = _features(measured)
     if len(time) < FEWEST:
         return
@@ -140,55 +150,47 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
     left = explained(dynamics, parts, usable)
     if not np.isfinite(left).any():
         return
-    n = robot.joints
-    plain = _score(left, RIGHT)
-    best = (plain - CLEARLY, None, None)
-    for first, second in combinations(range(n), 2):
-        order = np.arange(n)
-        order[[first, second]] = second, first
-        gained = _score(left, SAME_WRIST) - _score(explained(dynamics, parts, usable, order=order), SAME_WRIST)
-        if plain - gained < best[0]:
-            best = (plain - gained, "swap", (first, second))
-    for axis in range(n):
-        signs = np.ones(n)
-        signs[axis] = -1.0
-        score = _score(explained(dynamics, parts, usable, signs=signs), RIGHT)
-        if score < best[0]:
-            best = (score, "flip", axis)
-        turned = parts.copy()
-        turned[:, 3, axis] *= -1.0
-        score = _score(explained(dynamics, turned, usable), RIGHT)
-        if score < best[0]:
-            best = (score, "torque", axis)
-        gear = abs(robot.gear_ratio[axis])
-        if gear > 2:
-            turned = parts.copy()
-            turned[:, 3, axis] *= robot.gear_ratio[axis]
-            score = _score(explained(dynamics, turned, usable), RIGHT)
-            if score < best[0]:
-                best = (score, "motor", axis)
-    name = recording.name
-    if best[1] == "swap":
-        a, b = best[2]
+    likelihood = Likelihood(dynamics, FEWEST)
+    as_read: float | None = None
+    believed: list[tuple[float, Reading]] = []
+    for reading in readings(robot):
+        turned = reading.read(parts, usable, robot)
+        floor = SAME_WRIST if reading.kind == "swap" else RIGHT
+        other = explained(dynamics, *turned)
+        gained = _score(left, floor) - _score(other, floor)
+        if gained < -CLEARLY or not np.nanmax(other[list(reading.axes)], initial=0.0) < WRONG:
+            continue
+        as_read = likelihood(parts, usable) if as_read is None else as_read
+        nats = likelihood(*turned) - as_read
+        if nats > (-CONTRADICTS if gained > CLEARLY else CONTRADICTS):
+            believed.append((nats, reading))
+    if believed:
+        _refuse(recording.name, max(believed, key=lambda x: x[0])[1])
+
+
+def _refuse(name: str, reading: Reading) -> None:
+    """Raise :class:`Refused` in the words of a reading that fits better."""
+    axis = reading.axes[0]
+    if reading.kind == "swap":
+        a, b = reading.axes
         raise Refused(
             f"data set '{name}': joints {a + 1} and {b + 1} look swapped; exchanged they fit the model",
             f"exchange the columns of joints {a + 1} and {b + 1}",
         )
-    if best[1] == "flip":
+    if reading.kind == "flip":
         raise Refused(
-            f"data set '{name}': the sign of joint {best[2] + 1} looks flipped; turned around it fits the model",
-            f"turn the sign of position and torque of joint {best[2] + 1}",
+            f"data set '{name}': the sign of joint {axis + 1} looks flipped; turned around it fits the model",
+            f"turn the sign of position and torque of joint {axis + 1}",
         )
-    if best[1] == "torque":
+    if reading.kind == "torque":
         raise Refused(
-            f"data set '{name}': the sign of the torque of joint {best[2] + 1} looks flipped against its motion",
-            f"turn the sign of the torque of joint {best[2] + 1}",
+            f"data set '{name}': the sign of the torque of joint {axis + 1} looks flipped against its motion",
+            f"turn the sign of the torque of joint {axis + 1}",
         )
-    if best[1] == "motor":
-        raise Refused(
-            f"data set '{name}': the torque of joint {best[2] + 1} looks like that of the motor, before the gear",
-            "multiply the torque by the gear ratio",
-        )
+    raise Refused(
+        f"data set '{name}': the torque of joint {axis + 1} looks like that of the motor, before the gear",
+        "multiply the torque by the gear ratio",
+    )
 
 
 def motion_restrictions(problem) -> list[str]:

@@ -19,8 +19,8 @@ class CrossValidated:
     ----------
     nats : gain in the log predictive density, summed over the records left out in turn.
     share : part of the squared error beyond the noise that they explain on their axes, at most 1.
-    raw : squared error [N m^2] with the terms over that without, on their axes. last : nats gained in the last
-    record alone, worst in the record that gains least.
+    raw : squared error [N m^2] with the terms over that without, on their axes; middle : the median over the records
+    of that ratio in one. last : nats gained in the last record alone, worst in the record that gains least.
     """
 
     nats: float
@@ -28,6 +28,7 @@ class CrossValidated:
     raw: float
     last: float
     worst: float
+    middle: float
 
 
 def cross_validate(white: White, before: list[Term], extra: list[Term]) -> CrossValidated:
@@ -71,24 +72,28 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
     evidence = [_posterior(whole, std, size, total)[1] for size in (plain, total)]
     errors = np.zeros((2, 2))
     count = 0
-    gains = []
+    gains, ratios = [], []
     for record in sorted(parts):
         sums = parts[record]
-        left = np.zeros(2)
+        left, raw = np.zeros(2), np.zeros(2)
         for row, size in enumerate((plain, total)):
             theta, rest = _posterior(whole - sums["all"], std, size, total)
             left[row] = evidence[row] - rest
             for column, kind in enumerate(("own", "raw")):
                 s = sums[kind]
-                errors[row, column] += s[total, total] - 2 * theta @ s[:size, total] + theta @ s[:size, :size] @ theta
+                error = s[total, total] - 2 * theta @ s[:size, total] + theta @ s[:size, :size] @ theta
+                errors[row, column] += error
+                raw[row] = error
         count += sums["count"]
         if sums["count"]:
             gains.append(float(left[1] - left[0]))
+            ratios.append(float(raw[1] / max(raw[0], 1e-300)))
     gained = errors[0, 0] - errors[1, 0]
     excess = max(errors[0, 0] - count, gained, 1e-9)
     share = float(np.clip(gained / excess, -1.0, 1.0))
     raw_ratio = float(errors[1, 1] / max(errors[0, 1], 1e-300))
-    return CrossValidated(sum(gains), share, raw_ratio, gains[-1] if gains else 0.0, min(gains, default=0.0))
+    middle = float(np.median(ratios)) if ratios else 1.0
+    return CrossValidated(sum(gains), share, raw_ratio, gains[-1] if gains else 0.0, min(gains, default=0.0), middle)
 
 
 def _posterior(sums: np.ndarray, std: np.ndarray, size: int, total: int) -> tuple[np.ndarray, float]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import gammaincc
 
-from jointwear.discovery.acceptance import follows_time, holds, predicts
+from jointwear.discovery.acceptance import follows_time, holds, predicts_most, stiff
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -175,12 +175,14 @@ def _predicting(white: White, named: list[Named]) -> list[Named]:
         for i, one in enumerate(named):
             others = [t for k, n in enumerate(named) if k != i for t in n.terms]
             result = cross_validate(white, others, [one.term])
-            if one.form is not None and (follows_time(one.candidate) or not predicts(result, 0.0)):
+            # What cannot be written into a robot file must not be what predicts.
+            bendable = one.form is not None and not stiff(one.candidate)
+            if bendable and (follows_time(one.candidate) or not predicts_most(result)):
                 bent = cross_validate(white, others, one.terms)
                 pick = min if follows_time(one.candidate) else max
                 result = pick(result, bent, key=lambda r: r.nats)
             found.append(result)
-        bad = [i for i, f in enumerate(found) if not predicts(f, 0.0)]
+        bad = [i for i, f in enumerate(found) if not predicts_most(f)]
         if not bad:
             return named
         worst = max(bad, key=lambda i: found[i].raw)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.discovery.base import friction_torque, likely_base, pinned
+from jointwear.discovery.acceptance import stiff
+from jointwear.discovery.base import likely_base, pinned
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -20,19 +21,17 @@ from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.inertia import mass_direction
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.peak import DRAWS, draw_torque, form_error, height, spread
 from jointwear.discovery.problem import White
 from jointwear.discovery.refine import evidence_at, free_parameters, refine, simplest
 from jointwear.effects import State, get_effect
 
 #: Bends of a form are kept where records left out gain at least this much from them [nats].
 KEEP_FORM = 3.0
-DRAWS = 400
 #: Up to this relative error of the numbers of the drives they are taken as right.
 RIGHT_NUMBERS = 0.03
 #: The peak torque of an effect is stated for samples that are at least as fast as this [rad/s].
 JUDGED_SPEED = 0.02
-#: Arguments over which a robot file cannot bend the form of an effect.
-UNBENDING = ("rate of torque", "second derivative of the load")
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class Final:
 
 def finalise(outcome: Outcome) -> Final:
     """Refine the parameters of the named effects, fit everything together and predict all samples."""
-    white, problem = outcome.white, outcome.problem
+    white = outcome.white
     effects = [n for n in outcome.named if n.candidate.effect != LINK_MASS]
     masses = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
     mass_terms = [t for n in masses for t in n.terms]
@@ -111,7 +110,9 @@ def finalise(outcome: Outcome) -> Final:
             form = forms[i][0]
             where.append(fit.slices[next_form])
             next_form += 1
-        estimates.append(_estimate(problem, white, fit, one, candidate, form, where, rng, refined, i))
+        others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
+        others += [f[1] for k, f in enumerate(forms) if f is not None and k != i]
+        estimates.append(_estimate(white, fit, base, one, candidate, form, where, rng, others))
     friction, std, inertial = _base_of(white, fit, mass_terms, masses)
     alone = Fit(white.targets, [*likely_base(white, mass_terms)[0], *mass_terms])
     base_friction, _, base_inertial = _base_of(white, alone, mass_terms, masses)
@@ -204,9 +205,7 @@ def _term(white: White, candidate: Candidate, old: Term) -> Term:
 
 def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Term] | None:
     form = form_of(white, candidate)
-    effect = get_effect(candidate.effect)
-    # A robot file can hold a table, harmonics or several hysteresis loops, not other bends.
-    if form is None or effect.needs_source or effect.argument in UNBENDING:
+    if form is None or stiff(candidate):
         return None
     fit = white.fit(others)
     b, gram = fit.gram(term.blocks)
@@ -218,8 +217,12 @@ def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Ter
     return (form, flexible) if found.nats > KEEP_FORM and found.raw < 1.0 else None
 
 
-def _estimate(problem, white, fit, one, candidate, form, where, rng, refined, index) -> Estimate:
-    """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior."""
+def _estimate(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
+    """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior.
+
+    `base` are the terms of the numbers of the nominal model, `others` those of the other effects.
+    """
+    problem = white.problem
     named = replace(one, candidate=candidate)
     effect = get_effect(candidate.effect)
     places = np.concatenate([np.arange(w.start, w.stop) for w in where])
@@ -241,86 +244,26 @@ def _estimate(problem, white, fit, one, candidate, form, where, rng, refined, in
         linear = {"delay"}
     for name in linear & set(parameters):
         std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
-    others = [t for k, (_, _, t) in enumerate(refined) if k != index]
     rest = white.fit(others)
-    directions = []
-    for p in free_parameters(candidate):
-        if p.name == "delay":
-            continue
-        spread = _spread(white, rest, candidate, p)
-        std[p.name] = spread * abs(float(candidate.nonlinear[p.name]))
-        directions.append(_profile_change(problem, white, rest, candidate, p.name, spread))
-    # A reference that the search left in the middle of the temperatures is not known; one that was placed is.
-    if candidate.nonlinear.get("reference") == one.candidate.nonlinear.get("reference", np.nan):
-        directions.append(_reference_change(problem, candidate, coefficients[:own]))
+    spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
+    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != "delay"}
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
     moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= JUDGED_SPEED)
-    torque = np.where(moving, columns @ coefficients, 0.0)
-    peak = float(np.max(np.abs(torque), initial=0.0))
-    root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
-    draws = coefficients[:, None] + root @ rng.standard_normal((len(coefficients), DRAWS))
+    peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
     if candidate.axis is None:
         # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.
         keep = slice(None, None, max(1, len(columns) // 300))
-        sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None]).max(axis=(0, 1))
+        root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
+        draws = coefficients[:, None] + root @ rng.standard_normal((len(coefficients), DRAWS))
+        sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None])
+        sampled = sampled.max(axis=(0, 1), initial=0.0)
     else:
-        sampled = columns[:, candidate.axis] @ draws
-        # Friction that was corrected beside the effect may be a part of it: some, all or none.
-        if not effect.sequential and effect.argument != "motor angle":
-            correction = friction_torque(fit, test, candidate.axis)
-            sampled = sampled + correction[:, None] * rng.beta(0.5, 0.5, DRAWS)
-        for change in directions:
-            sampled = sampled + change[:, candidate.axis][:, None] * rng.standard_normal(DRAWS)
-        sampled = np.abs(sampled * moving[:, candidate.axis][:, None]).max(axis=0)
-    # The form is a further source of error: the peak is where a textbook curve fits worst.
-    sampled = sampled * (1 + FORM_ERROR * rng.standard_normal(DRAWS)) if len(sampled) else sampled
+        axis = candidate.axis
+        torque = raw_columns(white, candidate) @ coefficients[:own]
+        size = height(torque[problem.usable[:, axis]])
+        sampled = draw_torque(white, [*base, *others], candidate, spreads, size, test, rng)
+        sampled = np.abs(sampled[moving[:, axis]]).max(axis=0, initial=0.0)
+    sampled = sampled * (1 + form_error(effect) * rng.standard_normal(DRAWS))
     low, high = np.quantile(sampled, [0.025, 0.975])
     return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))
-
-
-def _profile_change(problem, white, rest: Fit, candidate: Candidate, name: str, spread: float) -> np.ndarray:
-    """Return how the torque on the held-out motion changes with one standard deviation of a nonlinear parameter.
-
-    The coefficients follow, as they would in a fit.
-    """
-    test = problem.state.part(problem.test)
-
-    def torque(shift: float) -> np.ndarray:
-        value = float(candidate.nonlinear[name]) * np.exp(shift)
-        moved = replace(candidate, nonlinear={**candidate.nonlinear, name: value})
-        raw = raw_columns(white, moved)
-        b, gram = rest.gram({candidate.axis: white.columns(candidate.axis, raw)})
-        std = prior_std(white, candidate.axis, raw)
-        return _all_columns(test, moved, None) @ np.linalg.solve(gram + np.diag(1 / std**2), b)
-
-    step = min(spread, 0.3)
-    return (torque(step) - torque(-step)) / (2 * step) * spread
-
-
-def _reference_change(problem, candidate: Candidate, coefficients: np.ndarray) -> np.ndarray:
-    """Return how the torque on the held-out motion changes with the reference temperature.
-
-    Where the nominal numbers hold is known to an eighth of the range of temperatures at best.
-    """
-    test = problem.state.part(problem.test)
-    warm = problem.train_state.temperature[:, candidate.axis]
-    shift = 0.125 * float(np.nanmax(warm) - np.nanmin(warm))
-    moved = replace(candidate, nonlinear={**candidate.nonlinear, "reference": candidate.nonlinear["reference"] + shift})
-    return (_all_columns(test, moved, None) - _all_columns(test, candidate, None)) @ coefficients
-
-
-#: Relative standard deviation of the form of an effect in the interval of its peak torque.
-FORM_ERROR = 0.2
-
-
-def _spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
-    """Return the standard deviation of the logarithm of a nonlinear parameter from the curvature of the evidence."""
-    h = 0.05
-
-    def at(shift):
-        value = float(candidate.nonlinear[parameter.name]) * np.exp(shift)
-        return evidence_at(white, fit, replace(candidate, nonlinear={**candidate.nonlinear, parameter.name: value}))
-
-    curvature = -(at(h) - 2 * at(0.0) + at(-h)) / h**2
-    return float(np.clip(1 / np.sqrt(max(curvature, 1e-9)), 1e-4, 1.0))
