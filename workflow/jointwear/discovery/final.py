@@ -21,7 +21,7 @@ from jointwear.discovery.inertia import mass_direction
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.problem import White
-from jointwear.discovery.refine import evidence_at, free_parameters, refine, simplest
+from jointwear.discovery.refine import SCALED, evidence_at, free_parameters, refine, simplest
 from jointwear.effects import State, get_effect
 
 #: Bends of a form are kept where records left out gain at least this much from them [nats].
@@ -237,15 +237,19 @@ def _estimate(problem, white, fit, one, candidate, form, where, rng, refined, in
         for name in parameters:
             jacobian[name][k] = (after[name] - parameters[name]) / step
     linear = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
-    if candidate.effect == "actuation_delay":
-        linear = {"delay"}
+    scaled = SCALED.get(candidate.effect)
+    if scaled is not None:
+        # A robot file takes no parameter beyond its bounds.
+        bounds = next(p for p in effect.parameters if p.name == scaled)
+        parameters[scaled] = float(np.clip(parameters[scaled], bounds.lower, bounds.upper))
+        linear = {scaled}
     for name in linear & set(parameters):
         std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
     others = [t for k, (_, _, t) in enumerate(refined) if k != index]
     rest = white.fit(others)
     directions = []
     for p in free_parameters(candidate):
-        if p.name == "delay":
+        if p.name == scaled:
             continue
         spread = _spread(white, rest, candidate, p)
         std[p.name] = spread * abs(float(candidate.nonlinear[p.name]))
