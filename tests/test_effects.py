@@ -1,5 +1,7 @@
 """The effect library: one file an effect, columns and torque agree, unordered samples, robots with effects."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -65,7 +67,7 @@ def test_library_holds_every_effect():
     assert set(effects.library()) == IDENTIFIERS
 
 
-@pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash", "actuation_delay"}))
+@pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash", "actuation_delay", "joint_flexibility"}))
 def test_torque_is_columns_times_coefficients(state, name):
     effect = effects.get_effect(name)
     source = 3 if effect.needs_source else None
@@ -92,6 +94,35 @@ def test_delay_is_linear_for_small_delays(state):
     np.testing.assert_allclose(half[~near], 0.5 * column[~near], atol=1e-9)
     with_lag = effect.torque(state, 1, None, {"delay": 0.004, "lag": 1})
     assert np.corrcoef(with_lag[~near], column[~near])[0, 1] > 0.99
+
+
+def test_lag_of_friction_knows_the_instant_of_reversal(state):
+    from jointwear.effects.order import lagged
+
+    lag, rate = 0.013, 5.0
+    time = np.arange(300) * 0.01
+    samples = SimpleNamespace(time=time, record=np.zeros(len(time), int))
+    np.testing.assert_allclose(lagged(samples, 2 + 3 * time, lag), 2 + 3 * (time - lag), atol=1e-12)
+    velocity = np.sin(rate * time + 0.3)
+    turns = (np.arange(1, 5) * np.pi - 0.3) / rate
+    steps = [2 * (-1) ** (k + 1) * np.where(time > t, 1 - np.exp(-(time - t) / lag), 0) for k, t in enumerate(turns)]
+    np.testing.assert_allclose(lagged(samples, np.sign(velocity), lag, velocity), 1 + sum(steps), atol=0.01)
+
+
+def test_friction_of_a_flexible_joint_is_that_of_its_motor(state):
+    effect = effects.get_effect("joint_flexibility")
+    plain = {"inertia_over_stiffness": 1e-3}
+    inertia = effect.torque(state, 1, None, effect.complete(plain))
+    np.testing.assert_allclose(
+        inertia, 2 * effect.torque(state, 1, None, effect.complete({"inertia_over_stiffness": 5e-4})), atol=1e-12
+    )
+    friction = effect.torque(state, 1, None, effect.complete({**plain, "inertia": 0.5})) - inertia
+    # Where the motor runs the other way round than the link, all of Coulomb friction has turned.
+    drive, velocity = state.drive, state.velocity[:, 1]
+    step = drive.coulomb_positive[1] - drive.coulomb_negative[1]
+    turned = np.abs(friction) > 0.5 * step
+    assert 0 < turned.sum() < 0.2 * len(turned)
+    assert np.abs(velocity[turned]).max() < 0.5 * np.abs(velocity).max()
 
 
 @pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash"}))

@@ -11,6 +11,7 @@ from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import White
+from jointwear.discovery.refine import SCALED
 from jointwear.effects import get_effect
 
 #: Squared error [N m] in records left out, with an effect over without it, above which the effect is not believed:
@@ -27,6 +28,10 @@ ENOUGH = 100.0
 UNBENDING = ("rate of torque", "second derivative of the load")
 #: Steps tried within each record [s apart], and how much better than a drift one has to be [nats].
 STEP_EVERY, STEP_BETTER = 0.5, 5.0
+
+#: The torque of an effect whose one parameter is in its columns has the coefficient one. Where the best parameter
+#: still needs one this far off, the torque has another shape.
+OFF_SCALE = 1.5
 
 
 def follows_time(candidate: Candidate) -> bool:
@@ -66,7 +71,7 @@ def holds(white: White, named: list[Named], trial: Named) -> bool:
         # What changes with time is wanted for the time to come.
         if follows_time(trial.candidate) and (found.last < -1.0 or _jumps(white, before, trial)):
             return False
-        if _cancels(white, trial) or not _within_bounds(white, before, trial):
+        if _cancels(white, trial) or not within_bounds(white, before, trial):
             return False
     wide = [replace(t, std=3.0 * t.std) if t.label == "inertial" else t for t in white.base]
     fit = Fit(white.targets, [*wide, *before])
@@ -101,12 +106,14 @@ def _jumps(white: White, before: list[Term], trial: Named) -> bool:
     return bool(np.max(gains) - np.log(len(steps)) > smooth + STEP_BETTER)
 
 
-def _within_bounds(white: White, before: list[Term], trial: Named) -> bool:
+def within_bounds(white: White, before: list[Term], trial: Named) -> bool:
     """Return whether the parameters of an effect of one unknown, fitted, are those of such an effect."""
-    if len(trial.term.std) > 1:
+    if len(trial.term.std) > 1 or trial.candidate.effect == LINK_MASS:
         return True
     b, gram = white.fit(before).gram(trial.term.blocks)
     size = b / (gram[0] + 1 / trial.term.std**2)
+    if trial.candidate.effect in SCALED and not 1 / OFF_SCALE < size[0] < OFF_SCALE:
+        return False
     return possible(get_effect(trial.candidate.effect), trial.candidate.nonlinear, size)
 
 

@@ -16,10 +16,11 @@ from scipy.linalg import cho_factor, cho_solve
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.problem import White
 
-#: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free.
-DRIVE_ERRORS = (1e-4, 0.03, 0.1, 0.3, np.inf)
+#: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free. The
+#: first stands for none: 1e-4 of the Coulomb friction of a large axis is already more than all of a small effect.
+DRIVE_ERRORS = (1e-6, 0.01, 0.03, 0.1, 0.3, np.inf)
 #: The same for the inertial parameters, in units of their prior.
-INERTIAL_ERRORS = (1e-3, 0.3, 1.0)
+INERTIAL_ERRORS = (1e-5, 0.3, 1.0)
 #: Evidence [nats] that setting one number free needs, and how many may be: of two dozen one would go by chance.
 NEEDED_NATS = 4.0
 MOST_FREE = 6

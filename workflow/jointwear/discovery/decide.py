@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import gammaincc
 
-from jointwear.discovery.acceptance import follows_time, holds, predicts_most, stiff
+from jointwear.discovery.acceptance import follows_time, holds, predicts_most, stiff, within_bounds
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -169,7 +169,15 @@ def _exchange(white: White, dictionary: Dictionary, named: list[Named]) -> list[
 
 
 def _predicting(white: White, named: list[Named]) -> list[Named]:
-    """Drop effects that, beside all the others, do not predict records left out; the worst first."""
+    """Drop effects that, beside all the others, do not predict records left out; the worst first.
+
+    First go those that beside the others would need parameters beyond their bounds.
+    """
+    named = [
+        one
+        for i, one in enumerate(named)
+        if within_bounds(white, [t for k, n in enumerate(named) if k != i for t in n.terms], one)
+    ]
     while named:
         found = []
         for i, one in enumerate(named):

@@ -23,7 +23,7 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.peak import DRAWS, draw_torque, form_error, height, spread
 from jointwear.discovery.problem import White
-from jointwear.discovery.refine import evidence_at, free_parameters, refine, simplest
+from jointwear.discovery.refine import SCALED, evidence_at, free_parameters, refine, simplest
 from jointwear.effects import State, get_effect
 
 #: Bends of a form are kept where records left out gain at least this much from them [nats].
@@ -240,13 +240,17 @@ def _estimate(white, fit, base, one, candidate, form, where, rng, others) -> Est
         for name in parameters:
             jacobian[name][k] = (after[name] - parameters[name]) / step
     linear = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
-    if candidate.effect == "actuation_delay":
-        linear = {"delay"}
+    scaled = SCALED.get(candidate.effect)
+    if scaled is not None:
+        # A robot file takes no parameter beyond its bounds.
+        bounds = next(p for p in effect.parameters if p.name == scaled)
+        parameters[scaled] = float(np.clip(parameters[scaled], bounds.lower, bounds.upper))
+        linear = {scaled}
     for name in linear & set(parameters):
         std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
     rest = white.fit(others)
     spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
-    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != "delay"}
+    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
     moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= JUDGED_SPEED)

@@ -3,7 +3,8 @@
 The rule for the cut-off: the spectrum of each joint's position is compared with its own noise floor (the median of
 the upper third of the band). The highest frequency at which the smoothed spectrum stands ten times above the floor
 is the end of the signal; the zero-phase low-pass filter (Butterworth, order 4, forward and backward) is set to
-twice that frequency, so that it leaves the signal alone.
+twice that frequency, so that it leaves the signal alone. Where the sampling resolves the motion and no sample is
+missing, least-squares splines take the place of the filter: see :mod:`jointwear.discovery.smoothing`.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfilt, sosfilt_zi
 
 from jointwear.discovery.recording import Recording, elapsed_time
+from jointwear.discovery.smoothing import END, smooth, widest_band
 
 #: Rates above this are decimated [Hz], to about TARGET.
 HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
@@ -23,6 +25,10 @@ HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 SLOW_SHARE, SLOW = 0.02, 0.02
 #: Shortest run of samples that a zero-phase filter is asked to handle.
 SHORTEST = 24
+#: Share of the sampling rate that the spectrum of a resolved motion stays below.
+RESOLVED = 0.155
+#: A measured velocity agrees with the positions where it differs from their derivative by no more than noise x this.
+AGREES = 1.5
 
 
 @dataclass(frozen=True)
@@ -30,7 +36,8 @@ class Measured:
     """Samples ready for the comparison with a model; arrays (m, n) unless stated.
 
     `usable` marks samples that can be judged: the joint moves, away from filter edges, everything finite.
-    `cutoff` (n,) [Hz] of the filter that made the derivatives, NaN where they were given. `rate` [Hz].
+    `cutoff` (n,) [Hz] of the filter that made the derivatives, NaN where they were given; `fitted` says that splines
+    whose band ends there did. `rate` [Hz].
     `speed_floor` (n,) [rad/s] below which a joint counts as at rest. `band` [Hz] above which the torque was filtered
     away, infinite where it was left alone. `reach` (n,) [Hz] up to which the positions hold a signal, where
     accelerations were derived; else None.
@@ -49,6 +56,7 @@ class Measured:
     speed_floor: np.ndarray
     band: float = np.inf
     reach: np.ndarray | None = None
+    fitted: bool = False
 
 
 def runs(trajectory: np.ndarray) -> list[slice]:
@@ -137,9 +145,7 @@ def measure(recording: Recording) -> Measured:
     velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
     acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
     source = position if velocity is None else velocity
-    reach = None
-    if velocity is None or acceleration is None:
-        reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
+    reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
     for j in range(n):
         density, end = noise_floor([source[p, j] for p in pieces], rate)
         if velocity is None or acceleration is None:
@@ -157,16 +163,32 @@ def measure(recording: Recording) -> Measured:
 
     guard = 2 if factor > 1 else 1
     parts = []
+    # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
+    splines = factor == 1 and bool(np.max(reach, initial=0.0) < RESOLVED * rate) and bool(finite.all())
+    splines = splines and (velocity is None or bool(np.isfinite(recording.velocity).all()))
+    if splines:
+        pieces = [p for p in pieces if p.stop - p.start >= SHORTEST]
+        splines = bool(pieces)
+    if splines:
+        q, v, a, band, noise = _fitted(time, pieces, position, velocity, rate)
+        if derived and np.mean(band >= widest_band(rate)) > 0.5:
+            # One joint may be too coarse or too slow for its encoder. Where most ask for all the knots there are, it is
+            # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
+            splines, reach = False, np.maximum(reach, band)
+        else:
+            position, velocity, floors[0] = q, v, noise
+            cutoff = band if derived else cutoff
+            acceleration = a if acceleration is None else acceleration
     for p in pieces:
         t, q, tau = time[p], position[p], torque[p]
         if p.stop - p.start < SHORTEST and (derived or factor > 1):
             continue
         v = None if velocity is None else velocity[p]
         a = None if acceleration is None else acceleration[p]
-        if derived or factor > 1:
-            smooth = np.stack([low_pass(q[:, j], cutoff[j], rate) for j in range(n)], axis=1)
-            first, second = _derivatives(t, smooth)
-            q = smooth
+        if (derived or factor > 1) and not splines:
+            filtered = np.stack([low_pass(q[:, j], cutoff[j], rate) for j in range(n)], axis=1)
+            first, second = _derivatives(t, filtered)
+            q = filtered
             if v is None:
                 v, a = first, second if a is None else a
             elif a is None:
@@ -181,7 +203,9 @@ def measure(recording: Recording) -> Measured:
         if derived or factor > 1:
             for j in range(n):
                 known = cutoff[j] if np.isfinite(cutoff[j]) else 0.4 * out_rate
-                edge = min(int(np.ceil(1.2 * rate / known)) + 1, len(ok) // 4)
+                # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.
+                reaches = END * 0.5 / known if splines else 1.2 / known
+                edge = min(int(np.ceil(reaches * rate)) + 1, len(ok) // 4)
                 ok[:edge, j] = ok[len(ok) - edge :, j] = False
                 # A gap spoils its surroundings as far as the filter reaches.
                 for miss in np.flatnonzero(~finite[p][:, j]):
@@ -212,8 +236,38 @@ def measure(recording: Recording) -> Measured:
         out_rate,
         speed_floor,
         0.5 * out_rate if factor > 1 else np.inf,
-        reach,
+        reach if derived else None,
+        splines,
     )
+
+
+def _fitted(time, pieces: list[slice], position, velocity, rate: float):
+    """Fit splines to positions and, where given, to velocities.
+
+    Each joint's derivatives come from the signal that gives them with less noise; from the velocities if the two
+    disagree, as a recorder may take them from elsewhere.
+
+    Returns
+    -------
+    position, velocity and acceleration (m, n), the end of the band (n,) [Hz], the noise of the velocity (n,) [rad/s].
+    """
+    rows = np.concatenate([np.arange(p.start, p.stop) for p in pieces])
+    one = smooth([(time[p], position[p]) for p in pieces], rate)
+    q, v, a = position.copy(), np.zeros_like(position), np.zeros_like(position)
+    q[rows], v[rows], a[rows] = one.value, one.first, one.second
+    cutoff, noise = one.cutoff, one.derivative_noise(1, rate)
+    if velocity is None:
+        return q, v, a, cutoff, noise
+    two = smooth([(time[p], velocity[p]) for p in pieces], rate)
+    apart = np.sqrt(np.mean((velocity[rows] - one.first) ** 2, axis=0))
+    agree = apart <= AGREES * np.hypot(two.noise, noise)
+    for order, target in ((1, v), (2, a)):
+        better = agree & (one.derivative_noise(order, rate) <= two.derivative_noise(order - 1, rate))
+        target[np.ix_(rows, ~better)] = (two.value, two.first)[order - 1][:, ~better]
+        cutoff = np.where(better, cutoff, two.cutoff)
+        if order == 1:
+            noise = np.where(better, noise, two.derivative_noise(0, rate))
+    return q, v, a, cutoff, noise
 
 
 def _bridge(values: np.ndarray, pieces: list[slice]) -> np.ndarray:

@@ -12,7 +12,7 @@ from scipy.linalg import cho_factor, cho_solve
 from jointwear.discovery.inertia import inertial_regressor, mass_direction, prior_factor, to_joint_frame
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.motion import Measured, low_pass, measure, runs
-from jointwear.discovery.noise import Whitener, corrected, estimate
+from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, corrected, estimate, whitenable
 from jointwear.discovery.recording import Recording
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
@@ -154,6 +154,9 @@ def _smear(measured: Measured, state: State) -> np.ndarray:
     """
     rigid = state.load + state.drive.armature * state.acceleration
     result = np.zeros((*rigid.shape, len(SMEAR)))
+    if measured.fitted:
+        # Knots were added to splines until they left no more than noise.
+        return result
     for axis, cutoff in enumerate(measured.cutoff):
         if np.isfinite(cutoff):
             for piece in runs(measured.trajectory):
@@ -190,7 +193,10 @@ def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None)
             groups.append(_beside_reversals(state, axis, label, problem.measured.rate))
         columns = np.concatenate(groups, axis=1)
         scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
-        columns = columns[:, scale > 1e-9] / scale[scale > 1e-9]
+        # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
+        seen = np.sum(columns[whitenable(used, label, HIGHEST_ORDER)] ** 2, axis=0)
+        keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
+        columns = columns[:, keep] / scale[keep]
         plain = _remover(columns, used, None)
         white = estimate(plain(y), used, label)
         take_off = _remover(columns, used, white)
@@ -201,6 +207,8 @@ def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None)
 
 #: Samples for each column of the saturated fit from which it may hold still more columns.
 ROOM = 15
+#: Share of a column, by its square, that has to lie on samples whose predecessors are usable too.
+SEEN = 0.5
 #: Frequencies [Hz] above which a step at a reversal is kept.
 SHARP = (4.0, 6.0, 9.0)
 

@@ -11,6 +11,13 @@ from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.problem import White
 from jointwear.effects import get_effect
 
+#: Effects with one parameter in which the torque is nearly, not quite, linear. The search moves it like a nonlinear
+#: one, with a coefficient of one; what the last fit makes of the coefficient scales it.
+SCALED = {"actuation_delay": "delay", "joint_flexibility": "inertia_over_stiffness"}
+
+#: How many values of that parameter the search may start from.
+STARTS = 16
+
 
 def free_parameters(candidate: Candidate) -> list:
     """The nonlinear parameters of a candidate that may be refined."""
@@ -28,7 +35,25 @@ def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
     if not np.isfinite(columns).all():
         return -np.inf
     b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+    if candidate.effect in SCALED:
+        return float(b[0] - 0.5 * gram[0, 0])
     return gain(b, gram, prior_std(white, candidate.axis, columns))
+
+
+def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
+    """Return the best of a row of values of the one parameter of an effect whose coefficient is one.
+
+    Friction turns at another sample with each value: the evidence has many small peaks, and a search from one of them
+    stays there.
+    """
+    name = SCALED.get(candidate.effect)
+    if name is None:
+        return candidate
+    effect = get_effect(candidate.effect)
+    grid = [float(p[name]) for p in effect.grid(white.problem.train_state, candidate.axis)]
+    values = np.geomspace(0.5 * min(grid), max(grid), STARTS)
+    trials = [candidate, *(replace(candidate, nonlinear={**candidate.nonlinear, name: float(x)}) for x in values)]
+    return max(trials, key=lambda c: evidence_at(white, fit, c))
 
 
 def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = False) -> Candidate:
@@ -44,6 +69,7 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
         other = replace(candidate, nonlinear={**candidate.nonlinear, "lag": 1 - candidate.nonlinear["lag"]})
         found = [refine(white, fit, c, other_form=True) for c in (candidate, other)]
         return max(found, key=lambda c: evidence_at(white, fit, c))
+    candidate = best_start(white, fit, candidate)
     best, value = candidate, evidence_at(white, fit, candidate)
     step = {p.name: 0.25 for p in free}
     for _ in range(7):

@@ -11,10 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.motion import Measured
+from jointwear.discovery.motion import RESOLVED, Measured
 
-#: Share of the sampling rate that the spectrum of a resolved motion stays below.
-RESOLVED = 0.155
 #: Time [s] left out on either side of a reversal that is not resolved.
 BESIDE = 0.1
 #: Effects that show in what happens at such instants.

@@ -1,8 +1,20 @@
 """Time derivatives and delays along ordered samples; zero for unordered ones."""
 
 import numpy as np
+from scipy.signal import lfilter
 
 from jointwear.effects.state import State, record_slices
+
+
+def first_derivative(state: State, values: np.ndarray) -> np.ndarray:
+    """Return the time derivative of `values` (m,) within each record, 0 without an order."""
+    result = np.zeros(np.shape(values))
+    if state.record is None:
+        return result
+    for part in record_slices(state):
+        if part.stop - part.start >= 2:
+            result[part] = np.gradient(values[part], state.time[part])
+    return result
 
 
 def second_derivative(state: State, values: np.ndarray) -> np.ndarray:
@@ -27,4 +39,35 @@ def delayed(state: State, values: np.ndarray, delay: float) -> np.ndarray:
     for part in record_slices(state):
         t = state.time[part]
         result[part] = np.interp(t - delay, t, values[part])
+    return result
+
+
+def lagged(state: State, values: np.ndarray, lag: float, velocity: np.ndarray | None = None) -> np.ndarray:
+    """Return `values` (m,) behind a first-order lag of time constant `lag` [s]; unchanged without an order.
+
+    The lag is exact for values that are straight between samples or, where `velocity` (m,) is given, for values that
+    stay constant until the velocity, straight between samples, changes its sign. A record starts settled.
+    """
+    if state.record is None or lag <= 0:
+        return values
+    result = np.array(values, dtype=float)
+    for part in record_slices(state):
+        t, x = state.time[part], result[part]
+        if len(t) < 2:
+            continue
+        step = np.diff(t)
+        # Samples are evenly spaced but for jitter.
+        keep = float(np.exp(-np.median(step) / lag))
+        if velocity is None:
+            share = (1 - keep) * lag / np.median(step)
+            drive = (share - keep) * x[:-1] + (1 - share) * x[1:]
+            start = x[0] - lag * (x[1] - x[0]) / step[0]
+        else:
+            v = velocity[part]
+            turn = v[:-1] * v[1:] < 0
+            after = np.where(turn, np.abs(v[1:]) / np.maximum(np.abs(v[1:]) + np.abs(v[:-1]), 1e-300), 1.0) * step
+            rest = np.where(turn, np.exp(-after / lag), keep)
+            drive = (rest - keep) * x[:-1] + (1 - rest) * np.where(turn, x[1:], x[:-1])
+            start = x[0]
+        result[part] = np.concatenate([[start], lfilter([1.0], [1.0, -keep], drive, zi=[keep * start])[0]])
     return result

@@ -3,10 +3,7 @@
 import numpy as np
 
 from jointwear.effects.effect import Effect, Parameter
-from jointwear.effects.order import delayed
-
-#: A lag is a mean of delays with exponential weights; quantiles of equal weight stand for it.
-_QUANTILES = -np.log1p(-(np.arange(8) + 0.5) / 8)
+from jointwear.effects.order import delayed, lagged
 
 
 def _coulomb(state, axis, velocity):
@@ -21,11 +18,17 @@ def _late(state, axis, delay):
     return smooth + _coulomb(state, axis, delayed(state, velocity, delay))
 
 
+def _smoothed(state, axis, lag):
+    velocity, torque = state.velocity[..., axis], state.torque[..., axis]
+    level = _coulomb(state, axis, velocity)
+    return lagged(state, torque - level, lag) + lagged(state, level, lag, velocity)
+
+
 def _columns(state, axis, source, p):
     if state.record is None:
         return np.zeros((*np.shape(state.time), 1))
-    times = p["delay"] * _QUANTILES if p.get("lag") else [p["delay"]]
-    return (sum(_late(state, axis, d) for d in times) / len(times) - state.torque[..., axis])[..., None]
+    late = _smoothed if p.get("lag") else _late
+    return (late(state, axis, p["delay"]) - state.torque[..., axis])[..., None]
 
 
 def _grid(state, axis):
