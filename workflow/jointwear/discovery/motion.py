@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, sosfiltfilt
 
 from jointwear.discovery.recording import Recording, elapsed_time
 from jointwear.discovery.smoothing import END, smooth, widest_band
@@ -94,28 +94,16 @@ def noise_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=128)
-def _butterworth(cutoff: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Sections of the filter, and the state (sections, 2) in which it has settled on a constant of one."""
-    sections = butter(4, cutoff, fs=rate, output="sos")
-    return sections, sosfilt_zi(sections)
+def _butterworth(cutoff: float, rate: float) -> np.ndarray:
+    return butter(4, cutoff, fs=rate, output="sos")
 
 
 def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
-    """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist.
-
-    This is ``scipy.signal.sosfiltfilt`` with what depends on the cut-off alone worked out once: recordings may be
-    many and short.
-    """
+    """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
     if cutoff >= 0.45 * rate or len(values) < SHORTEST:
         return values
-    sections, settled = _butterworth(cutoff, rate)
     pad = min(len(values) - 1, int(3 * rate / cutoff))
-    settled = settled.reshape(settled.shape + (1,) * (values.ndim - 1))
-    # Turned around at both ends, so that the filter meets no step there.
-    longer = np.concatenate([2 * values[:1] - values[pad:0:-1], values, 2 * values[-1:] - values[-2 : -pad - 2 : -1]])
-    for _ in range(2):
-        longer = sosfilt(sections, longer, axis=0, zi=settled * longer[:1])[0][::-1]
-    return longer[pad : len(longer) - pad]
+    return sosfiltfilt(_butterworth(cutoff, rate), values, axis=0, padlen=pad)
 
 
 def _derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

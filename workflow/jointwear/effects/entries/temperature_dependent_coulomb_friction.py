@@ -3,7 +3,7 @@
 import numpy as np
 
 from jointwear.effects.effect import Effect, Parameter
-from jointwear.effects.temperature import reference_temperature, warming
+from jointwear.effects.temperature import reference_temperature, temperature_shape, warming
 
 #: Scale [K] beyond which the fall counts as a straight line.
 _STRAIGHT = 1e4
@@ -41,8 +41,5 @@ EFFECT = Effect(
     parameters_of=lambda p, c: {**p, "slope": float(c[0])},
     grid=_grid,
     plain=lambda state, axis: _grid(state, axis)[:1],
-    shape=lambda state, axis, p: (
-        state.direction[..., axis],
-        np.nan_to_num(state.temperature[..., axis], nan=p["reference"]),
-    ),
+    shape=temperature_shape(lambda state, axis: state.direction[..., axis]),
 )

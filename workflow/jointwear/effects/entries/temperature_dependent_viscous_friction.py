@@ -3,7 +3,7 @@
 import numpy as np
 
 from jointwear.effects.effect import Effect, Parameter
-from jointwear.effects.temperature import reference_temperature, warming
+from jointwear.effects.temperature import reference_temperature, temperature_shape, warming
 
 
 def _columns(state, axis, source, p):
@@ -36,8 +36,5 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "coefficient": float(c[0])},
     grid=_grid,
-    shape=lambda state, axis, p: (
-        state.velocity[..., axis],
-        np.nan_to_num(state.temperature[..., axis], nan=p["reference"]),
-    ),
+    shape=temperature_shape(lambda state, axis: state.velocity[..., axis]),
 )
