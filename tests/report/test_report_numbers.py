@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from jointwear.plain import as_json
 from jointwear.published import load_published
 from jointwear.report import detection_rates, drivers
 from jointwear.report.assembly import assumptions, paper_facts
 from jointwear.report.figure_scores import score_components
-from jointwear.report.page import plain
 from jointwear.report.result_tables import lag_verdict, read_table, score_detection, score_values
 from jointwear.report.torque_limits import limit_use
 from jointwear.storage import Variable, read_variables, write_dataset
@@ -22,8 +22,8 @@ from jointwear.storage import Variable, read_variables, write_dataset
 
 def test_summary_file_holds_the_numbers_of_the_page(experiment, data):
     content = json.loads(Path(experiment.path("report/summary.json")).read_text(encoding="utf-8"))
-    assert content["scores"] == plain(data["scores"])
-    assert content["location"] == plain(data["location"])
+    assert content["scores"] == as_json(data["scores"])
+    assert content["location"] == as_json(data["location"])
     assert content["config_digest"] == data["config_digest"]
     rows = read_table(experiment.path("tables/table_iv.nc"))
     counted = Counter(r["verdict"] for r in rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -27,3 +28,13 @@ def builtin(value: Any) -> Any:
     if isinstance(value, (np.ndarray, list, tuple)):
         return [builtin(v) for v in value]
     return value.item() if isinstance(value, np.generic) else value
+
+
+def as_json(value: Any) -> Any:
+    """Return a value as JSON has it: text keys, no types of numpy, no NaN or infinity (None instead)."""
+    if isinstance(value, Mapping):
+        return {str(k): as_json(v) for k, v in value.items()}
+    value = builtin(value)
+    if isinstance(value, list):
+        return [as_json(v) for v in value]
+    return finite(value) if isinstance(value, float) else value

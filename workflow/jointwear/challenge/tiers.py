@@ -97,7 +97,7 @@ TIERS = {
     )
 }
 
-#: What has to be reached: (clean, dirty, factory) for every score; see :mod:`jointwear.challenge.metrics`.
+#: What has to be reached: (clean, dirty, factory) for every score; see :mod:`jointwear.challenge.scores`.
 TARGETS = {
     "identifiable_share": (0.85, 0.70, 0.60),
     "name_first": (0.97, 0.95, 0.95),

@@ -24,6 +24,13 @@ WRONG = 0.5
 #: Log likelihood [nats] by which the closer look must favour another reading that fits no better in size, and by
 #: which it may speak against one that does.
 CONTRADICTS = 12.0
+#: Why another reading is believed, as the end of the sentence that says what it is.
+_WHY = {
+    "swap": "; exchanged they fit the model",
+    "flip": "; turned around it fits the model",
+    "torque": " against its motion",
+    "motor": "",
+}
 #: Share of the squared torque that wrong numbers leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
 RIGHT, SAME_WRIST = 0.01, 0.03
@@ -103,22 +110,17 @@ def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([p[::step] for p in parts], axis=1), measured.time[::step], measured.usable[::step]
 
 
-def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, order=None, signs=None) -> np.ndarray:
-    """Return for each axis the part of the squared torque that the model leaves, sizes of friction left free.
-
-    With `order` the axes are read in another order, with `signs` turned around.
-    """
+def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+    """Return for each axis the part of the squared torque that the model leaves, sizes of friction left free."""
     from scipy.optimize import nnls
 
     robot = dynamics.robot
     n = parts.shape[2]
-    order = np.arange(n) if order is None else np.asarray(order)
-    signs = np.ones(n) if signs is None else np.asarray(signs)
-    q, v, a, torque = (parts[:, k][:, order] * signs for k in range(4))
+    q, v, a, torque = (parts[:, k] for k in range(4))
     rigid = dynamics.rigid_body_torque(q, v, a)
     shares = np.full(n, np.nan)
     for j in range(n):
-        used = usable[:, order[j]]
+        used = usable[:, j]
         if used.sum() < FEWEST:
             continue
         forward = v[used, j] > 0
@@ -165,32 +167,8 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
         if nats > (-CONTRADICTS if gained > CLEARLY else CONTRADICTS):
             believed.append((nats, reading))
     if believed:
-        _refuse(recording.name, max(believed, key=lambda x: x[0])[1])
-
-
-def _refuse(name: str, reading: Reading) -> None:
-    """Raise :class:`Refused` in the words of a reading that fits better."""
-    axis = reading.axes[0]
-    if reading.kind == "swap":
-        a, b = reading.axes
-        raise Refused(
-            f"data set '{name}': joints {a + 1} and {b + 1} look swapped; exchanged they fit the model",
-            f"exchange the columns of joints {a + 1} and {b + 1}",
-        )
-    if reading.kind == "flip":
-        raise Refused(
-            f"data set '{name}': the sign of joint {axis + 1} looks flipped; turned around it fits the model",
-            f"turn the sign of position and torque of joint {axis + 1}",
-        )
-    if reading.kind == "torque":
-        raise Refused(
-            f"data set '{name}': the sign of the torque of joint {axis + 1} looks flipped against its motion",
-            f"turn the sign of the torque of joint {axis + 1}",
-        )
-    raise Refused(
-        f"data set '{name}': the torque of joint {axis + 1} looks like that of the motor, before the gear",
-        "multiply the torque by the gear ratio",
-    )
+        reading = max(believed, key=lambda x: x[0])[1]
+        raise Refused(f"data set '{recording.name}': {reading.reason}{_WHY[reading.kind]}", reading.remedy)
 
 
 def motion_restrictions(problem) -> list[str]:

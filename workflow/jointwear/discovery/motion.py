@@ -128,7 +128,7 @@ def measure(recording: Recording) -> Measured:
     finite = np.isfinite(recording.position) & np.isfinite(recording.torque)
     position, torque = _bridge(recording.position, pieces), _bridge(recording.torque, pieces)
 
-    floors = np.zeros((3, n))
+    floor = np.zeros(n)
     cutoff = np.full(n, np.nan)
     velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
     acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
@@ -141,13 +141,12 @@ def measure(recording: Recording) -> Measured:
         limit = min(cutoff[j] if np.isfinite(cutoff[j]) else 0.5 * rate, 0.5 * rate)
         # Differentiation multiplies the noise density by (2 pi f)^2.
         scale = (2 * np.pi) ** 2 * limit**3 / 3 if velocity is None else limit
-        floors[0, j] = np.sqrt(density * scale)
+        floor[j] = np.sqrt(density * scale)
     derived = velocity is None or acceleration is None
     factor = max(1, round(rate / TARGET_RATE)) if rate > HIGHEST_RATE else 1
     out_rate = rate / factor
     if factor > 1:
         cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), 0.4 * out_rate)
-        floors[0] = np.minimum(floors[0], np.inf)
 
     guard = 2 if factor > 1 else 1
     parts = []
@@ -164,7 +163,7 @@ def measure(recording: Recording) -> Measured:
             # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
             splines, reach = False, np.maximum(reach, band)
         else:
-            position, velocity, floors[0] = q, v, noise
+            position, velocity, floor = q, v, noise
             cutoff = band if derived else cutoff
             acceleration = a if acceleration is None else acceleration
     for p in pieces:
@@ -202,14 +201,14 @@ def measure(recording: Recording) -> Measured:
         parts.append([x[keep] for x in (t, recording.trajectory[p], q, v, a, tau, temperature[p], ok)])
     if not parts:
         empty = np.zeros((0, n))
-        return Measured(np.zeros(0), np.zeros(0, int), *([empty] * 5), empty.astype(bool), cutoff, out_rate, floors[0])
+        return Measured(np.zeros(0), np.zeros(0, int), *([empty] * 5), empty.astype(bool), cutoff, out_rate, floor)
     time, trajectory, position, velocity, acceleration, torque, temperature, ok = (
         np.concatenate(group) for group in zip(*parts, strict=True)
     )
     fast = np.array([np.quantile(np.abs(velocity[:, j]), 0.95) for j in range(n)])
     # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
     slow = np.minimum(SLOW_SHARE * fast, SLOW)
-    speed_floor = np.maximum(np.maximum(5 * floors[0], slow), 1e-6)
+    speed_floor = np.maximum(np.maximum(5 * floor, slow), 1e-6)
     usable = ok & _moving(velocity, trajectory, speed_floor, guard)
     return Measured(
         time,

@@ -34,6 +34,28 @@ class Reading:
     kind: str
     axes: tuple[int, ...]
 
+    @property
+    def reason(self) -> str:
+        """What a recording looks like that has to be read this way."""
+        joints = [str(axis + 1) for axis in self.axes]
+        return {
+            "swap": f"joints {' and '.join(joints)} look swapped",
+            "flip": f"the sign of joint {joints[0]} looks flipped",
+            "torque": f"the sign of the torque of joint {joints[0]} looks flipped",
+            "motor": f"the torque of joint {joints[0]} looks like that of the motor, before the gear",
+        }[self.kind]
+
+    @property
+    def remedy(self) -> str:
+        """How to mend such a recording."""
+        joints = [str(axis + 1) for axis in self.axes]
+        return {
+            "swap": f"exchange the columns of joints {' and '.join(joints)}",
+            "flip": f"turn the sign of position and torque of joint {joints[0]}",
+            "torque": f"turn the sign of the torque of joint {joints[0]}",
+            "motor": "multiply the torque by the gear ratio",
+        }[self.kind]
+
     def read(self, parts: np.ndarray, usable: np.ndarray, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
         """Return positions, velocities, accelerations and torques (m, 4, n), and usable (m, n), read this way."""
         if self.kind == "swap":

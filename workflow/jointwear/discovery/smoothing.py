@@ -75,8 +75,8 @@ class _Fit:
         self.squares = np.sum((values - design @ self.coefficients) ** 2, axis=0)
         self.size = size
 
-    def derivative(self, time: np.ndarray, order: int) -> np.ndarray:
-        return BSpline(self.knots, self.coefficients, DEGREE)(time, order)
+    def derivative(self, time: np.ndarray, order: int, column: int) -> np.ndarray:
+        return BSpline(self.knots, self.coefficients[:, column], DEGREE)(time, order)
 
 
 def smooth(pieces: list[tuple[np.ndarray, np.ndarray]], rate: float) -> Smooth:
@@ -109,7 +109,7 @@ def smooth(pieces: list[tuple[np.ndarray, np.ndarray]], rate: float) -> Smooth:
         for (t, y), fit in zip(pieces, fits, strict=True):
             part = slice(start, start + len(t))
             for order in range(3):
-                result[order, part, j] = BSpline(fit.knots, fit.coefficients[:, j], DEGREE)(t, order)
+                result[order, part, j] = fit.derivative(t, order, j)
             result[0, part, j] += y[:, j].mean()
             start += len(t)
     return Smooth(*result, np.array([c[0] for c in chosen]), np.sqrt([c[2] for c in chosen]))

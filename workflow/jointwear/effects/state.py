@@ -20,6 +20,11 @@ class Drive:
     coulomb_positive: np.ndarray
     coulomb_negative: np.ndarray
 
+    def coulomb(self, axis: int, velocity: np.ndarray) -> np.ndarray:
+        """Return the Coulomb friction [N m] of one axis at velocities (...,), 0 at rest."""
+        level = np.where(velocity > 0, self.coulomb_positive[axis], self.coulomb_negative[axis])
+        return np.where(velocity == 0, 0.0, level)
+
 
 @dataclass(frozen=True)
 class State:

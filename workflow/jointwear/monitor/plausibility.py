@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
 from jointwear.discovery.checks import FEWEST, Refused, check_recording, explained
 from jointwear.discovery.motion import Measured
+from jointwear.discovery.reading import Reading, readings
 from jointwear.discovery.recording import Recording
 from jointwear.dynamics import Dynamics
 from jointwear.monitor.accumulate import moving
@@ -93,47 +93,22 @@ class LaterCheck:
             return False
         if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
             return True
-        best, reason, suggestion = min(self._readings(parts, usable))
+        best, reading = min(self._read_otherwise(parts, usable), key=lambda x: x[0])
         if best < MENDED and plain - best > WORSE:
-            raise Refused(f"{self._name}: {reason} against the first log", suggestion)
+            raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy)
         return True
 
-    def _growth(self, parts: np.ndarray, usable: np.ndarray, **reading) -> np.ndarray:
+    def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
         """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
-        left = explained(self._dynamics, parts, usable, **reading)
+        left = explained(self._dynamics, parts, usable)
         return np.log(np.maximum(left, RIGHT) / self._usual)
 
-    def _readings(self, parts: np.ndarray, usable: np.ndarray) -> Iterator[tuple[float, str, str]]:
-        """Yield for every other reading of the axes the growth that it leaves, what it is, and how to mend it."""
-
-        def left(seen: np.ndarray = parts, **reading) -> float:
-            growth = self._growth(seen, usable, **reading)
+    def _read_otherwise(self, parts: np.ndarray, usable: np.ndarray) -> Iterator[tuple[float, Reading]]:
+        """Yield every other reading of the axes with the growth that it leaves."""
+        for reading in readings(self._dynamics.robot):
+            growth = self._growth(*reading.read(parts, usable, self._dynamics.robot))
             # An axis that another reading leaves without motion is not explained by it.
-            return float(np.nansum(np.where(np.isfinite(growth), growth, self._last)))
-
-        def with_torque(axis: int, factor: float) -> np.ndarray:
-            seen = parts.copy()
-            seen[:, 3, axis] *= factor
-            return seen
-
-        robot = self._dynamics.robot
-        n = robot.joints
-        for axis in range(n):
-            signs = np.where(np.arange(n) == axis, -1.0, 1.0)
-            told = f"joint {axis + 1}"
-            mend = f"turn the sign of position and torque of {told}"
-            yield left(signs=signs), f"the sign of {told} looks flipped", mend
-            mend = f"turn the sign of the torque of {told}"
-            yield left(with_torque(axis, -1.0)), f"the sign of the torque of {told} looks flipped", mend
-            gear = float(robot.gear_ratio[axis])
-            if abs(gear) > 2:
-                reason = f"the torque of {told} looks like that of the motor, before the gear"
-                yield left(with_torque(axis, gear)), reason, "multiply the torque by the gear ratio"
-        for first, second in combinations(range(n), 2):
-            order = np.arange(n)
-            order[[first, second]] = second, first
-            told = f"joints {first + 1} and {second + 1}"
-            yield left(order=order), f"{told} look swapped", f"exchange the columns of {told}"
+            yield float(np.nansum(np.where(np.isfinite(growth), growth, self._last))), reading
 
 
 def _check_velocity(chunk: Chunk, position: np.ndarray, stretch: np.ndarray, name: str) -> None:

@@ -19,6 +19,7 @@ from jointwear.files import replace_text
 from jointwear.monitor.assembly import History
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import Judgement
+from jointwear.plain import as_json
 from jointwear.robot import Robot
 from jointwear.storage import Variable, open_dataset, read_variable, write_dataset
 
@@ -106,15 +107,9 @@ def write_state(
         "baseline_windows": baseline,
         "dated": int(s.dated),
         "laid_end_to_end": int(history.shifted),
-        "alarms": json.dumps([{k: _plain(v) for k, v in a.items()} for a in judgement.alarms]),
+        "alarms": json.dumps(as_json(judgement.alarms)),
     }
     write_dataset(path, variables, attributes)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def estimates_of(judgement: Judgement) -> dict[str, tuple[np.ndarray, np.ndarray, str]]:

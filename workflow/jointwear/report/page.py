@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,22 +11,12 @@ from typing import Any
 from jointwear import __version__
 from jointwear.errors import InputError
 from jointwear.files import replace_text
+from jointwear.plain import as_json
 from jointwear.report import origin
 from jointwear.report.assembly import Results, assemble
 from jointwear.report.inline import inline_svg
 from jointwear.report.rendering import render_chapters, render_page
 from jointwear.report.wording import summary
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON has it: text keys, no NaN or infinity (None instead)."""
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(v) for v in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def other_pages(results: Path) -> list[dict[str, str]]:
@@ -91,7 +80,7 @@ def write_report(
         **data,
         "summary": words,
         "source": source,
-        "config_text": json.dumps(plain(data["config"]), indent=2, ensure_ascii=False),
+        "config_text": json.dumps(as_json(data["config"]), indent=2, ensure_ascii=False),
         "plots": {name: inline_svg(path, name.replace("_", "-")) for name, path in figures.items()},
         "figure_files": {name: os.path.relpath(path, Path(output).parent) for name, path in figures.items()},
         "times": origin.rule_times(Path(root) / ".snakemake" / "metadata"),
@@ -99,5 +88,5 @@ def write_report(
         **{name: read_chapter(path) for name, path in (chapters or {}).items()},
     }
     context["chapters"] = render_chapters(context)
-    replace_text(numbers, json.dumps(plain(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    replace_text(numbers, json.dumps(as_json(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     replace_text(output, render_page("index.html.j2", context))

@@ -6,21 +6,16 @@ from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.order import delayed, lagged
 
 
-def _coulomb(state, axis, velocity):
-    level = np.where(velocity > 0, state.drive.coulomb_positive[axis], state.drive.coulomb_negative[axis])
-    return np.where(velocity == 0, 0.0, level)
-
-
 def _late(state, axis, delay):
     # Coulomb friction jumps between two samples: the instant of reversal comes from the velocity, which does not.
     velocity, torque = state.velocity[..., axis], state.torque[..., axis]
-    smooth = delayed(state, torque - _coulomb(state, axis, velocity), delay)
-    return smooth + _coulomb(state, axis, delayed(state, velocity, delay))
+    smooth = delayed(state, torque - state.drive.coulomb(axis, velocity), delay)
+    return smooth + state.drive.coulomb(axis, delayed(state, velocity, delay))
 
 
 def _smoothed(state, axis, lag):
     velocity, torque = state.velocity[..., axis], state.torque[..., axis]
-    level = _coulomb(state, axis, velocity)
+    level = state.drive.coulomb(axis, velocity)
     return lagged(state, torque - level, lag) + lagged(state, level, lag, velocity)
 
 

@@ -10,9 +10,7 @@ _SHARES = (5e-5, 1.3e-4, 3.2e-4, 8e-4, 2e-3, 5e-3)
 
 
 def _friction(state, axis, velocity):
-    drive = state.drive
-    level = np.where(velocity > 0, drive.coulomb_positive[axis], drive.coulomb_negative[axis])
-    return np.where(velocity == 0, 0.0, level) + drive.viscous[axis] * velocity
+    return state.drive.coulomb(axis, velocity) + state.drive.viscous[axis] * velocity
 
 
 def _columns(state, axis, source, p):
