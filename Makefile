@@ -113,7 +113,7 @@ format: $(TEST)  ## Format the code
 
 .PHONY: bench
 bench: $(RUN) $(BENCH)  ## Measure speed and memory, half an hour; PARTS="dynamics workflow" measures these alone
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/bench --peers $(BENCH_VENV)/bin/python $(PARTS)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/benchmarks --peers $(BENCH_VENV)/bin/python $(PARTS)
 
 .PHONY: crate
 crate: $(PUBLISH)  ## Pack the run as a Workflow Run RO-Crate (AGENT="Jane Doe" ORCID=... name who ran it)
@@ -127,11 +127,11 @@ site: $(RUN)  ## Write the static site: report, further pages that are built, da
 
 .PHONY: test-versions
 test-versions: $(RUN)  ## Compare numbers across cores, runs, Python 3.12 and the lower bounds of pyproject.toml
-	@PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=workflow $(BIN)/python workflow/bench/versions.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=workflow $(BIN)/python workflow/benchmarks/versions.py
 
 .PHONY: reference
 reference: $(RUN)  ## Write docs/reference from schemas and docstrings
-	@PYTHONPATH=workflow $(BIN)/python -m jointwear.reference docs/reference
+	@PYTHONPATH=workflow $(BIN)/python -m jointwear.publishing.reference docs/reference
 
 .PHONY: lock
 lock:  ## Renew requirements/*.txt from requirements/*.in

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointwear import readings
-from jointwear.dynamics import Dynamics
-from jointwear.robot import load_robot
+from jointwear.reproduction import readings
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import load_robot
 
 ROOT = Path(__file__).resolve().parent.parent
 ORACLE = Path(__file__).resolve().parent / "data" / "oracle"

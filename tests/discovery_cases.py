@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.discovery import Recording
-from jointwear.dynamics import Dynamics
-from jointwear.robot import Robot
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
 
 RECORDS, SECONDS, RATE = 4, 10.0, 100.0
 

@@ -12,11 +12,11 @@ from pyarrow import parquet
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from jointwear.monitor.example import TASK
+from jointwear.files.storage import Variable, write_dataset
+from jointwear.measurement.formats import layout_of
 from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.readers import layout_of
-from jointwear.robot import load_robot
-from jointwear.storage import Variable, write_dataset
+from jointwear.robots.robot import load_robot
+from jointwear.studies.monitor_study.example import TASK
 
 ROOT = Path(__file__).resolve().parents[1]
 ROBOT = ROOT / "config/robots/puma560.yaml"

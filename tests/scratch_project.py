@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from jointwear import project as project_files
+from jointwear.running import project as project_files
 
 ROOT = Path(__file__).resolve().parents[1]
 TINY = {

@@ -10,23 +10,23 @@ from tempfile import mkdtemp
 
 import yaml
 
-from jointwear.configuration import prepare, reading_of
-from jointwear.detection import write_detection
-from jointwear.features import write_features, write_reference
-from jointwear.figures.detection_map import draw_detection_map
-from jointwear.figures.figure_1 import draw_figure_1
-from jointwear.figures.figure_2 import draw_figure_2
-from jointwear.figures.figure_3 import draw_figure_3
-from jointwear.figures.figure_4 import draw_figure_4
-from jointwear.figures.lag_map import draw_lag_map
-from jointwear.grid import cell_of
-from jointwear.location import write_location
-from jointwear.normal_model import write_normal_model
-from jointwear.path import write_trajectory
-from jointwear.report.assembly import TABLES, Results
-from jointwear.report.page import write_report
-from jointwear.simulation import simulate_run, simulate_worn_run
-from jointwear.tables import write_tables
+from jointwear.publishing.figures.detection_map import draw_detection_map
+from jointwear.publishing.figures.figure_1 import draw_figure_1
+from jointwear.publishing.figures.figure_2 import draw_figure_2
+from jointwear.publishing.figures.figure_3 import draw_figure_3
+from jointwear.publishing.figures.figure_4 import draw_figure_4
+from jointwear.publishing.figures.lag_map import draw_lag_map
+from jointwear.publishing.report.assembly import TABLES, Results
+from jointwear.publishing.report.page import write_report
+from jointwear.reproduction.commanded_motion import write_trajectory
+from jointwear.reproduction.detection import write_detection
+from jointwear.reproduction.features import write_features, write_reference
+from jointwear.reproduction.grid import cell_of
+from jointwear.reproduction.location import write_location
+from jointwear.reproduction.normal_model import write_normal_model
+from jointwear.reproduction.simulation import simulate_run, simulate_worn_run
+from jointwear.reproduction.tables import write_tables
+from jointwear.running.configuration import prepare, reading_of
 
 ROOT = Path(__file__).resolve().parent.parent
 PUBLISHED = "config/paper/published.yaml"
@@ -77,7 +77,7 @@ class Experiment:
         )
 
     def write_report(self, **how) -> Path:
-        """Write the report; `how` replaces arguments of :func:`jointwear.report.page.write_report`."""
+        """Write the report; `how` replaces arguments of :func:`jointwear.publishing.report.page.write_report`."""
         page = Path(how.pop("output", self.path("report", "index.html")))
         given = {
             "results": self.results,

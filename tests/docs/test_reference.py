@@ -1,6 +1,6 @@
 """The reference is what `make reference` writes now."""
 
-from jointwear.reference import pages
+from jointwear.publishing.reference import pages
 
 
 def test_the_reference_is_up_to_date(root):

@@ -11,7 +11,7 @@ from scratch_project import ROOT, copy_project
 collect_ignore_glob = [] if find_spec("compliance_checker") else ["test_*.py"]
 
 
-FURTHER = ("requirements", "pyproject.toml", "README.md", "LICENSE", "CITATION.cff", "docs", "bench")
+FURTHER = ("requirements", "pyproject.toml", "README.md", "LICENSE", "CITATION.cff", "docs")
 
 
 @pytest.fixture(scope="session")

@@ -11,8 +11,8 @@ import pytest
 from offline_validator import fill_cache, problems
 from scratch_project import ROOT, Project
 
-from jointwear.storage import open_dataset
-from jointwear.verification.comparison import CLOSE, DIFFERENT, EQUAL, MISSING, compare_files
+from jointwear.files.storage import open_dataset
+from jointwear.publishing.verification.comparison import CLOSE, DIFFERENT, EQUAL, MISSING, compare_files
 
 pytestmark = pytest.mark.publish
 # The metadata cannot hold their own checksum; the time stamp is Snakemake's mark on a folder that it made.

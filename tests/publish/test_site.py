@@ -10,9 +10,9 @@ from html.parser import HTMLParser
 import pytest
 from scratch_project import Project
 
-from jointwear.site.contents import size_words, without_dead_links
-from jointwear.site.edits import EDITS
-from jointwear.site.writing import write_site
+from jointwear.publishing.site.contents import size_words, without_dead_links
+from jointwear.publishing.site.edits import EDITS
+from jointwear.publishing.site.writing import write_site
 
 pytestmark = pytest.mark.publish
 
@@ -100,9 +100,9 @@ def test_pages_that_are_built_later_are_taken_in(published, tmp_path):
     shutil.copy2(published.folder / "results/report/index.html", root / "results/report")
     (root / "results/monitor/arm_7").mkdir(parents=True)
     (root / "results/monitor/arm_7/monitor.html").write_text("<!doctype html><title>arm</title>")
-    (root / "bench").mkdir()
+    (root / "data/benchmarks").mkdir(parents=True, exist_ok=True)
     times = [{"command": EDITS[0]["command"], "seconds": 4.2, "jobs": 3, "rules": ["draw_figure_1"]}]
-    (root / "bench/results.json").write_text(json.dumps({"reruns": {"edits": times}}))
+    (root / "data/benchmarks/results.json").write_text(json.dumps({"reruns": {"edits": times}}))
     write_site(tmp_path / "site", edits=EDITS, root=root)
     assert "results/monitor/arm_7/monitor.html" in (tmp_path / "site/index.html").read_text()
     assert "<td>4.2</td>" in (tmp_path / "site/change.html").read_text()

@@ -16,7 +16,7 @@ import pytest
 from cluster import APT, Cluster, cluster, missing, wait_for
 from scratch_project import Project, copy_project
 
-from jointwear.storage import open_dataset
+from jointwear.files.storage import open_dataset
 
 pytestmark = pytest.mark.slurm
 # Asks often, because the cluster is small and near; a real one is asked at the executor's own pace.

@@ -10,9 +10,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from monitor_logs import columns, make_log, write_bag, write_parquet
 from scratch_project import Project, copy_project
 
-from jointwear.configuration import prepare
-from jointwear.errors import InputError
+from jointwear.files.errors import InputError
 from jointwear.monitor.plan import batches_of, check_robots, find_logs, log_key
+from jointwear.running.configuration import prepare
 
 ENTRY = {
     "logs": ["logs/*.parquet", "logs/bag_*"],

@@ -5,8 +5,8 @@ import re
 import pytest
 from conftest import merged
 
-from jointwear import readings
-from jointwear.configuration import config_schema
+from jointwear.reproduction import readings
+from jointwear.running.configuration import config_schema
 
 # For every key of the config another valid value, and for keys that Snakemake's plan cannot see, none.
 EDITS = {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import TINY, copy_project, merged
 
-from jointwear.storage import open_dataset
+from jointwear.files.storage import open_dataset
 
 
 def numbers(path):
@@ -157,7 +157,7 @@ def test_a_killed_run_resumes_with_the_same_numbers(built, tmp_path):
 
 
 def test_an_edited_reading_reruns_its_stage_and_what_follows(project):
-    path = project.folder / "workflow/jointwear/readings/onset_rule.py"
+    path = project.folder / "workflow/jointwear/reproduction/readings/onset_rule.py"
     path.write_text(path.read_text() + "\n# edited\n")
     jobs = project.planned()
     assert jobs["detect_wear"] == 3
@@ -168,12 +168,16 @@ def test_an_edited_reading_reruns_its_stage_and_what_follows(project):
 @pytest.mark.parametrize(
     ("module", "reruns", "stays"),
     [
-        ("wear", {"simulate_wear"}, {"fit_normal_model_not_a_rule"}),
-        ("location", {"locate_wear", "tabulate_lags"}, {"simulate_wear", "compute_features", "detect_wear"}),
-        ("detection", {"detect_wear", "fit_normal_model"}, {"simulate_wear", "compute_features"}),
-        ("control_limits", {"fit_normal_model", "detect_wear"}, {"compute_features"}),
-        ("verdicts", {"tabulate_torque", "tabulate_detection"}, {"detect_wear", "locate_wear"}),
-        ("trajectory", {"simulate_wear", "simulate_normal", "compute_trajectory"}, set()),
+        ("reproduction/wear", {"simulate_wear"}, {"fit_normal_model"}),
+        (
+            "reproduction/location",
+            {"locate_wear", "tabulate_lags"},
+            {"simulate_wear", "compute_features", "detect_wear"},
+        ),
+        ("reproduction/detection", {"detect_wear", "fit_normal_model"}, {"simulate_wear", "compute_features"}),
+        ("reproduction/control_limits", {"fit_normal_model", "detect_wear"}, {"compute_features"}),
+        ("reproduction/verdicts", {"tabulate_torque", "tabulate_detection"}, {"detect_wear", "locate_wear"}),
+        ("robots/trajectory", {"simulate_wear", "simulate_normal", "compute_trajectory"}, set()),
     ],
 )
 def test_an_edited_module_reruns_what_imports_it(project, module, reruns, stays):

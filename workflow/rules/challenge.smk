@@ -1,5 +1,5 @@
 # The hidden-effect test. Data sets, truth and verdicts lie in folders of their own; only score_challenge reads truth.
-from jointwear.challenge.tiers import SEED, SETS, TIERS
+from jointwear.studies.challenge.tiers import SEED, SETS, TIERS
 
 CHALLENGE_ROBOT = "config/robots/puma560.yaml"
 CHALLENGE_TEMPLATES = [
@@ -169,13 +169,13 @@ rule keep_challenge:
     log:
         "results/logs/keep_challenge/{part}.log",
     shell:
-        "cp {input.scores} bench/challenge.json && cp {input.peers} bench/challenge_peers.json"
+        "cp {input.scores} data/benchmarks/challenge.json && cp {input.peers} data/benchmarks/challenge_peers.json"
         " && sha256sum {input} > {output} 2> {log}"
 
 
 rule report_stored_challenge:
     input:
-        scores="bench/challenge.json",
+        scores="data/benchmarks/challenge.json",
         peers=STORED_PEERS,
         templates=CHALLENGE_TEMPLATES,
         modules=modules_of("report_stored_challenge"),

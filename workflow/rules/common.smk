@@ -9,10 +9,10 @@ sys.path.insert(0, str(LIBRARY))
 # Snakemake would import pandas, a quarter of a second, only to ask whether a parameter is a data frame; none is.
 sys.modules.setdefault("pandas", None)
 
-from jointwear.configuration import check_experiment, prepare, reading_of
-from jointwear.errors import InputError
-from jointwear.modules import imported_by, lend_to_children
-from jointwear.stale_lock import clear_stale_lock, note_run
+from jointwear.running.configuration import check_experiment, prepare, reading_of
+from jointwear.files.errors import InputError
+from jointwear.running.modules import imported_by, lend_to_children
+from jointwear.running.stale_lock import clear_stale_lock, note_run
 
 lend_to_children()
 if workflow.is_main_process and clear_stale_lock(Path.cwd()):

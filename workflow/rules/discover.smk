@@ -1,6 +1,6 @@
 # Discovery: check -> nominal model -> where -> decide -> augmented robot -> simulate again -> gap -> page.
 # A data set that is refused leaves refused.json and no verdict; run with --keep-going so that others go on.
-from jointwear.datasets import check_datasets
+from jointwear.running.datasets import check_datasets
 
 try:
     check_datasets(config)

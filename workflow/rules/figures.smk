@@ -1,5 +1,5 @@
-from jointwear.figures.cells import figure_cell
-from jointwear.published import load_published
+from jointwear.publishing.figures.cells import figure_cell
+from jointwear.reproduction.published import load_published
 
 # Figures 1 to 3 show the run of Table II: axis 1, 10 %. The paper names no task for them, and no axis for Figure 3.
 FIGURE_CELL = figure_cell(

@@ -1,5 +1,5 @@
 # Many robots: a job judges a batch of them, because starting a job costs more than judging a robot.
-from jointwear.fleet.plan import batches
+from jointwear.monitor.fleet.plan import batches
 
 FLEET_LOGS = {
     name: [log for logs in jobs.values() for log in logs] for name, jobs in LOGS.items()

@@ -1,6 +1,6 @@
 # The files of a seed set of the hidden-effect test, or of its first batches.
-from jointwear.challenge.plan import part_batches
-from jointwear.challenge.tiers import SEED, SETS, TIERS
+from jointwear.studies.challenge.plan import part_batches
+from jointwear.studies.challenge.tiers import SEED, SETS, TIERS
 
 
 def challenge_files(folder, ending):
@@ -28,4 +28,4 @@ def peers_to_keep(wildcards):
 
 
 # Numbers of the other methods, where they are kept with the project.
-STORED_PEERS = [path for path in ("bench/challenge_peers.json",) if Path(path).exists()]
+STORED_PEERS = [path for path in ("data/benchmarks/challenge_peers.json",) if Path(path).exists()]

@@ -1,6 +1,6 @@
 # What the rules of discover.smk take from the entry of their data set.
-from jointwear.datasets import robot_sources
-from jointwear.documents import read_yaml
+from jointwear.robots.robot_file import robot_sources
+from jointwear.files.documents import read_yaml
 
 # The data set that the report shows; `discover` takes it too where the config names none.
 SHOWN_DATASET = "puma560_hidden"

@@ -1,6 +1,6 @@
 # Which logs every monitored robot has, and what the rules of monitor.smk take from its entry.
-from jointwear.datasets import robot_sources
-from jointwear.documents import read_yaml
+from jointwear.robots.robot_file import robot_sources
+from jointwear.files.documents import read_yaml
 from jointwear.monitor.plan import READING_KEYS, batches_of, check_robots, log_sources
 
 try:

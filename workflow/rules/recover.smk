@@ -1,5 +1,5 @@
 # What the paper left out: bound, fits of all candidates, transfer test, pose sets, verdict (docs: recovery).
-from jointwear.recovery.plan import CAUSES, candidate_names
+from jointwear.studies.recovery.plan import CAUSES, candidate_names
 
 UNLOADED = config["recover"]["robot"]
 RECOVER_TABLES = "config/paper/published.yaml"

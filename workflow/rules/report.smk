@@ -16,7 +16,7 @@ TEMPLATES = [
         "report/style.css",
         "report/chapters/*.html.j2",
         # The report quotes every ambiguity of the text, chosen or not.
-        "workflow/jointwear/readings/*.py",
+        "workflow/jointwear/reproduction/readings/*.py",
     )
     for path in sorted(Path(workflow.basedir).glob(pattern))
 ]

@@ -19,7 +19,7 @@ rule write_site:
         pages=sorted(
             f"{path} {path.stat().st_mtime_ns}"
             for pattern in (
-                "bench/results.json",
+                "data/benchmarks/results.json",
                 "results/*/*.html",
                 "results/*/*/*.html",
             )

@@ -3,7 +3,7 @@
 import sys
 
 from jointwear.monitor.stages import accumulate_windows
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Copy the recovered experiment into config/."""
 
-from jointwear.recovery.adoption import adopt_experiment
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.adoption import adopt_experiment
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Bound the torque of the unloaded arm, whatever its poses."""
 
-from jointwear.recovery.bound import bound_published
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.bound import bound_published
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Summarise the normal operation of a task."""
 
-from jointwear.features import write_reference
-from jointwear.script import reported
+from jointwear.reproduction.features import write_reference
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

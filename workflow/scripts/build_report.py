@@ -1,8 +1,8 @@
 """Build the report of the reproduction."""
 
-from jointwear.report.assembly import Results
-from jointwear.report.page import write_report
-from jointwear.script import reported
+from jointwear.publishing.report.assembly import Results
+from jointwear.publishing.report.page import write_report
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Build the page of one study."""
 
-from jointwear.report.study_page import write_study_page
-from jointwear.script import reported
+from jointwear.publishing.report.study_page import write_study_page
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

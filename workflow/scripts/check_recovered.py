@@ -1,7 +1,7 @@
 """Hold the copies of the recovered experiment in config/ to a new recovery."""
 
-from jointwear.recovery.adoption import compare_copies
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.adoption import compare_copies
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

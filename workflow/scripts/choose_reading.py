@@ -1,7 +1,7 @@
 """Choose a reading on half of the pose sets and score it on the other."""
 
-from jointwear.multiverse.pose_stages import choose_reading
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.pose_stages import choose_reading
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

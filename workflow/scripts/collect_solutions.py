@@ -1,7 +1,7 @@
 """Collect different pose sets that reproduce the published tables."""
 
-from jointwear.recovery.ensemble import collect_solutions
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.ensemble import collect_solutions
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Simulate the nominal model along the measured motion."""
 
 from jointwear.discovery.stages import simulate_nominal
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

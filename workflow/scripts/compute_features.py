@@ -1,7 +1,7 @@
 """Compute the hourly features of a run."""
 
-from jointwear.features import write_features
-from jointwear.script import reported
+from jointwear.reproduction.features import write_features
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Compute the motion of a task and the path of the end effector."""
 
-from jointwear.path import write_trajectory
-from jointwear.script import reported
+from jointwear.reproduction.commanded_motion import write_trajectory
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

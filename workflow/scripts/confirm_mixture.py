@@ -1,7 +1,7 @@
 """Run the poses that Table IV would choose once more, with new random numbers."""
 
-from jointwear.multiverse.pose_stages import confirm_mixture
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.pose_stages import confirm_mixture
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

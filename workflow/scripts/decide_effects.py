@@ -1,7 +1,7 @@
 """Score every candidate effect and decide."""
 
 from jointwear.discovery.stages import decide_effects
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

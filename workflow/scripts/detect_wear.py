@@ -1,7 +1,7 @@
 """Score a run against the normal model and find the onset of wear."""
 
-from jointwear.detection import write_detection
-from jointwear.script import reported
+from jointwear.reproduction.detection import write_detection
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

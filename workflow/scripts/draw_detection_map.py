@@ -1,7 +1,7 @@
 """Draw Table IV as a picture."""
 
-from jointwear.figures.detection_map import draw_detection_map
-from jointwear.script import reported
+from jointwear.publishing.figures.detection_map import draw_detection_map
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

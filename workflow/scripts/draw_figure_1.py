@@ -1,7 +1,7 @@
 """Draw Figure 1: friction torque under wear."""
 
-from jointwear.figures.figure_1 import draw_figure_1
-from jointwear.script import reported
+from jointwear.publishing.figures.figure_1 import draw_figure_1
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

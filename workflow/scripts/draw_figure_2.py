@@ -1,7 +1,7 @@
 """Draw Figure 2: KL divergence of all axes."""
 
-from jointwear.figures.figure_2 import draw_figure_2
-from jointwear.script import reported
+from jointwear.publishing.figures.figure_2 import draw_figure_2
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Draw Figure 3: Q residuals."""
 
-from jointwear.figures.figure_3 import draw_figure_3
-from jointwear.script import reported
+from jointwear.publishing.figures.figure_3 import draw_figure_3
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

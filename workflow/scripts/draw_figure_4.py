@@ -1,7 +1,7 @@
 """Draw Figure 4: paths of the end effector."""
 
-from jointwear.figures.figure_4 import draw_figure_4
-from jointwear.script import reported
+from jointwear.publishing.figures.figure_4 import draw_figure_4
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

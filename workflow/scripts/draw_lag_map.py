@@ -1,7 +1,7 @@
 """Draw Table II as a picture."""
 
-from jointwear.figures.lag_map import draw_lag_map
-from jointwear.script import reported
+from jointwear.publishing.figures.lag_map import draw_lag_map
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

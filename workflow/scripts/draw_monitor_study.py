@@ -1,7 +1,7 @@
 """Draw one figure of the monitor's study."""
 
-from jointwear.monitor_study.figures import DRAWINGS
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.monitor_study.figures import DRAWINGS
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

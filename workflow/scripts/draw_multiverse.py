@@ -1,7 +1,7 @@
 """Draw one figure of the multiverse."""
 
-from jointwear.multiverse.figures import draw
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.figures import draw
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

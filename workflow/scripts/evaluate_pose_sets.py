@@ -1,7 +1,7 @@
 """Run the best readings on one part of the pose sets."""
 
-from jointwear.multiverse.pose_stages import evaluate_pose_sets
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.pose_stages import evaluate_pose_sets
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

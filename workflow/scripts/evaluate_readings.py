@@ -1,7 +1,7 @@
 """Run one part of the readings on the configured pose set."""
 
-from jointwear.multiverse.reading_stages import evaluate_readings
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.reading_stages import evaluate_readings
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

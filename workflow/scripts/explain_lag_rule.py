@@ -1,7 +1,7 @@
 """Show why the published way of locating wear works."""
 
-from jointwear.multiverse.lag_rule import write_lag_rule
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.lag_rule import write_lag_rule
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

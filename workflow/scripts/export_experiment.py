@@ -1,7 +1,7 @@
 """Write the recovered arm and tasks as ordinary files."""
 
-from jointwear.recovery.export import export_experiment
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.export import export_experiment
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Fit one candidate for what is missing to the published tables."""
 
-from jointwear.recovery.fit import fit_candidate
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.fit import fit_candidate
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

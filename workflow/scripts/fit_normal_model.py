@@ -1,7 +1,7 @@
 """Fit the principal component model of a task's normal operation."""
 
-from jointwear.normal_model import write_normal_model
-from jointwear.script import reported
+from jointwear.reproduction.normal_model import write_normal_model
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

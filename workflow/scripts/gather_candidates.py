@@ -1,7 +1,7 @@
 """Put together the readings that go on to the pose sets."""
 
-from jointwear.multiverse.pose_stages import gather_candidates
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.pose_stages import gather_candidates
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,8 +1,8 @@
 """Generate one batch of cases of the hidden-effect test."""
 
-from jointwear.challenge.batch import generate_batch
-from jointwear.challenge.plan import batch
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.batch import generate_batch
+from jointwear.studies.challenge.plan import batch
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

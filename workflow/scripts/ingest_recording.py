@@ -1,7 +1,7 @@
 """Read and check one measured data set."""
 
 from jointwear.discovery.stages import ingest_recording
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

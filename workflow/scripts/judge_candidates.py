@@ -1,7 +1,7 @@
 """Compare all candidates and write the verdict."""
 
-from jointwear.recovery.verdict import judge
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.verdict import judge
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Judge all windows of a monitored robot."""
 
 from jointwear.monitor.stages import judge_windows
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Tell where the nominal model disagrees."""
 
 from jointwear.discovery.stages import locate_discrepancy
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

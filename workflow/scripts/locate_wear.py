@@ -1,7 +1,7 @@
 """Locate the worn axis of a run by the lags between axes."""
 
-from jointwear.location import write_location
-from jointwear.script import reported
+from jointwear.reproduction.location import write_location
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

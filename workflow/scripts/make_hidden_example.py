@@ -1,7 +1,7 @@
 """Make the small shipped data set with a hidden effect."""
 
-from jointwear.challenge.examples import write_hidden_example
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.examples import write_hidden_example
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Make the shipped logs of the monitoring example."""
 
-from jointwear.monitor.example import write_example
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.monitor_study.example import write_example
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

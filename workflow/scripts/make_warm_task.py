@@ -1,7 +1,7 @@
 """Make the torque log of a task over many hours, with a hidden temperature dependence."""
 
-from jointwear.challenge.examples import write_warm_task
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.examples import write_warm_task
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Measure both detectors under factory conditions, before and after discovery."""
 
-from jointwear.monitor_study.factory_study import study_factory
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.monitor_study.factory_study import study_factory
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

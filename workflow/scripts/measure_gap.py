@@ -1,7 +1,7 @@
 """Measure the gap on held-out motion and complete the verdict."""
 
 from jointwear.discovery.stages import measure_gap
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Measure which ambiguity decides the scores."""
 
-from jointwear.multiverse.reading_stages import measure_influence
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.reading_stages import measure_influence
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

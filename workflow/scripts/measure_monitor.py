@@ -1,7 +1,7 @@
 """Measure the monitor on all runs of one task."""
 
-from jointwear.monitor_study.grid_study import study_task
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.monitor_study.grid_study import study_task
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Measure other detectors on the runs of one task."""
 
-from jointwear.monitor_study.peers import study_peers
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.monitor_study.peers import study_peers
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

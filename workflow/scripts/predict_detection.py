@@ -1,7 +1,7 @@
 """Predict Table IV from pose sets fitted to Tables V and VI alone."""
 
-from jointwear.recovery.prediction import predict_detection
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.prediction import predict_detection
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

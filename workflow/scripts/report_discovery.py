@@ -1,7 +1,7 @@
 """Write the page of one data set."""
 
 from jointwear.discovery.page import write_page
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Write the page of a monitored robot."""
 
 from jointwear.monitor.page import write_page
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

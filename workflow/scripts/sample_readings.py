@@ -1,7 +1,7 @@
 """Choose the readings of the multiverse."""
 
-from jointwear.multiverse.reading_stages import sample_readings
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.reading_stages import sample_readings
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Judge the verdicts of a seed set against the truth."""
 
-from jointwear.challenge.scoring import write_scores
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.scoring import write_scores
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

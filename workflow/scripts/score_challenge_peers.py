@@ -1,7 +1,7 @@
 """Choose the best setting of every peer on the choose-seeds and score it."""
 
-from jointwear.challenge.peer_scores import write_peer_scores
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.peer_scores import write_peer_scores
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Score all readings against the paper."""
 
-from jointwear.multiverse.reading_stages import score_readings
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.reading_stages import score_readings
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Search on from the scored readings."""
 
-from jointwear.multiverse.pose_stages import search_readings
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.multiverse.pose_stages import search_readings
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

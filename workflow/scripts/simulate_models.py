@@ -1,7 +1,7 @@
 """Simulate again with the retuned and the augmented robot."""
 
 from jointwear.discovery.stages import simulate_models
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

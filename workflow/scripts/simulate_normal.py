@@ -1,7 +1,7 @@
 """Simulate normal operation that the detector has not seen."""
 
-from jointwear.script import reported
-from jointwear.simulation import simulate_run
+from jointwear.reproduction.simulation import simulate_run
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

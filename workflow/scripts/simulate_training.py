@@ -1,8 +1,8 @@
 """Simulate the normal operation from which the detector learns."""
 
-from jointwear.readings import select, training_length
-from jointwear.script import reported
-from jointwear.simulation import simulate_run
+from jointwear.reproduction.readings import select, training_length
+from jointwear.reproduction.simulation import simulate_run
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,8 +1,8 @@
 """Simulate one worn run, all replicates."""
 
-from jointwear.grid import cell_of
-from jointwear.script import reported
-from jointwear.simulation import simulate_worn_run
+from jointwear.reproduction.grid import cell_of
+from jointwear.reproduction.simulation import simulate_worn_run
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Give one batch of the hidden-effect test to discovery."""
 
-from jointwear.challenge.solve import solve_batch
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.solve import solve_batch
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

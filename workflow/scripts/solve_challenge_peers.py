@@ -5,8 +5,8 @@ Called with the folder of the batch and the file to write, by the Python of the 
 
 import sys
 
-from jointwear.challenge.peers import solve_batch_with_peers
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.peers import solve_batch_with_peers
 
 if __name__ == "__main__":
     with reported():

@@ -2,9 +2,9 @@
 
 from dataclasses import asdict
 
-from jointwear.challenge.stored import write_stored
 from jointwear.discovery.settings import Settings
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.stored import write_stored
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

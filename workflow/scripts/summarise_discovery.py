@@ -1,8 +1,8 @@
 """Write the report's chapter on the shipped data set with a hidden effect."""
 
-from jointwear.challenge.examples import EXAMPLE
 from jointwear.discovery.chapter import PICTURES, write_chapter
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.challenge.examples import EXAMPLE
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

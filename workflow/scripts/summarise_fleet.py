@@ -1,7 +1,7 @@
 """Write the table of the fleet."""
 
-from jointwear.fleet.watch import summarise_fleet
-from jointwear.script import reported
+from jointwear.monitor.fleet.watch import summarise_fleet
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

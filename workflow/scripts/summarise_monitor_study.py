@@ -1,7 +1,7 @@
 """Put the numbers of the monitor's study together for the report."""
 
-from jointwear.monitor_study.summary import write_chapter
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.monitor_study.summary import write_chapter
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Put the numbers of the recovery together for the report."""
 
-from jointwear.recovery.summary import summarise_recovery
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.summary import summarise_recovery
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,8 +1,8 @@
 """Count how many hidden causes were named rightly."""
 
-from jointwear.recovery.summary import summarise_validation_chapter
-from jointwear.recovery.validation import summarise_validation
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.summary import summarise_validation_chapter
+from jointwear.studies.recovery.validation import summarise_validation
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Survey the first log of a monitored robot."""
 
 from jointwear.monitor.stages import survey_logs
-from jointwear.script import reported
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from jointwear.script import reported
-from jointwear.tables import write_tables
+from jointwear.reproduction.tables import write_tables
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

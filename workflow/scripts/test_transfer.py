@@ -1,7 +1,7 @@
 """Fit the best candidates to two tasks and test them on the third."""
 
-from jointwear.recovery.transfer import transfer_candidates
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.transfer import transfer_candidates
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Hide a cause in synthetic tables and name it."""
 
-from jointwear.recovery.validation import validate_case
-from jointwear.script import reported
+from jointwear.running.script import reported
+from jointwear.studies.recovery.validation import validate_case
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -2,9 +2,9 @@
 
 import sys
 
-from jointwear.errors import InputError
-from jointwear.script import reported
-from jointwear.verification.recomputation import verify
+from jointwear.files.errors import InputError
+from jointwear.publishing.verification.recomputation import verify
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

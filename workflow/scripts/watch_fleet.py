@@ -1,7 +1,7 @@
 """Judge a batch of robots."""
 
-from jointwear.fleet.watch import watch_robots
-from jointwear.script import reported
+from jointwear.monitor.fleet.watch import watch_robots
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Pack the run of the report as a Workflow Run RO-Crate."""
 
-from jointwear.crate.writing import agent_of, write_crate
-from jointwear.script import reported
+from jointwear.publishing.crate.writing import agent_of, write_crate
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,8 +1,8 @@
 """Write the static site."""
 
-from jointwear.script import reported
-from jointwear.site.edits import EDITS
-from jointwear.site.writing import write_site
+from jointwear.publishing.site.edits import EDITS
+from jointwear.publishing.site.writing import write_site
+from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,22 +1,23 @@
 """Find where a model and a measurement disagree, name the missing effect, and say when that cannot be said.
 
-:func:`discover` is the pure entry point; :mod:`jointwear.discovery.files` reads and writes files for the workflow.
+:func:`discover` is the pure entry point; :mod:`jointwear.measurement.recording_files` reads and writes the files
+of the workflow.
 """
 
 from __future__ import annotations
 
 from functools import cache
 
-from jointwear.discovery.checks import check_recording
 from jointwear.discovery.decide import search
-from jointwear.discovery.files import load_recording
-from jointwear.discovery.final import finalise
-from jointwear.discovery.motion import measure
+from jointwear.discovery.estimation import finalise
 from jointwear.discovery.problem import build_problem
-from jointwear.discovery.recording import Recording, split
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Verdict, make_verdict
-from jointwear.robot import Robot
+from jointwear.measurement.checks import check_recording
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import Recording, split
+from jointwear.measurement.recording_files import load_recording
+from jointwear.robots.robot import Robot
 
 
 def discover(recording: Recording, robot: Robot, settings: Settings | None = None) -> Verdict:
@@ -43,7 +44,7 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
 
 def problem_restrictions(problem) -> list[str]:
     """Return in words which axes and statements the data do not allow."""
-    from jointwear.discovery.checks import motion_restrictions
+    from jointwear.discovery.restrictions import motion_restrictions
 
     return motion_restrictions(problem)
 

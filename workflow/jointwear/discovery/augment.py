@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.final import Estimate, Final
-from jointwear.discovery.inertia import links_from_parameters
+from jointwear.discovery.estimation import Estimate, Final
 from jointwear.effects import effect_torque, get_effect, make_state
-from jointwear.plain import builtin
-from jointwear.robot import EffectEntry, Link, Robot
+from jointwear.files.json_values import builtin
+from jointwear.robots.inertia import links_from_parameters
+from jointwear.robots.robot import EffectEntry, Link, Robot
 
 
 def augmented_robot(final: Final, urdf_name: str | None = None, with_effects: bool = True) -> dict[str, Any]:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from scipy.special import logsumexp
 
-from jointwear.discovery.inertia import mass_direction
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.problem import White, link_mass_blocks
 from jointwear.discovery.reversals import TIMING, resolved_motion
 from jointwear.discovery.structure import hats, knots_of
 from jointwear.effects import Effect, State, get_effect, library
 from jointwear.effects.order import second_derivative
+from jointwear.robots.inertia import mass_direction
 
 LINK_MASS = "link_mass"
 #: A link mass that would have to be wrong by more than this share is not a wrong number but a missing body.
@@ -133,7 +133,7 @@ def _shrunk(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
 
 
 def _payload_std(white: White) -> np.ndarray:
-    from jointwear.discovery.inertia import bodies
+    from jointwear.robots.inertia import bodies
 
     mass = 0.05 * sum(b[0] for b in bodies(white.problem.robot))
     lever = 0.15

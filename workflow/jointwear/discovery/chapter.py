@@ -10,7 +10,7 @@ from typing import Any
 from jointwear.discovery.drawing import axis_shown, draw_effect, draw_gap, draw_held_out, draw_where
 from jointwear.discovery.page import lead
 from jointwear.effects import library
-from jointwear.files import replace_text
+from jointwear.files.text_files import replace_text
 
 #: Figures of the chapter, in the order of their files.
 PICTURES = ("where", "effect", "gap")

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Rectangle
 
-from jointwear.figures import palette
-from jointwear.figures.style import new_figure, save
-from jointwear.storage import open_dataset, read_variable, read_variables
+from jointwear.files.storage import open_dataset, read_variable, read_variables
+from jointwear.publishing.figures import palette
+from jointwear.publishing.figures.style import new_figure, save
 
 MODELS = ("nominal", "retuned", "augmented")
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate
 from jointwear.discovery.decide import Outcome
-from jointwear.discovery.inertia import inertial_regressor, to_joint_frame
-from jointwear.dynamics import Dynamics
 from jointwear.effects import State, get_effect, make_state
-from jointwear.robot import Robot
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import inertial_regressor, to_joint_frame
+from jointwear.robots.robot import Robot
 
 DURATION, RATE, HARMONICS = 20.0, 50.0, 5
 TRIALS = 60

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.discovery.drawing import draw_all
-from jointwear.documents import read_yaml
 from jointwear.effects import library
-from jointwear.files import replace_text
-from jointwear.report.inline import inline_svg
-from jointwear.report.numbers import number, percent
-from jointwear.report.rendering import render_page
+from jointwear.files.documents import read_yaml
+from jointwear.files.text_files import replace_text
+from jointwear.publishing.report.inline import inline_svg
+from jointwear.publishing.report.numbers import number, percent
+from jointwear.publishing.report.rendering import render_page
 
 _WORDS = {
     "none": "Nothing is missing",

@@ -9,17 +9,17 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from jointwear.discovery.inertia import inertial_regressor, mass_direction, prior_factor, to_joint_frame
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.motion import Measured, low_pass, measure, runs
 from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, corrected, estimate, whitenable
-from jointwear.discovery.recording import Recording
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.structure import axis_bases
-from jointwear.dynamics import Dynamics
 from jointwear.effects import State, effect_torque, library, make_state
-from jointwear.robot import Robot
+from jointwear.measurement.motion import Measured, low_pass, measure, runs
+from jointwear.measurement.recording import Recording
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import inertial_regressor, mass_direction, prior_factor, to_joint_frame
+from jointwear.robots.robot import Robot
 
 #: Fewest usable samples of an axis that a verdict is based on.
 FEWEST_SAMPLES = 60

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.motion import RESOLVED, Measured
+from jointwear.measurement.motion import RESOLVED, Measured
 
 #: Time [s] left out on either side of a reversal that is not resolved.
 BESIDE = 0.1

@@ -11,26 +11,27 @@ from typing import Any
 import numpy as np
 import yaml
 
-from jointwear import provenance
 from jointwear.discovery.augment import augmented_robot, augmented_urdf
-from jointwear.discovery.checks import Refused, check_recording, motion_restrictions
+from jointwear.discovery.base_parameters import free_identification
 from jointwear.discovery.decide import Outcome, search, unexplained
+from jointwear.discovery.estimation import finalise
 from jointwear.discovery.experiment import propose
-from jointwear.discovery.files import load_recording, read_recording, write_recording
-from jointwear.discovery.final import finalise
-from jointwear.discovery.free import free_identification
-from jointwear.discovery.motion import measure
 from jointwear.discovery.problem import build_problem, estimate_noise, whiten
-from jointwear.discovery.recording import split
+from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import make_verdict
-from jointwear.dynamics import Dynamics
 from jointwear.effects import check_effects, effect_torque, make_state
-from jointwear.errors import InputError
-from jointwear.files import replace_text
-from jointwear.plain import six_digits
-from jointwear.robot import Robot, load_robot
-from jointwear.storage import Variable, read_variables, write_dataset
+from jointwear.files import provenance
+from jointwear.files.errors import InputError
+from jointwear.files.json_values import six_digits
+from jointwear.files.storage import Variable, read_variables, write_dataset
+from jointwear.files.text_files import replace_text
+from jointwear.measurement.checks import Refused, check_recording
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import split
+from jointwear.measurement.recording_files import load_recording, read_recording, write_recording
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot, load_robot
 
 
 def settings_of(entry: Mapping[str, Any]) -> Settings:

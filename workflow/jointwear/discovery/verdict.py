@@ -10,12 +10,12 @@ import numpy as np
 
 from jointwear.discovery.augment import augmented_robot, augmented_urdf, simulate
 from jointwear.discovery.candidates import LINK_MASS, Candidate, scan
-from jointwear.discovery.final import Estimate, Final
+from jointwear.discovery.estimation import Estimate, Final
 from jointwear.discovery.identifiability import NEEDED, Visible, identifiability
-from jointwear.discovery.inertia import bodies
 from jointwear.discovery.problem import FRICTION
 from jointwear.effects import get_effect, library
-from jointwear.plain import six_digits
+from jointwear.files.json_values import six_digits
+from jointwear.robots.inertia import bodies
 
 _FRICTION_UNITS = ("N m", "N m", "N m s/rad", "kg m2")
 

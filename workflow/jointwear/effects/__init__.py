@@ -13,8 +13,8 @@ import numpy as np
 
 from jointwear.effects.effect import Effect, Parameter, correction_torque
 from jointwear.effects.state import Drive, State, make_state
-from jointwear.errors import InputError, nearest
-from jointwear.robot import Robot
+from jointwear.files.errors import InputError, nearest
+from jointwear.robots.robot import Robot
 
 
 @cache

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from jointwear.robot import Robot
+from jointwear.robots.robot import Robot
 
 
 @dataclass(frozen=True)

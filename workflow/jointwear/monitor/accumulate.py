@@ -7,15 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.model import ModelTorque
-from jointwear.monitor.windows import (
-    HISTOGRAM_BINS,
-    HISTOGRAM_SPAN,
-    REGRESSORS,
-    Flag,
-    WindowStatistics,
-    blank_statistics,
-)
+from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, REGRESSORS, WindowStatistics, blank_statistics
 
 _P = len(REGRESSORS)
 #: Share of the torque reference below which a gravity or inertial torque could not matter even if all wrong.

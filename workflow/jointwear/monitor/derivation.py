@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from jointwear.discovery.motion import SHORTEST, low_pass
-from jointwear.monitor.readers.chunk import Chunk
-from jointwear.monitor.windows import Flag
+from jointwear.measurement.flags import Flag
+from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.motion import SHORTEST, low_pass
 
 #: Spread of the steps, over their median, up to which stamps count as even.
 EVEN = 0.05

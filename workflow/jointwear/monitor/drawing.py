@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from jointwear.figures import palette
-from jointwear.figures.style import new_figure, save
 from jointwear.monitor.judge import CHANGED, UNJUDGED
 from jointwear.monitor.state import State
+from jointwear.publishing.figures import palette
+from jointwear.publishing.figures.style import new_figure, save
 
 #: More windows than this are drawn as weighted means of neighbours.
 MOST_POINTS = 360

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.monitor.windows import WindowStatistics
-from jointwear.robot import Robot
+from jointwear.robots.robot import Robot
 
 #: Prior standard deviations: of Coulomb, offset and viscous friction over the friction of the model, of the relative
 #: errors of gravity and inertia.

@@ -7,13 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from jointwear.discovery.checks import Refused
-from jointwear.monitor.clock import Ordered, part_of
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.clock import Ordered, part_of
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.derivation import Motion
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.plausibility import LaterCheck
 from jointwear.monitor.survey import Survey
-from jointwear.monitor.windows import Flag
 
 #: Parts that a block with something wrong is looked at in, and the fewest samples of a part.
 PARTS, SMALLEST_PART = 8, 300

@@ -27,7 +27,7 @@ from jointwear.monitor.forecast import Forecast, forecast
 from jointwear.monitor.locate import axis_probability
 from jointwear.monitor.paper_detector import paper_alarms
 from jointwear.monitor.windows import WindowStatistics
-from jointwear.robot import Robot
+from jointwear.robots.robot import Robot
 
 HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
 DETECTORS = ("model", "paper")

@@ -7,16 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.errors import InputError
+from jointwear.files.errors import InputError
+from jointwear.measurement.clock import Clock, Ordered, join, part_of
+from jointwear.measurement.flags import Flag
+from jointwear.measurement.formats import Layout, read_log
 from jointwear.monitor.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.clock import Clock, Ordered, join, part_of
 from jointwear.monitor.derivation import derive_motion
 from jointwear.monitor.inspection import Inspector
 from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import outside_limits
-from jointwear.monitor.readers import Layout, read_log
 from jointwear.monitor.survey import Survey, guard_of
-from jointwear.monitor.windows import Flag, WindowStatistics, blank_statistics, merge
+from jointwear.monitor.windows import WindowStatistics, blank_statistics, merge
 
 #: Samples of a block, and samples around it that are read along for filters and reversals.
 BLOCK, HALO = 40_000, 400

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.dynamics import Dynamics
 from jointwear.effects import check_effects, effect_torque, make_state
-from jointwear.robot import Robot
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
 
 
 @dataclass(frozen=True)

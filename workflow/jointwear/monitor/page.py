@@ -7,17 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.files import replace_text
+from jointwear.files.text_files import replace_text
+from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.charts import FEWEST
 from jointwear.monitor.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.judge import CHANGED, DETECTORS, HEALTHY, UNJUDGED
 from jointwear.monitor.state import State, read_state, stamp
 from jointwear.monitor.temperature import temperature_share
-from jointwear.monitor.windows import FLAG_WORDS, Flag
-from jointwear.report.inline import inline_svg
-from jointwear.report.numbers import number
-from jointwear.report.numbers import span as span_of
-from jointwear.report.rendering import render_page
+from jointwear.publishing.report.inline import inline_svg
+from jointwear.publishing.report.numbers import number
+from jointwear.publishing.report.numbers import span as span_of
+from jointwear.publishing.report.rendering import render_page
 
 BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNJUDGED: "other"}
 #: Share of the windows at the end that count as now.

@@ -80,9 +80,9 @@ def paper_alarms(statistics: WindowStatistics, baseline: int, rate: float) -> Pa
     ----------
     baseline : windows of the normal period, the first ones. rate : false alarms a window that are allowed.
     """
-    from jointwear.detection import score
-    from jointwear.features import kl_divergence
-    from jointwear.normal_model import fit_normal_model
+    from jointwear.reproduction.detection import score
+    from jointwear.reproduction.features import kl_divergence
+    from jointwear.reproduction.normal_model import fit_normal_model
 
     count = statistics.windows
     nothing = PaperVerdict(np.full(count, np.nan), np.zeros(count, dtype=bool), np.zeros(count, dtype=int))

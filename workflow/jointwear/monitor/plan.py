@@ -9,20 +9,16 @@ import hashlib
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from datetime import UTC, datetime
 from functools import cache
 from glob import glob, has_magic
 from pathlib import Path
 from typing import Any
 
-from jointwear.datasets import robot_sources
-from jointwear.errors import InputError, nearest
-from jointwear.robot_file import read_robot_file
+from jointwear.files.errors import InputError, nearest
+from jointwear.measurement.formats.kinds import FORMATS, log_format
+from jointwear.measurement.timestamps import utc_seconds
+from jointwear.robots.robot_file import read_robot_file, robot_sources
 
-FORMATS = {
-    ".nc": "netcdf", ".nc4": "netcdf", ".cdf": "netcdf", ".netcdf": "netcdf", ".csv": "csv", ".tsv": "csv",
-    ".parquet": "parquet", ".mcap": "bag", ".db3": "bag",
-}  # fmt: skip
 #: Keys of an entry that decide how a log is read; its windows depend on no other.
 READING_KEYS = ("variables", "units", "joints", "topic", "window", "dead_band")
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
@@ -40,25 +36,6 @@ def window_seconds(text: str | float) -> float:
     if length <= 0:
         raise InputError(f"'{text}' is no length of time (allowed: a number with s, min, h or d, as 1h)")
     return length
-
-
-def utc_seconds(text: str) -> float:
-    """Return seconds since 1970 UTC of an ISO 8601 time; without a zone it counts as UTC.
-
-    Raises
-    ------
-    ValueError : if the text is no such time.
-    """
-    moment = datetime.fromisoformat(text)
-    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-
-
-def log_format(path: str | Path) -> str | None:
-    """Return the format of a log by its name, or None; a folder with a metadata.yaml is a bag."""
-    path = Path(path)
-    if path.is_dir():
-        return "bag" if (path / "metadata.yaml").is_file() else None
-    return FORMATS.get(path.suffix.lower())
 
 
 def log_sources(path: str | Path) -> list[str]:

@@ -13,15 +13,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.checks import FEWEST, Refused, check_recording, explained
-from jointwear.discovery.motion import Measured
-from jointwear.discovery.reading import Reading, readings
-from jointwear.discovery.recording import Recording
-from jointwear.dynamics import Dynamics
+from jointwear.measurement.axis_readings import Reading, readings
+from jointwear.measurement.checks import FEWEST, Refused, check_recording, explained
+from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.motion import Measured
+from jointwear.measurement.recording import Recording
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion, unwrapped
-from jointwear.monitor.readers.chunk import Chunk
-from jointwear.robot import Robot
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
 
 #: Samples that a check looks at, in one piece: enough motion, quickly checked.
 LOOK = 6000

@@ -9,19 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.errors import InputError
+from jointwear.files.errors import InputError
+from jointwear.files.storage import open_dataset
+from jointwear.measurement.formats import layout_of
+from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.plan import utc_seconds, window_seconds
-from jointwear.monitor.readers import layout_of
+from jointwear.monitor.plan import window_seconds
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import read_survey, survey_log
 from jointwear.monitor.window_files import read_statistics, write_statistics
 from jointwear.monitor.windows import WindowStatistics
-from jointwear.robot import load_robot
-from jointwear.storage import open_dataset
+from jointwear.robots.robot import load_robot
 
 #: Fewest windows of a baseline from which anything can be learnt.
 FEWEST_BASELINE = 8

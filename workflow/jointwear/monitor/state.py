@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from jointwear import provenance
-from jointwear.files import replace_text
+from jointwear.files import provenance
+from jointwear.files.json_values import as_json
+from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.files.text_files import replace_text
 from jointwear.monitor.assembly import History
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import Judgement
-from jointwear.plain import as_json
-from jointwear.robot import Robot
-from jointwear.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.robots.robot import Robot
 
 ALARM_COLUMNS = (
     "time", "axis", "quantity", "change", "change_low", "change_high", "unit", "probability_axis", "hours_to_limit",

@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.checks import Refused
-from jointwear.discovery.motion import noise_floor
-from jointwear.errors import InputError
-from jointwear.files import replace_text
+from jointwear.files.errors import InputError
+from jointwear.files.text_files import replace_text
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.clock import Clock, Ordered
+from jointwear.measurement.formats import Chunk, Layout, read_log
+from jointwear.measurement.motion import noise_floor
 from jointwear.monitor.accumulate import moving
-from jointwear.monitor.clock import Clock, Ordered
 from jointwear.monitor.derivation import Motion, derive_motion, unwrapped
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.plausibility import check_first
-from jointwear.monitor.readers import Chunk, Layout, read_log
 
 #: Samples of the first log that are looked at.
 LOOK = 200_000

@@ -8,18 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from jointwear import provenance
-from jointwear.errors import InputError
-from jointwear.monitor.windows import (
-    FLAG_WORDS,
-    HISTOGRAM_BINS,
-    HISTOGRAM_SPAN,
-    PER_WINDOW,
-    REGRESSORS,
-    Flag,
-    WindowStatistics,
-)
-from jointwear.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.files import provenance
+from jointwear.files.errors import InputError
+from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, PER_WINDOW, REGRESSORS, WindowStatistics
 
 _WA = ("window", "axis")
 #: Dimensions, meaning and unit of every field with one row a window; mixed units are those of the regressors.

@@ -9,7 +9,7 @@ _NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "y
 
 def _columns(state, axis, source, p):
     if state.tip_regressor is None:
-        from jointwear.errors import InputError
+        from jointwear.files.errors import InputError
 
         raise InputError(
             "a payload among the 'effects' needs the tip regressor; write it as 'payload' of the robot file"

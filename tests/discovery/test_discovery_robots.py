@@ -1,0 +1,85 @@
+"""Measured data of real robots: the wrist of the Staubli TX40 in both directions, and what the Kinova allows."""
+
+import json
+
+import pytest
+import yaml
+
+from jointwear.discovery import Settings, discover, load_recording
+from jointwear.discovery.page import compare_published, joint_table, write_page
+from jointwear.discovery.stages import (
+    decide_effects,
+    ingest_recording,
+    locate_discrepancy,
+    measure_gap,
+    simulate_models,
+    simulate_nominal,
+)
+from jointwear.files.documents import read_yaml
+from jointwear.files.errors import InputError
+from jointwear.robots.robot import load_robot
+
+
+def entry_of(file, name):
+    with open(f"config/examples/{file}", encoding="utf-8") as stream:
+        return yaml.safe_load(stream)["discover"]["datasets"][name]
+
+
+@pytest.mark.parametrize("name", ["staubli_tx40", "staubli_tx40_backward"])
+def test_staubli_wrist_is_coupled(name):
+    entry = entry_of("discover_staubli.yaml", name)
+    verdict = discover(load_recording(entry, name), load_robot(entry["robot"]), Settings(entry["inertial_prior"]))
+    found = {(e["effect"], e["axis"], e["source_axis"]) for e in verdict.effects}
+    assert {("drive_coupling", 5, 6), ("drive_coupling", 6, 5)} <= found
+    gap = verdict.data["gap"]
+    assert gap["retuned"][4] > 3.0 * gap["augmented"][4]
+    assert gap["retuned"][5] > 2.5 * gap["augmented"][5]
+
+
+def test_kinova_says_that_temperature_and_recordings_coincide():
+    entry = entry_of("discover_kinova.yaml", "kinova_gen3")
+    verdict = discover(
+        load_recording(entry, "kinova_gen3"), load_robot(entry["robot"]), Settings(entry["inertial_prior"])
+    )
+    assert "temperature of joints" in " ".join(verdict.data["restrictions"])
+
+
+def test_stages_give_the_verdict_of_the_library(tmp_path):
+    entry = entry_of("discover_staubli.yaml", "staubli_tx40")
+    robot = entry["robot"]
+    d = tmp_path
+    ingest_recording("staubli_tx40", entry, robot, d / "recording.nc")
+    simulate_nominal(d / "recording.nc", robot, d / "nominal.nc")
+    locate_discrepancy(d / "recording.nc", robot, d / "where.nc", entry)
+    decide_effects(
+        d / "recording.nc", robot, entry, d / "decision.json", d / "robot.yaml", d / "retuned.yaml", d / "evidence.nc"
+    )
+    simulate_models(d / "nominal.nc", d / "recording.nc", d / "robot.yaml", d / "retuned.yaml", d / "models.nc")
+    measure_gap(d / "decision.json", d / "models.nc", d / "recording.nc", d / "verdict.json")
+    written = json.loads((d / "verdict.json").read_text())
+    direct = discover(load_recording(entry, "staubli_tx40"), load_robot(robot), Settings(entry["inertial_prior"])).data
+    assert written["verdict"] == direct["verdict"]
+    assert [e["effect"] for e in written["effects"]] == [e["effect"] for e in direct["effects"]]
+    for kind in ("nominal", "retuned", "augmented"):
+        assert written["gap"][kind] == pytest.approx(direct["gap"][kind], rel=1e-4)
+    # A fit without effects misses the coupled wrist however free its parameters are.
+    assert written["free_identification"][4] > 2.0 * written["gap"]["augmented"][4]
+    published = "data/measured/staubli_tx40/published.yaml"
+    write_page(d / "verdict.json", d / "where.nc", d / "models.nc", d / "page.html", d / "figures", published)
+    page = (d / "page.html").read_text(encoding="utf-8")
+    assert "fvm6" in page
+    rows = {(r["axis"], r["parameter"]): r for r in compare_published(written, read_yaml(published))}
+    assert rows[5, "viscous"]["found"] == pytest.approx(rows[5, "viscous"]["value"], rel=0.3)
+    joints = {row["axis"]: row for row in joint_table(written)}
+    assert joints[5]["better"] > 3.0
+    assert joints[5]["named"] == ["drive coupling from joint 6"]
+
+
+def test_a_refused_data_set_leaves_its_reason(tmp_path):
+    entry = entry_of("discover_staubli.yaml", "staubli_tx40") | {"units": {"position": "deg"}}
+    kinova = entry_of("discover_kinova.yaml", "kinova_gen3")
+    with pytest.raises(InputError, match="has 7 joints"):
+        ingest_recording("wrong", kinova, entry["robot"], tmp_path / "recording.nc")
+    content = json.loads((tmp_path / "refused.json").read_text())
+    assert set(content) == {"dataset", "reason", "suggestion"}
+    assert not (tmp_path / "recording.nc").exists()

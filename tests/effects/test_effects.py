@@ -1,0 +1,242 @@
+"""The effect library: one file an effect, columns and torque agree, unordered samples, robots with effects."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jointwear import effects
+from jointwear.effects.entries.presliding_hysteresis import bristle
+from jointwear.files.errors import InputError
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import inertial_regressor, to_joint_frame
+from jointwear.robots.robot import EffectEntry, load_robot
+
+IDENTIFIERS = {
+    "stribeck_friction",
+    "nonlinear_viscous_friction",
+    "load_dependent_friction",
+    "temperature_dependent_viscous_friction",
+    "temperature_dependent_coulomb_friction",
+    "position_dependent_friction",
+    "presliding_hysteresis",
+    "cogging_torque",
+    "torque_constant_ripple",
+    "torque_constant_error",
+    "torque_constant_temperature",
+    "torque_offset_drift",
+    "joint_spring",
+    "payload",
+    "joint_flexibility",
+    "actuation_delay",
+    "drive_coupling",
+    "wear_drift",
+    "backlash",
+}
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.fixture(scope="module")
+def state(robot):
+    time = np.arange(0, 6, 0.01)
+    phase = np.outer(time, np.linspace(1.0, 2.2, 6)) + np.arange(6)
+    q, v = 0.8 * np.sin(phase), 0.8 * np.linspace(1.0, 2.2, 6) * np.cos(phase)
+    a = -0.8 * np.linspace(1.0, 2.2, 6) ** 2 * np.sin(phase)
+    dynamics = Dynamics(robot)
+    regressor = inertial_regressor(dynamics, q, v, a)[:, :, -10:] @ to_joint_frame(robot, 5)
+    return effects.make_state(
+        robot,
+        q,
+        v,
+        a,
+        np.array(dynamics.rigid_body_torque(q, v, a)),
+        time=time,
+        temperature=30 + 5 * np.sin(0.5 * time),
+        record=np.repeat([0, 1], 300),
+        tip_regressor=lambda: regressor,
+    )
+
+
+def test_library_holds_every_effect():
+    assert set(effects.library()) == IDENTIFIERS
+
+
+@pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash", "actuation_delay", "joint_flexibility"}))
+def test_torque_is_columns_times_coefficients(state, name):
+    effect = effects.get_effect(name)
+    source = 3 if effect.needs_source else None
+    grid = effect.grid(state, 2)
+    assert grid
+    for nonlinear in grid:
+        columns = effect.columns(state, 2, source, nonlinear)
+        coefficients = np.linspace(0.01, 0.02, columns.shape[-1])
+        parameters = effect.complete(effect.parameters_of(nonlinear, coefficients))
+        np.testing.assert_allclose(
+            effect.torque(state, 2, source, parameters), columns @ coefficients, rtol=1e-9, atol=1e-12
+        )
+        assert set(parameters) <= {p.name for p in effect.parameters}
+
+
+def test_delay_is_linear_for_small_delays(state):
+    effect = effects.get_effect("actuation_delay")
+    column = effect.columns(state, 1, None, {"delay": 0.004})[:, 0]
+    half = effect.torque(state, 1, None, effect.parameters_of({"delay": 0.004}, np.array([0.5])))
+    # Friction jumps at a reversal; away from one the torque is smooth.
+    direction = np.sign(state.velocity[:, 1])
+    near = np.convolve(np.abs(np.diff(direction, append=direction[-1])), np.ones(5), mode="same") > 0
+    assert 0 < near.sum() < 0.5 * len(near)
+    np.testing.assert_allclose(half[~near], 0.5 * column[~near], atol=1e-9)
+    with_lag = effect.torque(state, 1, None, {"delay": 0.004, "lag": 1})
+    assert np.corrcoef(with_lag[~near], column[~near])[0, 1] > 0.99
+
+
+def test_lag_of_friction_knows_the_instant_of_reversal(state):
+    from jointwear.effects.order import lagged
+
+    lag, rate = 0.013, 5.0
+    time = np.arange(300) * 0.01
+    samples = SimpleNamespace(time=time, record=np.zeros(len(time), int))
+    np.testing.assert_allclose(lagged(samples, 2 + 3 * time, lag), 2 + 3 * (time - lag), atol=1e-12)
+    velocity = np.sin(rate * time + 0.3)
+    turns = (np.arange(1, 5) * np.pi - 0.3) / rate
+    steps = [2 * (-1) ** (k + 1) * np.where(time > t, 1 - np.exp(-(time - t) / lag), 0) for k, t in enumerate(turns)]
+    np.testing.assert_allclose(lagged(samples, np.sign(velocity), lag, velocity), 1 + sum(steps), atol=0.01)
+
+
+def test_friction_of_a_flexible_joint_is_that_of_its_motor(state):
+    effect = effects.get_effect("joint_flexibility")
+    plain = {"inertia_over_stiffness": 1e-3}
+    inertia = effect.torque(state, 1, None, effect.complete(plain))
+    np.testing.assert_allclose(
+        inertia, 2 * effect.torque(state, 1, None, effect.complete({"inertia_over_stiffness": 5e-4})), atol=1e-12
+    )
+    friction = effect.torque(state, 1, None, effect.complete({**plain, "inertia": 0.5})) - inertia
+    # Where the motor runs the other way round than the link, all of Coulomb friction has turned.
+    drive, velocity = state.drive, state.velocity[:, 1]
+    step = drive.coulomb_positive[1] - drive.coulomb_negative[1]
+    turned = np.abs(friction) > 0.5 * step
+    assert 0 < turned.sum() < 0.2 * len(turned)
+    assert np.abs(velocity[turned]).max() < 0.5 * np.abs(velocity).max()
+
+
+@pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash"}))
+def test_metadata_is_complete(name):
+    effect = effects.get_effect(name)
+    assert effect.equation
+    assert effect.source
+    assert effect.excitation
+    assert set(effect.confused_with) <= IDENTIFIERS
+    for parameter in effect.parameters:
+        assert parameter.lower <= parameter.default <= parameter.upper
+        assert parameter.unit
+        assert parameter.description
+
+
+def test_names_stand_within_a_sentence():
+    phrases = {name: effect.phrase for name, effect in effects.library().items()}
+    assert phrases["stribeck_friction"] == "Stribeck friction"
+    assert phrases["wear_drift"] == "wear: growing Coulomb friction"
+    assert phrases["payload"] == "payload"
+
+
+def test_sequential_effects_settle_without_an_order(state):
+    from dataclasses import replace
+
+    unordered = replace(state, record=None)
+    for name in ("presliding_hysteresis", "actuation_delay", "joint_flexibility"):
+        effect = effects.get_effect(name)
+        assert effect.sequential
+        nonlinear = effect.grid(state, 0)[0]
+        assert not np.any(effect.columns(unordered, 0, None, nonlinear))
+        assert np.any(effect.columns(state, 0, None, nonlinear))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.floats(-0.2, 0.2), min_size=2, max_size=60), st.floats(0.002, 0.3))
+def test_bristle_stays_between_its_limits(steps, distance):
+    position = np.cumsum(steps)
+    direction = np.sign(np.gradient(position))
+    z = bristle(position, direction, distance)
+    assert np.all(np.abs(z) <= 1 + 1e-12)
+
+
+def test_bristle_settles_after_many_distances():
+    position = np.concatenate([np.linspace(0, 1, 50), np.linspace(0.98, 0, 50)])
+    z = bristle(position, np.sign(np.gradient(position)), 0.02)
+    assert z[45] == pytest.approx(1.0)
+    assert z[-1] == pytest.approx(-1.0, abs=1e-6)
+    assert -1 < z[51] < 1
+
+
+def test_effect_torque_adds_entries_and_tables(robot, state):
+    from dataclasses import replace
+
+    entry = EffectEntry(
+        "stribeck_friction",
+        2,
+        None,
+        {"excess": 2.0, "speed": 0.1, "exponent": 1.0, "correction": {"knots": [0.0, 1.0], "values": [0.5, 0.5]}},
+    )
+    arm = replace(robot, effects=(entry,))
+    effects.check_effects(arm)
+    torque = effects.effect_torque(arm, state)
+    v = state.velocity[:, 1]
+    np.testing.assert_allclose(torque[:, 1], (2 * np.exp(-np.abs(v) / 0.1) + 0.5) * np.sign(v))
+    assert not np.any(np.delete(torque, 1, axis=1))
+
+
+def test_payload_is_the_same_as_the_payload_of_the_robot(robot, state):
+    from dataclasses import replace
+
+    from jointwear.robots.robot import Link
+
+    com = np.array([0.02, -0.01, 0.09])
+    arm = replace(robot, payload=Link(1.5, com, np.diag([2e-3, 3e-3, 1e-3])))
+    about = np.diag([2e-3, 3e-3, 1e-3]) + 1.5 * (com @ com * np.eye(3) - np.outer(com, com))
+    six = [about[i] for i in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))]
+    values = dict(zip(("mass", "moment_x", "moment_y", "moment_z"), (1.5, *(1.5 * com)), strict=True))
+    values |= dict(zip(("xx", "xy", "yy", "xz", "yz", "zz"), six, strict=True))
+    torque = effects.get_effect("payload").torque(state, 0, None, values)
+    plain, loaded = (
+        np.array(Dynamics(r).rigid_body_torque(state.position, state.velocity, state.acceleration))
+        for r in (robot, arm)
+    )
+    np.testing.assert_allclose(torque, loaded - plain, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        (EffectEntry("stribek_friction", 1, None, {}), "did you mean 'stribeck_friction'"),
+        (EffectEntry("stribeck_friction", None, None, {}), "axis' is missing"),
+        (EffectEntry("drive_coupling", 5, None, {}), "source_axis' is missing"),
+        (EffectEntry("stribeck_friction", 1, None, {"exces": 1.0}), "did you mean 'excess'"),
+        (EffectEntry("stribeck_friction", 1, None, {"excess": -1.0}), "nearest valid value is 0"),
+        (EffectEntry("backlash", 1, None, {}), "no torque function"),
+    ],
+)
+def test_wrong_entries_are_named(robot, entry, words):
+    from dataclasses import replace
+
+    with pytest.raises(InputError, match=words.replace("(", r"\(")):
+        effects.check_effects(replace(robot, effects=(entry,)))
+
+
+def test_wear_drift_is_equation_7(robot):
+    from jointwear.reproduction.wear import Wear
+
+    wear = Wear(10.0, 1.5, 120.0)
+    hours = np.array([0.0, 30.0, 60.0, 120.0])
+    c1, c2 = wear.constants(5.0)
+    one = np.ones((4, 6))
+    state = effects.make_state(robot, 0 * one, one, 0 * one, 0 * one, time=hours)
+    torque = effects.get_effect("wear_drift").torque(
+        state, 0, None, {"level": c1, "rate": c2, "exponent": 4.0, "start": 0.0}
+    )
+    np.testing.assert_allclose(torque, 5.0 * wear.growth(hours), atol=1e-12)

@@ -1,0 +1,209 @@
+"""What a user gets wrong is answered in one line: file, key, what is allowed, the nearest valid value."""
+
+import copy
+
+import pytest
+import yaml
+
+from jointwear.files.documents import read_yaml
+from jointwear.files.errors import InputError
+from jointwear.robots.robot import load_robot
+from jointwear.robots.robot_file import read_robot_file
+from jointwear.robots.task_file import read_task_file
+from jointwear.running.configuration import check_experiment, prepare, reading_of
+
+
+@pytest.fixture
+def config(root):
+    return read_yaml(root / "config/config.yaml")
+
+
+def put(data, path, value):
+    data = copy.deepcopy(data)
+    *parents, last = path.split(".")
+    inner = data
+    for key in parents:
+        inner = inner[int(key) if isinstance(inner, list) else key]
+    inner[int(last) if isinstance(inner, list) else last] = value
+    return data
+
+
+def test_the_default_config_is_valid(config, root, monkeypatch):
+    monkeypatch.chdir(root)
+    prepared = prepare(config)
+    check_experiment(prepared)
+    assert prepared["wear"]["increase_percent"] == [10.0, 20.0]
+    assert isinstance(prepared["sampling"]["interval"], float)
+    assert "onset_rule" in reading_of(prepared, "detection")
+
+
+def test_number_types_do_not_matter(config):
+    assert prepare(put(config, "wear.shape", 2)) == prepare(put(config, "wear.shape", 2.0))
+    assert prepare(put(config, "noise.encoder", "1e-4")) == prepare(put(config, "noise.encoder", 1e-4))
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("replicate", 5, ["unknown key 'replicate'", "did you mean 'replicates'"]),
+        ("detection.confidense", 0.9, ["'detection.confidense'", "did you mean 'confidence'"]),
+        ("detection.confidence", "high", ["'detection.confidence'", "'high'", "must be a number"]),
+        ("detection.confidence", 1.5, ["'detection.confidence'", "1.5", "nearest valid value is 0.99999"]),
+        ("replicates", 0, ["'replicates'", "nearest valid value is 1"]),
+        ("replicates", 2.5, ["'replicates'", "whole number"]),
+        ("seed", -1, ["'seed'", ">= 0"]),
+        ("tasks", ["T1", "T1"], ["'tasks'", "'T1' twice"]),
+        ("tasks", [], ["'tasks'", "at least 1"]),
+        ("wear.axes", [1, 1], ["'wear.axes'", "1 twice"]),
+        ("wear.axes", ["one"], ["'wear.axes[0]'", "whole number"]),
+        ("wear.shape", -2, ["'wear.shape'", "nearest valid value is 0.1"]),
+        ("reading.onset_rule", "sometimes", ["'reading.onset_rule'", "allowed: consecutive_hours, single_hour"]),
+        ("reading.onsetrule", "single_hour", ["'reading.onsetrule'", "did you mean 'onset_rule'"]),
+        ("reading.kl_direction", "hour_from_referense", ["did you mean 'hour_from_reference'"]),
+        ("report.replicate", 1000, ["'report.replicate'", "nearest valid value is 100"]),
+        ("sampling.samples", 600, ["'sampling'", "3600 s"]),
+    ],
+)
+def test_a_wrong_config(config, path, value, words):
+    with pytest.raises(InputError) as error:
+        prepare(put(config, path, value))
+    message = str(error.value)
+    assert "\n" not in message
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("wear.axes", [7], ["'wear.axes' holds 7", "axes 1 to 6", "nearest valid value is 6"]),
+        ("tasks", ["T9"], ["'T9'", "did you mean", "T1, T2, T3"]),
+        ("robot", "config/robots/puma561.yaml", ["no such file", "did you mean 'puma560.yaml'"]),
+    ],
+)
+def test_a_config_that_does_not_fit_its_files(config, root, monkeypatch, path, value, words):
+    monkeypatch.chdir(root)
+    with pytest.raises(InputError) as error:
+        check_experiment(prepare(put(config, path, value)))
+    for word in words:
+        assert word in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a: 1\na: 2\n", ["line 2", "'a' is given twice"]),
+        ("a: [1\n", ["line"]),
+        ("- 1\n", ["must be a mapping"]),
+    ],
+)
+def test_a_broken_yaml_file(tmp_path, text, words):
+    path = tmp_path / "x.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        read_yaml(path)
+    assert "\n" not in str(error.value)
+    for word in ["x.yaml", *words]:
+        assert word in str(error.value)
+
+
+@pytest.fixture
+def robot(root):
+    return read_yaml(root / "config/robots/puma560.yaml")
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("joints.0.coulomb.positive", -0.4, ["joints[0].coulomb.positive", "-0.4", ">= 0"]),
+        ("joints.2.coulomb.negative", 0.1, ["joints[2].coulomb.negative", "0.1", "<= 0"]),
+        ("joints.0.gearratio", 3, ["'joints[0].gearratio'", "did you mean 'gear_ratio'"]),
+        ("joints.1.gear_ratio", 0, ["'joints[1].gear_ratio' is 0"]),
+        ("joints.1.limits", [-45, 225], ["'joints[1].limits'", "looks like degrees"]),
+        ("joints.1.limits", [1, -1], ["lower limit must come first"]),
+        ("joints.1.name", "joint_1", ["'joints[1].name'", "earlier joint"]),
+        ("dh.0.alpha", 90, ["dh[0].alpha", "6.28"]),
+        ("links.1.mass", -1, ["links[1].mass", ">= 0"]),
+        ("links.1.inertia", [1, 2, 3], ["links[1].inertia", "3 entries", "at least 6"]),
+        ("links.1.inertia", [1, 1, 1, 2, 0, 0], ["links[1].inertia", "negative principal moments"]),
+        ("links", [], ["'links' has 0 entries, 'dh' has 6"]),
+        ("payload.mass", "heavy", ["payload.mass", "'heavy'"]),
+        ("gravity", 9.81, ["'gravity'", "a list"]),
+        ("urdf", "a.urdf", ["either as 'dh'"]),
+        ("effects", [{"effect": "payload", "axis": 7}], ["effects[0].axis", "1 to 6", "nearest valid value is 6"]),
+        ("colour", "red", ["unknown key 'colour'"]),
+    ],
+)
+def test_a_wrong_robot_file(tmp_path, robot, path, value, words):
+    file = tmp_path / "arm.yaml"
+    file.write_text(yaml.safe_dump(put(robot, path, value)))
+    with pytest.raises(InputError) as error:
+        read_robot_file(file)
+    message = str(error.value)
+    assert "\n" not in message
+    for word in ["arm.yaml", *words]:
+        assert word in message
+
+
+URDF = """<robot name="two"><link name="base"/><link name="a"/><link name="b"/>
+<joint name="first" type="revolute"><parent link="base"/><child link="a"/><limit lower="-1" upper="1" effort="5"/>
+<dynamics damping="0.2" friction="0.3"/></joint>
+<joint name="second" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"""
+
+
+def test_a_urdf_brings_limits_and_friction_and_the_robot_file_overrides(tmp_path):
+    (tmp_path / "two.urdf").write_text(URDF)
+    (tmp_path / "two.yaml").write_text("name: two\nurdf: two.urdf\njoints:\n  - {name: first, viscous: 0.9}\n")
+    robot = load_robot(tmp_path / "two.yaml")
+    assert robot.joint_names == ("first", "second")
+    assert robot.viscous.tolist() == [0.9, 0]
+    assert robot.coulomb_positive.tolist() == [0.3, 0]
+    assert robot.torque_limit[0] == 5
+    assert robot.lower[0] == -1
+
+
+@pytest.mark.parametrize(
+    ("yaml_text", "urdf", "words"),
+    [
+        ("name: x\nurdf: none.urdf\n", URDF, ["none.urdf", "does not exist"]),
+        ("name: x\nurdf: two.urdf\n", "<robot", ["two.urdf", "not valid XML"]),
+        ("name: x\nurdf: two.urdf\njoints: [{name: frist}]\n", URDF, ["'frist'", "did you mean 'first'"]),
+        ("name: x\nurdf: two.urdf\n", URDF.replace("continuous", "prismatic"), ["'second' is prismatic"]),
+        ("name: x\nurdf: two.urdf\nlinks: []\n", URDF, ["'links' is only for robots given by 'dh'"]),
+    ],
+)
+def test_a_wrong_urdf(tmp_path, yaml_text, urdf, words):
+    (tmp_path / "two.urdf").write_text(urdf)
+    (tmp_path / "x.yaml").write_text(yaml_text)
+    with pytest.raises(InputError) as error:
+        read_robot_file(tmp_path / "x.yaml")
+    for word in words:
+        assert word in str(error.value)
+
+
+TASK = {"name": "T9", "unit": "deg", "waypoints": [[0.0] * 6, [10.0] * 6], "durations": [30, 30]}
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("waypoints.1.0", 170.0, ["'waypoints[1][0]' is 170 deg", "-160 to 160 deg", "nearest valid value is 160"]),
+        ("waypoints.1", [0.0] * 5, ["'waypoints[1]' has 5 positions", "6 joints"]),
+        ("durations", [30], ["'durations' has 1 entries"]),
+        ("durations", [30, 31], ["whole number of cycles", "nearest valid value"]),
+        ("durations", [30, -30], ["'durations[1]'", "> 0"]),
+        ("phase", 60, ["'phase' is 60", "below the cycle"]),
+        ("name", "T8", ["'name' is 'T8'", "must be 'T9'"]),
+        ("unit", "degrees", ["'unit'", "allowed: rad, deg"]),
+        ("wayponts", [], ["did you mean 'waypoints'"]),
+    ],
+)
+def test_a_wrong_task_file(tmp_path, root, path, value, words):
+    file = tmp_path / "T9.yaml"
+    file.write_text(yaml.safe_dump(put(TASK, path, value)))
+    with pytest.raises(InputError) as error:
+        read_task_file(file, read_robot_file(root / "config/robots/puma560.yaml"))
+    message = str(error.value)
+    assert "\n" not in message
+    for word in ["T9.yaml", *words]:
+        assert word in message

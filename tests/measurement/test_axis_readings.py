@@ -1,0 +1,146 @@
+"""How a recording is read, which effects are believed, and how wide the interval of an effect's torque is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+from scipy.signal import butter, sosfiltfilt
+
+from jointwear.discovery import Settings, discover
+from jointwear.discovery.acceptance import predicts, predicts_most, stiff
+from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.crossval import CrossValidated
+from jointwear.discovery.peak_torque import Shape, height
+from jointwear.effects import make_state
+from jointwear.measurement.axis_readings import Reading, readings
+from jointwear.measurement.checks import Refused, check_recording
+from jointwear.measurement.motion import low_pass
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def puma():
+    return load_robot("config/robots/puma560.yaml")
+
+
+def spring_of_the_last_joint(q, v, a, temperature, time, torque):
+    """More than the friction of a joint whose torque is friction nearly alone."""
+    result = np.zeros_like(torque)
+    result[:, 5] = 0.3 * (q[:, 5] - 0.4)
+    return result
+
+
+@pytest.fixture(scope="module", params=[None, spring_of_the_last_joint], ids=["nothing", "spring"])
+def recording(request, puma):
+    return make_case(puma, 3, request.param)
+
+
+def turned(recording, axis, position=1.0, torque=1.0):
+    q, tau = recording.position.copy(), recording.torque.copy()
+    q[:, axis] *= position
+    tau[:, axis] *= torque
+    return replace(recording, position=q, torque=tau)
+
+
+def test_right_recordings_are_not_refused(recording, puma):
+    assert check_recording(recording, puma) == []
+
+
+@pytest.mark.parametrize("axis", [0, 1, 3, 4])
+def test_flipped_joints_are_named(recording, puma, axis):
+    with pytest.raises(Refused, match=f"sign of joint {axis + 1} looks flipped"):
+        check_recording(turned(recording, axis, -1.0, -1.0), puma)
+
+
+@pytest.mark.parametrize("axis", [2, 5])
+def test_motor_side_torque_is_named(puma, axis):
+    # What tells of the last joint is the size of its friction: there is next to no other torque.
+    recording = make_case(puma, 3)
+    with pytest.raises(Refused, match=f"torque of joint {axis + 1} looks like that of the motor"):
+        check_recording(turned(recording, axis, 1.0, 1 / puma.gear_ratio[axis]), puma)
+
+
+@pytest.mark.parametrize("pair", [(3, 5), (4, 5)])
+def test_swapped_wrist_joints_are_named(recording, puma, pair):
+    order = np.arange(6)
+    order[list(pair)] = pair[::-1]
+    mixed = replace(recording, position=recording.position[:, order], torque=recording.torque[:, order])
+    with pytest.raises(Refused, match=f"joints {pair[0] + 1} and {pair[1] + 1} look swapped"):
+        check_recording(mixed, puma)
+
+
+def test_every_reading_is_undone_by_itself_or_its_gear(puma):
+    rng = np.random.default_rng(0)
+    parts, usable = rng.standard_normal((5, 4, 6)), rng.random((5, 6)) > 0.5
+    kinds = {"swap": 15, "flip": 6, "torque": 6, "motor": 6}
+    found = list(readings(puma))
+    assert {k: sum(r.kind == k for r in found) for k in kinds} == kinds
+    for reading in found:
+        once = reading.read(parts, usable, puma)
+        assert not np.array_equal(once[0], parts)
+        if reading.kind != "motor":
+            again = reading.read(*once, puma)
+            assert np.array_equal(again[0], parts)
+            assert np.array_equal(again[1], usable)
+    scaled = Reading("motor", (2,)).read(parts, usable, puma)[0]
+    np.testing.assert_allclose(scaled[:, 3, 2], puma.gear_ratio[2] * parts[:, 3, 2])
+
+
+@pytest.mark.parametrize("shape", [(24,), (500,), (400, 3)])
+@pytest.mark.parametrize("cutoff", [2.0, 20.0])
+def test_the_filter_is_that_of_scipy(shape, cutoff):
+    values = np.cumsum(np.random.default_rng(1).standard_normal(shape), axis=0)
+    pad = min(len(values) - 1, int(300 / cutoff))
+    expected = sosfiltfilt(butter(4, cutoff, fs=100.0, output="sos"), values, axis=0, padlen=pad)
+    np.testing.assert_allclose(low_pass(values, cutoff, 100.0), expected, atol=1e-12)
+
+
+def test_an_effect_of_one_record_is_not_one_of_the_robot():
+    of_one = CrossValidated(nats=60.0, share=0.25, raw=0.94, last=20.0, worst=3.0, middle=1.02)
+    assert predicts(of_one, 60.0)
+    assert not predicts_most(of_one)
+    assert predicts_most(replace(of_one, middle=0.97))
+    assert stiff(Candidate("joint_flexibility", 1, None))
+    assert stiff(Candidate("drive_coupling", 4, 5))
+    assert not stiff(Candidate("stribeck_friction", 1, None))
+
+
+def test_height_of_a_narrow_series_is_its_top():
+    values = np.zeros(1000)
+    values[:20] = 3.0
+    assert height(values) == pytest.approx(3.0)
+    assert height(np.full(7, -2.0)) == pytest.approx(2.0)
+
+
+def test_a_drive_that_turns_with_two_axes_is_seen_from_either(puma):
+    rng = np.random.default_rng(2)
+    q, v, a = rng.standard_normal((3, 50, 6))
+    state = make_state(puma, q, v, a, np.array(Dynamics(puma).rigid_body_torque(q, v, a)))
+    candidate = Candidate("drive_coupling", 4, 5, {"own": 1.0, "other": -1.0})
+    both = v[:, 5] - v[:, 4]
+    file, other, own = (Shape(candidate, drive=kind).columns(state) for kind in ("", "other", "own"))
+    np.testing.assert_allclose(other[:, 1], both)
+    np.testing.assert_allclose(other[:, 2], a[:, 5] - a[:, 4])
+    np.testing.assert_allclose(file[:, 1], v[:, 5])
+    np.testing.assert_allclose(own[:, 0], file[:, 0] - np.sign(v[:, 4]))
+
+
+def test_the_interval_knows_that_the_zero_of_a_spring_is_open(puma):
+    # Only a constant tells where the spring is slack, and friction that differs by direction is one too.
+    zero, axis = 0.5 * (puma.lower[1] + puma.upper[1]) + 0.6, 1
+
+    def spring(q, v, a, temperature, time, torque):
+        result = np.zeros_like(torque)
+        result[:, axis] = 2.5 * np.sinh(1.3 * (q[:, axis] - zero))
+        return result
+
+    recording = make_case(puma, 11, spring)
+    (effect,) = discover(recording, puma, Settings()).effects
+    assert (effect["effect"], effect["axis"]) == ("joint_spring", axis + 1)
+    moving = recording.trajectory == recording.trajectory.max()
+    true = np.abs(2.5 * np.sinh(1.3 * (recording.position[moving, axis] - zero))).max()
+    peak = effect["peak_torque"]
+    assert peak["low"] <= true <= peak["high"]
+    assert peak["high"] - peak["low"] < 1.5 * true

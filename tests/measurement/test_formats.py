@@ -1,0 +1,128 @@
+"""Every format gives the same samples; names, units and order of axes come from the config; memory stays small."""
+
+import numpy as np
+import pytest
+from monitor_logs import START, columns, layout, make_log, write_bag, write_csv, write_netcdf, write_parquet
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.formats import read_log
+
+
+def whole(path, rows=100_000, **entry):
+    chunks = list(read_log(path, layout(**entry), rows))
+    names = ("time", "position", "velocity", "torque", "temperature", "trajectory")
+    found = {}
+    for name in names:
+        values = [getattr(c, name) for c in chunks]
+        found[name] = None if values[0] is None else np.concatenate(values)
+    return found, chunks
+
+
+@pytest.fixture(scope="module")
+def log():
+    return make_log(6.0)
+
+
+WRITERS = {
+    "log.csv": lambda path, log: write_csv(path, columns(log)),
+    "log.parquet": lambda path, log: write_parquet(path, columns(log)),
+    "log.nc": write_netcdf,
+    "mcap_bag": lambda path, log: write_bag(path, log, "mcap"),
+    "sqlite_bag": lambda path, log: write_bag(path, log, "sqlite3"),
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_every_format_gives_the_same_samples(tmp_path, log, name):
+    path = WRITERS[name](tmp_path / name, log)
+    found, chunks = whole(path, rows=100)
+    np.testing.assert_allclose(found["time"], log.time, atol=1e-9)
+    np.testing.assert_allclose(found["position"], log.position, atol=1e-12)
+    np.testing.assert_allclose(found["torque"], log.torque, atol=1e-12)
+    assert found["velocity"] is None
+    assert not chunks[0].dated
+    if not name.endswith("csv"):
+        assert len(chunks) >= 3
+
+
+def test_a_bare_mcap_file_is_a_log(tmp_path, log):
+    folder = write_bag(tmp_path / "bag", log, velocity=True)
+    found, _ = whole(next(folder.glob("*.mcap")))
+    np.testing.assert_allclose(found["velocity"], log.velocity)
+
+
+def test_joints_of_a_bag_are_ordered_by_name(tmp_path, log):
+    folder = write_bag(tmp_path / "bag", log, order=[5, 0, 3, 1, 2, 4])
+    np.testing.assert_allclose(whole(folder)[0]["torque"], log.torque)
+
+
+def test_joints_of_a_bag_take_their_names_from_the_config(tmp_path, log):
+    names = [f"arm_{k}" for k in "abcdef"]
+    folder = write_bag(tmp_path / "bag", log, names=names)
+    with pytest.raises(InputError, match=r"its joints are arm_a.*'joints'"):
+        whole(folder)
+    np.testing.assert_allclose(whole(folder, joints=names[::-1])[0]["torque"], log.torque[:, ::-1])
+
+
+def test_units_and_names_of_the_config(tmp_path, log):
+    table = {"t_ms": 1e3 * log.time}
+    table |= {f"actual_q_{j}": np.degrees(log.position[:, j]) for j in range(6)}
+    table |= {f"moment {j}": 1e3 * log.torque[:, j] for j in range(6)}
+    path = write_csv(tmp_path / "log.csv", table)
+    found, _ = whole(
+        path,
+        variables={"time": "t_ms", "position": "actual_q", "torque": [f"moment {j}" for j in range(6)]},
+        units={"time": "ms", "position": "deg", "torque": "mN m"},
+    )
+    np.testing.assert_allclose(found["time"], log.time)
+    np.testing.assert_allclose(found["position"], log.position)
+    np.testing.assert_allclose(found["torque"], log.torque)
+
+
+@pytest.mark.parametrize("stamps", ["zulu", "naive", "offset", "unix"])
+def test_dates_in_csv(tmp_path, log, stamps):
+    moments = np.array(np.round((START + log.time) * 1e3), dtype="datetime64[ms]")
+    if stamps == "offset":
+        time = [f"{m}+02:00" for m in (moments + np.timedelta64(2, "h")).astype(str)]
+    else:
+        time = [m + ("Z" if stamps == "zulu" else "") for m in moments.astype(str)]
+    table = columns(log) | {"time": START + log.time if stamps == "unix" else np.array(time)}
+    found, chunks = whole(write_csv(tmp_path / "log.csv", table))
+    assert chunks[0].dated
+    np.testing.assert_allclose(found["time"], START + log.time, atol=1e-3)
+
+
+def test_dates_in_parquet_and_netcdf(tmp_path, log):
+    moments = np.array(np.round((START + log.time) * 1e3), dtype="datetime64[ms]")
+    for path in (
+        write_parquet(tmp_path / "log.parquet", columns(log) | {"time": moments}),
+        write_netcdf(tmp_path / "log.nc", log, units="seconds since 2026-01-01T00:00:00Z"),
+    ):
+        found, chunks = whole(path)
+        assert chunks[0].dated
+        np.testing.assert_allclose(found["time"], START + log.time, atol=1e-3)
+
+
+def test_semicolons_and_decimal_commas(tmp_path, log):
+    path = write_csv(tmp_path / "log.csv", columns(log))
+    text = path.read_text().replace(",", ";").replace(".", ",")
+    path.write_text(text)
+    np.testing.assert_allclose(whole(path)[0]["torque"], log.torque)
+
+
+def test_missing_values_become_nan(tmp_path, log):
+    table = {k: v.copy().astype(object) for k, v in columns(log).items()}
+    table["torque_2"][::3] = ""
+    table["torque_3"][5] = "NaN"
+    found, _ = whole(write_csv(tmp_path / "log.csv", table))
+    assert np.isnan(found["torque"][::3, 1]).all()
+    assert np.isnan(found["torque"][5, 2])
+    assert np.isfinite(found["torque"][:, 3]).all()
+
+
+def test_temperature_of_the_arm_and_labels(tmp_path, log):
+    label = np.repeat([4, 7, 9], len(log.time) // 3)
+    table = columns(log) | {"temperature": np.linspace(20, 30, len(log.time)), "trajectory": label}
+    found, _ = whole(write_parquet(tmp_path / "log.parquet", table))
+    assert found["temperature"].shape == log.torque.shape
+    assert found["trajectory"].tolist() == label.tolist()

@@ -1,0 +1,92 @@
+"""Derivatives by least-squares splines, and numbers of a nominal model that are right."""
+
+import numpy as np
+import pytest
+
+from jointwear.measurement.motion import low_pass, measure
+from jointwear.measurement.recording import Recording
+from jointwear.measurement.smoothing import END, smooth
+
+STEP = 2e-5
+
+
+def motion(seconds=15.0, rate=100.0):
+    time = np.arange(0, seconds, 1 / rate)
+    order, size = 2 * np.pi * np.array([[0.23, 0.61, 0.95], [0.31, 0.47, 0.7]]).T, np.array([[0.6, 0.2, 0.1]]).T
+    phase = time[:, None, None] * order + 0.4
+    q, v, a = (np.sum(x * size, axis=1) for x in (np.sin(phase), order * np.cos(phase), -(order**2) * np.sin(phase)))
+    return time, q, v, a
+
+
+def recording(time, q, v=None, a=None):
+    return Recording(time, np.zeros(len(time), int), STEP * np.round(q / STEP), np.ones_like(q), v, a)
+
+
+def rms(x):
+    return np.sqrt(np.mean(x**2, axis=0))
+
+
+def test_accelerations_of_rounded_positions_beat_the_filter():
+    time, q, _, a = motion()
+    rounded = STEP * np.round(q / STEP)
+    found = measure(recording(time, q))
+    assert found.fitted
+    filtered = np.gradient(np.gradient(low_pass(rounded, 6.0, 100.0), 0.01, axis=0), 0.01, axis=0)
+    inside = slice(30, -30)
+    assert np.all(rms((found.acceleration - a)[inside]) < 0.2 * rms((filtered - a)[inside]))
+
+
+def test_noise_of_derivatives_is_foretold():
+    rng = np.random.default_rng(3)
+    time, q, v, a = motion()
+    found = smooth([(time, q + 1e-5 * rng.standard_normal(q.shape))], 100.0)
+    np.testing.assert_allclose(found.noise, 1e-5, rtol=0.1)
+    inside = slice(150, -150)
+    for order, (got, true) in enumerate(((found.first, v), (found.second, a)), start=1):
+        assert np.all(rms((got - true)[inside]) < 2.0 * found.derivative_noise(order, 100.0))
+
+
+def test_spacing_follows_the_motion():
+    time = np.arange(0, 15, 0.01)
+    noise = 1e-5 * np.random.default_rng(0).standard_normal((len(time), 2))
+    found = smooth([(time, np.stack([np.sin(2 * time), 0.05 * np.sin(30 * time)], axis=1) + noise)], 100.0)
+    assert found.cutoff[0] < 2.0 < 30 / 2 / np.pi < found.cutoff[1] < 20
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.02])
+def test_a_velocity_that_disagrees_with_the_positions_is_kept(shift):
+    time, q, v, _ = motion()
+    given = v + shift + 1e-4 * np.random.default_rng(1).standard_normal(v.shape)
+    found = measure(recording(time, q, given))
+    assert np.abs(np.mean(found.velocity - v) - shift) < 1e-4
+    assert np.all(rms(found.velocity - v - shift) < 1e-4)
+
+
+def test_given_accelerations_are_kept_and_ends_left_out():
+    time, q, v, a = motion()
+    found = measure(recording(time, q, v, a))
+    np.testing.assert_array_equal(found.acceleration, a)
+    assert np.isnan(found.cutoff).all()
+    derived = measure(recording(time, q))
+    edge = int(END * 0.5 / derived.cutoff.max() * 100)
+    assert edge >= 1
+    assert not derived.usable[:edge].any()
+    assert not derived.usable[-edge:].any()
+
+
+def test_missing_samples_and_unresolved_motion_go_to_the_filter():
+    time, q, _, _ = motion()
+    holed = q.copy()
+    holed[400:420, 0] = np.nan
+    assert not measure(recording(time, holed)).fitted
+    rough = q + 0.002 * np.sign(np.sin(90 * time))[:, None]
+    assert not measure(recording(time, rough)).fitted
+
+
+def test_a_joint_at_rest_is_no_trouble():
+    time, q, _, _ = motion()
+    q[:, 1] = 0.3
+    found = measure(recording(time, q))
+    assert np.isfinite(found.acceleration).all()
+    assert np.abs(found.acceleration[:, 1]).max() < 1e-6
+    assert not found.usable[:, 1].any()

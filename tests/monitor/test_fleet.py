@@ -1,0 +1,62 @@
+"""A batch of robots in one job: every robot judged like alone, a refused one told and left."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from jointwear.files.storage import Variable, write_dataset
+from jointwear.monitor.fleet.plan import batches
+from jointwear.monitor.fleet.watch import summarise_fleet, watch_robots
+from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
+from jointwear.robots.robot import load_robot
+from jointwear.statistics.randomness import generator
+from jointwear.studies.monitor_study.example import real_arm, simulate_day
+
+
+def test_every_robot_is_in_one_batch():
+    robots = [f"r{n}" for n in range(7)]
+    found = batches(robots, 3)
+    assert list(found) == ["0000", "0001", "0002"]
+    assert [name for batch in found.values() for name in batch] == robots
+    assert batches([], 3) == {}
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory, root):
+    """One day of a healthy arm."""
+    time, position, torque = simulate_day(
+        real_arm(load_robot(root / "config/robots/puma560.yaml"), generator(1, "fleet", replicate=0)), 0
+    )
+    path = tmp_path_factory.mktemp("log") / "day.nc"
+    pair = ("time", "joint")
+    variables = {
+        "joint": Variable(("joint",), np.arange(1, 7), "number of the joint", "1"),
+        "time": Variable(("time",), time, "time", "seconds since 1970-01-01T00:00:00Z"),
+        "position": Variable(pair, position, "joint position", "rad"),
+        "torque": Variable(pair, torque, "joint torque", "N m"),
+    }
+    write_dataset(path, variables, {"title": "a log"})
+    return str(path)
+
+
+def test_a_fleet_says_what_single_robots_say(log, root, tmp_path):
+    entry = {"robot": str(root / "config/robots/puma560.yaml"), "baseline": {"windows": 12}, "window": "1h"}
+    broken = {**entry, "robot": str(root / "config/robots/kinova_gen3.yaml")}
+    entries = {"one": entry, "two": entry, "wrong_arm": broken}
+    watch_robots(entries, {name: [log] for name in entries}, tmp_path / "robots", tmp_path / "batch.json")
+    rows = {row["robot"]: row for row in json.loads((tmp_path / "batch.json").read_text())["robots"]}
+    assert rows["one"]["result"] == rows["two"]["result"] == "judged"
+    assert rows["wrong_arm"]["result"] == "refused"
+    assert rows["wrong_arm"]["reason"]
+
+    survey_logs(log, entry["robot"], {"window": "1h"}, tmp_path / "survey.json")
+    accumulate_windows([log], tmp_path / "survey.json", entry["robot"], {"window": "1h"}, tmp_path / "windows.nc")
+    judge_windows([tmp_path / "windows.nc"], entry["robot"], entry, tmp_path / "state.nc", tmp_path / "alarms.csv")
+    assert (tmp_path / "alarms.csv").read_bytes() == (tmp_path / "robots/one/alarms.csv").read_bytes()
+
+    summarise_fleet([tmp_path / "batch.json"], tmp_path / "fleet.csv")
+    with (tmp_path / "fleet.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert [row["robot"] for row in table] == list(entries)

@@ -1,0 +1,210 @@
+"""Results of monitoring: files, times, what the page says, and that nothing from a log gets into it as markup."""
+
+import csv
+import json
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import xarray
+from monitor_logs import ROBOT, START, columns, make_log, model, write_parquet
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.assembly import Piece, assemble
+from jointwear.monitor.friction import window_friction
+from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
+from jointwear.monitor.page import axis_summary, headline, why_unjudged, write_page
+from jointwear.monitor.stages import accumulate_windows, baseline_windows, judge_windows, survey_logs
+from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms, write_state
+from jointwear.monitor.temperature import temperature_share
+from jointwear.monitor.window_files import read_statistics
+
+EVIL = "<script>alert(1)</script>"
+HOURS, WORN = 60, 2
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """A robot monitored over 60 hours, 12 s of motion in each; axis 3 wears from hour 40 on. One log is refused."""
+    folder = tmp_path_factory.mktemp("monitored")
+    parts = []
+    for hour in range(HOURS):
+        log = make_log(12.0, seed=hour, start=START + 3600.0 * hour, noise=0.02)
+        more = 0.05 * max(hour - 40, 0) * np.sign(log.velocity[:, WORN])
+        log.torque[:, WORN] += more
+        parts.append(log)
+    names = ("time", "position", "velocity", "acceleration", "torque")
+    whole = {n: np.concatenate([getattr(p, n) for p in parts]) for n in names}
+    log = replace(parts[0], **whole)
+    entry = {"logs": ["x"], "robot": str(ROBOT), "window": "1h", "baseline": {"windows": 36}}
+    logs = [str(write_parquet(folder / f"{EVIL.replace('/', '')}.parquet", columns(log)))]
+    logs.append(str(folder / "cut.parquet"))
+    (folder / "cut.parquet").write_bytes((folder / logs[0]).read_bytes()[:-100])
+    survey_logs(logs[0], ROBOT, entry, folder / "survey.json")
+    windows = [str(folder / f"{k}.nc") for k in range(2)]
+    for path, given in zip(windows, logs, strict=True):
+        accumulate_windows([given], folder / "survey.json", ROBOT, entry, path)
+    judge_windows(windows, ROBOT, entry, folder / "state.nc", folder / "alarms.csv", "cell_3")
+    write_page(folder / "state.nc", folder / "monitor.html", folder / "figures")
+    return folder, windows, entry
+
+
+def test_the_worn_axis_alarms_and_nothing_else(built):
+    folder, _, _ = built
+    rows = list(csv.DictReader((folder / "alarms.csv").read_text().splitlines()))
+    assert rows
+    assert tuple(rows[0]) == ALARM_COLUMNS
+    ours = [row for row in rows if row["detector"] == "model"]
+    assert {row["axis"] for row in ours} == {str(WORN + 1)}
+    assert ours[0]["time"].startswith("2026-01-0")
+    assert ours[0]["time"].endswith("Z")
+    assert float(ours[0]["probability_axis"]) > 0.9
+
+
+def test_the_state_opens_with_xarray(built):
+    folder, _, _ = built
+    with xarray.open_dataset(folder / "state.nc") as state:
+        assert set(state.status.dims) == {"window", "axis"}
+        assert set(np.unique(state.status)) <= {"healthy", "changed", "cannot be judged"}
+        assert (state.status[:, 5] == UNJUDGED).all()
+        assert (state.status[-1, WORN] == CHANGED).all()
+        assert state.sizes["window"] == HOURS
+        assert str(state.start.values[0]).startswith("2026-01-01")
+        assert np.isfinite(state.coulomb_std[:, 0]).all()
+
+
+class Tags(HTMLParser):
+    """Collects the names of tags, and attributes that could run something."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tags, self.handlers = set(), set()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        self.handlers |= {name for name, _ in attrs if name.startswith("on")}
+
+
+def test_the_page_escapes_what_comes_from_logs(built):
+    folder, _, _ = built
+    text = (folder / "monitor.html").read_text()
+    found = Tags()
+    found.feed(text)
+    assert "script" not in found.tags
+    assert not found.handlers
+    assert "&lt;script&gt;" in text
+
+
+def test_the_page_says_what_an_engineer_needs(built):
+    folder, _, _ = built
+    text = (folder / "monitor.html").read_text()
+    assert "Friction has changed: axis 3" in text
+    assert "Cannot be judged: axis 6. That is no sign of health" in text
+    assert "Axis 3 (joint_3): friction up by " in text
+    assert "cell_3, robot puma560" in text
+    assert "check the gear and bearings" in text
+    assert "truncated or not a Parquet file" in text
+    state = read_state(folder / "state.nc")
+    assert why_unjudged(state, 5) == "at rest, or too slow to show friction"
+    assert headline([axis_summary(state, 5)])[0] == "No axis can be judged"
+
+
+def test_an_axis_that_stops_moving_is_no_longer_called_healthy(built):
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    status = state.status.copy()
+    status[50:, 0] = UNJUDGED
+    found = axis_summary(replace(state, status=status), 0)
+    assert "last judged" in found["remark"]
+    status[state.baseline :, 0] = UNJUDGED
+    assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
+
+
+def test_friction_of_every_window(built):
+    _, windows, _ = built
+    found = window_friction(read_statistics(windows[0]), model().robot, 36)
+    robot, speed = model().robot, found.speed
+    truth = (robot.coulomb_positive - robot.coulomb_negative) / 2 + robot.viscous * speed
+    error = (found.value[:40, :5] - truth[:5]) / found.std[:40, :5]
+    assert 0.5 < np.sqrt(np.mean(error**2)) < 1.5
+    assert np.isnan(found.value[:, 5]).all()
+    assert (found.value[50:, WORN] > truth[WORN] + 0.4).all()
+
+
+def test_baselines(built):
+    _, windows, _ = built
+    statistics = read_statistics(windows[0])
+    assert baseline_windows(statistics, {"windows": 20}) == 20
+    assert baseline_windows(statistics, {"windows": 200}) == HOURS
+    assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00Z"}) == 24
+    assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00"}) == 24
+    with pytest.raises(InputError, match="leaves 2 windows; at least 8"):
+        baseline_windows(statistics, {"until": "2026-01-01T02:30:00Z"})
+    with pytest.raises(InputError, match="the logs have no dates"):
+        baseline_windows(replace(statistics, dated=False), {"until": "2026-01-02"})
+
+
+def test_logs_without_dates_that_start_anew_are_laid_end_to_end(built):
+    _, windows, _ = built
+    statistics = read_statistics(windows[0]).part(slice(0, 3))
+    undated = replace(statistics, start=np.arange(3) * 3600.0, end=np.arange(1, 4) * 3600.0, dated=False)
+    pieces = [Piece(name, undated, 0.0, 7212.0) for name in "ab"]
+    history = assemble(pieces)
+    assert history.shifted
+    assert history.statistics.start.tolist() == [3600.0 * k for k in range(6)]
+    following = assemble([pieces[0], replace(pieces[1], first=7300.0, last=15000.0)])
+    assert not following.shifted
+    assert following.statistics.windows == 3
+    assert (following.statistics.count == 2 * undated.count).all()
+
+
+def test_no_usable_log_ends_in_one_line(tmp_path, built):
+    _, windows, entry = built
+    with pytest.raises(InputError, match=r"no log could be used: .*truncated"):
+        judge_windows([windows[1]], ROBOT, entry, tmp_path / "s.nc", tmp_path / "a.csv")
+
+
+def test_times_as_text():
+    assert stamp(START, True) == "2026-01-01T00:00:00Z"
+    assert stamp(START + 0.25, True) == "2026-01-01T00:00:00.250Z"
+    assert stamp(3600.0, False) == "3600"
+
+
+def test_unknown_numbers_of_an_alarm_stay_empty(tmp_path):
+    alarm = dict.fromkeys(ALARM_COLUMNS, float("nan")) | {
+        "time": 7200.0,
+        "axis": 2,
+        "quantity": "x",
+        "detector": "paper",
+    }
+    write_alarms(tmp_path / "a.csv", [alarm | {"unit": ""}], False)
+    assert (tmp_path / "a.csv").read_text().splitlines()[1] == "7200,2,x,,,,,,,,,paper"
+
+
+def test_refusals_are_kept_in_the_state(tmp_path, built):
+    _, windows, entry = built
+    statistics = read_statistics(windows[0])
+    history = assemble([Piece("a.csv", statistics, 0.0, 1.0, (EVIL,))])
+    robot = model().robot
+    judgement = judge(statistics, 36, settings_of(robot, entry))
+    write_state(tmp_path / "state.nc", judgement, history, 36, robot, entry, EVIL)
+    state = read_state(tmp_path / "state.nc")
+    assert state.refused == (EVIL,)
+    assert state.entry == json.loads(json.dumps(entry))
+    write_page(tmp_path / "state.nc", tmp_path / "p.html", tmp_path / "figures")
+    assert EVIL not in (tmp_path / "p.html").read_text()
+
+
+def test_share_of_the_temperature():
+    random = np.random.default_rng(2)
+    temperature = np.linspace(20, 40, 60) + random.standard_normal(60)
+    std = np.full(60, 0.1)
+    noise = 0.1 * random.standard_normal(60)
+    warm = temperature_share(5 - 0.05 * temperature + noise, std, temperature)
+    assert warm.slope == pytest.approx(-0.05, abs=4 * warm.slope_std)
+    assert warm.explained > 0.8
+    assert warm.with_time > 0.9
+    assert temperature_share(5 + noise, std, temperature).explained < 0.1
+    assert temperature_share(5 + noise, std, np.full(60, 30.0)) is None
+    assert temperature_share(5 + noise, std, np.full(60, np.nan)) is None

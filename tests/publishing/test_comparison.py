@@ -1,0 +1,75 @@
+"""Two files are equal, equal within a tolerance, or different; dates, run times and versions do not count."""
+
+import json
+
+import numpy as np
+import pytest
+
+from jointwear.files.storage import Variable, write_dataset
+from jointwear.publishing.verification.comparison import (
+    CLOSE,
+    DIFFERENT,
+    EQUAL,
+    MISSING,
+    compare_files,
+    relative_difference,
+)
+
+
+def pair(folder, name, ours, theirs):
+    for side, text in (("a", ours), ("b", theirs)):
+        (folder / side).mkdir(exist_ok=True)
+        (folder / side / name).write_text(text)
+    return compare_files(folder / "a" / name, folder / "b" / name)
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "verdict"),
+    [
+        ("1,2.5\n", "1,2.5\n", EQUAL),
+        ("1,2.5000001\n", "1,2.5\n", CLOSE),
+        ("1,2.6\n", "1,2.5\n", DIFFERENT),
+        ("one,2.5\n", "two,2.5\n", DIFFERENT),
+        ("1,2.5\n3\n", "1,2.5\n", DIFFERENT),
+    ],
+)
+def test_text(tmp_path, ours, theirs, verdict):
+    assert pair(tmp_path, "x.csv", ours, theirs).verdict == verdict
+
+
+def test_what_varies_in_a_page_does_not_count(tmp_path):
+    page = '<p>kept 1.5</p><div data-varies="timings"><p>{}</p><br></div><p>end</p>'
+    assert pair(tmp_path, "x.html", page.format("3 s"), page.format("4 s and more")).verdict == EQUAL
+    other = page.replace("kept 1.5", "kept 1.6")
+    assert pair(tmp_path, "y.html", other.format("3 s"), page.format("3 s")).verdict == DIFFERENT
+
+
+def test_versions_in_a_summary_do_not_count(tmp_path):
+    ours, theirs = ({"source": {"numpy": v}, "score": [1, 2.0]} for v in ("1", "2"))
+    assert pair(tmp_path, "x.json", json.dumps(ours), json.dumps(theirs)).verdict == EQUAL
+    found = pair(tmp_path, "y.json", json.dumps({**ours, "score": [1, 3.0]}), json.dumps(theirs))
+    assert found.verdict == DIFFERENT
+    assert "score[1]" in found.detail
+    assert pair(tmp_path, "z.json", json.dumps({**ours, "more": 1}), json.dumps(theirs)).verdict == DIFFERENT
+
+
+def test_a_missing_file_is_no_equal_one(tmp_path):
+    (tmp_path / "x").write_text("")
+    assert compare_files(tmp_path / "none", tmp_path / "x").verdict == MISSING
+
+
+def test_differences_count_against_the_largest_size():
+    x = np.array([1000.0, 1e-9])
+    assert relative_difference(x + np.array([0, 1e-9]), x) == pytest.approx(1e-12)
+    assert relative_difference(np.array([np.nan, 1.0]), np.array([np.nan, 1.0])) == 0
+    assert relative_difference(np.array([np.nan, 1.0]), np.array([0.0, 1.0])) == np.inf
+    assert relative_difference(np.array(["a"], dtype=object), np.array(["b"], dtype=object)) == np.inf
+
+
+def test_netcdf_files_are_compared_by_their_numbers(tmp_path):
+    for name, values, title in (("a", [1.0, 2.0], "x"), ("b", [1.0, 2.0 + 1e-9], "x"), ("c", [1.0, 2.1], "x")):
+        write_dataset(tmp_path / f"{name}.nc", {"v": Variable(("n",), np.array(values), "v", "m")}, {"title": title})
+    assert compare_files(tmp_path / "b.nc", tmp_path / "a.nc").verdict == CLOSE
+    found = compare_files(tmp_path / "c.nc", tmp_path / "a.nc")
+    assert found.verdict == DIFFERENT
+    assert found.detail.startswith("v:")

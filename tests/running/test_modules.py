@@ -1,0 +1,86 @@
+"""Which modules a script depends on, and the stale lock."""
+
+import os
+import subprocess
+import sys
+import time
+
+from jointwear.running.modules import LIBRARY, imported_by
+from jointwear.running.stale_lock import clear_stale_lock, note_run
+
+
+def names(root, script):
+    return {p.relative_to(LIBRARY).as_posix() for p in imported_by(root / f"workflow/scripts/{script}.py")}
+
+
+def test_modules_are_those_that_python_loads(root):
+    for script in ("simulate_wear", "compute_features", "detect_wear", "locate_wear", "fit_normal_model"):
+        source = (root / f"workflow/scripts/{script}.py").read_text().split("if __name__")[0]
+        listing = "(m.__file__ for n, m in sys.modules.items() if n.startswith('jointwear'))"
+        code = f"{source}\nimport sys\nprint('\\n'.join({listing}))"
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
+            env={**os.environ, "PYTHONPATH": str(root / "workflow")},
+        )
+        loaded = {os.path.relpath(line, LIBRARY) for line in done.stdout.split()}
+        assert loaded <= names(root, script), script
+
+
+def test_a_stage_does_not_depend_on_what_it_does_not_use(root):
+    assert "reproduction/detection.py" not in names(root, "simulate_wear")
+    assert "reproduction/readings/onset_rule.py" not in names(root, "compute_features")
+    assert "robots/dynamics.py" not in names(root, "detect_wear")
+    assert "reproduction/normal_model.py" not in names(root, "detect_wear")
+
+
+def test_scoring_a_cell_imports_neither_scikit_learn_nor_pinocchio(root):
+    heavy = ("sklearn", "pinocchio", "xarray", "pandas", "matplotlib", "scipy")
+    modules = "jointwear.reproduction.detection, jointwear.reproduction.location"
+    code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(root / "workflow")},
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def lock(root):
+    locks = root / ".snakemake" / "locks"
+    locks.mkdir(parents=True, exist_ok=True)
+    (locks / "0.input.lock").write_text("a\n")
+    return locks
+
+
+def test_a_stale_lock_is_cleared(tmp_path):
+    locks = lock(tmp_path)
+    assert clear_stale_lock(tmp_path)
+    assert not locks.exists()
+    assert not clear_stale_lock(tmp_path)
+
+
+def test_the_lock_of_a_live_run_stays(tmp_path):
+    locks = lock(tmp_path)
+    script = tmp_path / "snakemake"
+    script.write_text("import time; time.sleep(60)")
+    process = subprocess.Popen([sys.executable, str(script)], cwd=tmp_path)
+    try:
+        time.sleep(0.5)
+        assert not clear_stale_lock(tmp_path, patience=0.1)
+        assert locks.exists()
+    finally:
+        process.kill()
+        process.wait()
+    assert clear_stale_lock(tmp_path)
+
+
+def test_the_lock_of_another_host_stays(tmp_path):
+    lock(tmp_path)
+    note_run(tmp_path)
+    (tmp_path / ".snakemake" / "jointwear_host").write_text("elsewhere 1\n")
+    assert not clear_stale_lock(tmp_path)

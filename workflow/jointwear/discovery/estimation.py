@@ -1,0 +1,273 @@
+"""From the effects that were found to numbers: refined parameters, uncertainties, torques on held-out motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.discovery.acceptance import stiff
+from jointwear.discovery.base import likely_base, pinned
+from jointwear.discovery.candidates import (
+    LINK_MASS,
+    Candidate,
+    Form,
+    companion,
+    form_of,
+    prior_std,
+    raw_columns,
+)
+from jointwear.discovery.crossval import cross_validate
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
+from jointwear.discovery.problem import White
+from jointwear.discovery.refine import SCALED, evidence_at, free_parameters, refine, simplest
+from jointwear.effects import State, get_effect
+from jointwear.robots.inertia import mass_direction
+
+#: Bends of a form are kept where records left out gain at least this much from them [nats].
+KEEP_FORM = 3.0
+#: Up to this relative error of the numbers of the drives they are taken as right.
+RIGHT_NUMBERS = 0.03
+#: The peak torque of an effect is stated for samples that are at least as fast as this [rad/s].
+JUDGED_SPEED = 0.02
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One named effect with numbers.
+
+    Attributes
+    ----------
+    parameters : value of every parameter; std : standard deviation of those that were estimated.
+    coefficients : of the columns (and, behind them, of the form if it is kept).
+    peak : largest torque [N m] on the held-out motion, peak_low and peak_high its 95 % interval.
+    """
+
+    named: Named
+    parameters: dict[str, float]
+    std: dict[str, float]
+    coefficients: np.ndarray
+    form: Form | None
+    peak: float
+    peak_low: float
+    peak_high: float
+
+
+@dataclass(frozen=True)
+class Final:
+    """The retuned and the augmented model.
+
+    `delta_friction` (n, 4) and `delta_inertial` (10 n,) are added to the nominal numbers of the augmented model;
+    `retuned_friction`, `retuned_inertial` those of retuning alone.
+    """
+
+    outcome: Outcome
+    fit: Fit
+    estimates: tuple[Estimate, ...]
+    delta_friction: np.ndarray
+    std_friction: np.ndarray
+    delta_inertial: np.ndarray
+    retuned_friction: np.ndarray
+    retuned_inertial: np.ndarray
+
+
+def finalise(outcome: Outcome) -> Final:
+    """Refine the parameters of the named effects, fit everything together and predict all samples."""
+    white = outcome.white
+    effects = [n for n in outcome.named if n.candidate.effect != LINK_MASS]
+    masses = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
+    mass_terms = [t for n in masses for t in n.terms]
+    refined: list[tuple[Named, Candidate, Term]] = []
+    for i, one in enumerate(effects):
+        others = [t for _, _, t in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
+        fit = white.fit(others)
+        candidate = simplest(white, fit, refine(white, fit, one.candidate))
+        refined.append((one, candidate, _term(white, candidate, one.term)))
+    forms: list[tuple[Form, Term] | None] = []
+    for i, (one, candidate, term) in enumerate(refined):
+        others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
+        forms.append(_form_if_kept(white, one, candidate, term, others))
+    terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
+    base, error = likely_base(white, terms)
+    if error <= RIGHT_NUMBERS and any(
+        f is None and "reference" in r[1].nonlinear for f, r in zip(forms, refined, strict=True)
+    ):
+        others = mass_terms + [f[1] for f in forms if f is not None]
+        refined = _with_references(white, base, refined, forms, others, error)
+        terms = [t for _, _, t in refined] + others
+        base, error = likely_base(white, terms)
+    fit = Fit(white.targets, [*base, *terms])
+    rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
+    estimates = []
+    offset = len(base)
+    next_form = offset + len(refined) + len(mass_terms)
+    for i, (one, candidate, _) in enumerate(refined):
+        where = [fit.slices[offset + i]]
+        form = None
+        if forms[i] is not None:
+            form = forms[i][0]
+            where.append(fit.slices[next_form])
+            next_form += 1
+        others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
+        others += [f[1] for k, f in enumerate(forms) if f is not None and k != i]
+        estimates.append(_estimate(white, fit, base, one, candidate, form, where, rng, others))
+    friction, std, inertial = _base_of(white, fit, mass_terms, masses)
+    alone = Fit(white.targets, [*likely_base(white, mass_terms)[0], *mass_terms])
+    base_friction, _, base_inertial = _base_of(white, alone, mass_terms, masses)
+    return Final(outcome, fit, tuple(estimates), friction, std, inertial, base_friction, base_inertial)
+
+
+def _with_references(white, base, refined, forms, others, error):
+    """Place the reference temperatures where the numbers of the drives, known to be right, need no correction."""
+    result = list(refined)
+    for i, (one, candidate, term) in enumerate(refined):
+        if forms[i] is not None or "reference" not in candidate.nonlinear:
+            continue
+        rest = [t for k, (_, _, t) in enumerate(result) if k != i] + others
+        fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
+        warm = white.problem.train_state.temperature[:, candidate.axis]
+        low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
+        margin = 0.25 * (high - low)
+
+        def at(temperature, candidate=candidate, fit=fit):
+            moved = replace(candidate, nonlinear={**candidate.nonlinear, "reference": round(float(temperature), 3)})
+            return evidence_at(white, fit, moved), moved
+
+        value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, 13)), key=lambda x: x[0])
+        step = (high - low) / 16
+        while step > 0.01:
+            around = [at(moved.nonlinear["reference"] + sign * step) for sign in (1, -1)]
+            best = max(around, key=lambda x: x[0])
+            if best[0] > value:
+                value, moved = best
+            else:
+                step *= 0.4
+        moved = refine(white, fit, moved)
+        value = evidence_at(white, fit, moved)
+        if fit.evidence + value > Fit(white.targets, [*base, *rest, term]).evidence:
+            result[i] = (one, moved, _term(white, moved, term))
+    return result
+
+
+def effect_on(state: State, estimate: Estimate) -> np.ndarray:
+    """Return the torque of one estimated effect on any ordered state, (m, n)."""
+    return np.asarray(_columns_on(state, estimate) @ estimate.coefficients)
+
+
+def _columns_on(state: State, estimate: Estimate) -> np.ndarray:
+    """Columns (m, n, k) of an effect and its form."""
+    return _all_columns(state, estimate.named.candidate, estimate.form)
+
+
+def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.ndarray:
+    effect = get_effect(candidate.effect)
+    if effect.whole_arm:
+        return effect.columns(state, 0, None, candidate.nonlinear)
+    own = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
+    if form is not None:
+        own = np.concatenate([own, form.columns(state)], axis=1)
+    full = np.zeros((len(own), state.position.shape[1], own.shape[1]))
+    full[:, candidate.axis] = own
+    return full
+
+
+def _base_of(white: White, fit: Fit, mass_terms: list[Term], masses: list[Named]):
+    problem = white.problem
+    n = problem.robot.joints
+    friction, std = np.zeros((n, 4)), np.zeros((n, 4))
+    inertial = np.zeros(10 * n)
+    for term, where in zip(fit.terms, fit.slices, strict=True):
+        if term.label.startswith("friction "):
+            axis, k = map(int, term.label.split()[1:])
+            friction[axis, k] = fit.theta[where][0]
+            std[axis, k] = np.sqrt(np.diag(fit.covariance)[where][0])
+        elif term.label == "inertial":
+            inertial += problem.factor @ (white.directions @ fit.theta[where])
+        for one, own in zip(masses, mass_terms, strict=True):
+            if term is own:
+                inertial += mass_direction(problem.robot, one.candidate.axis) * fit.theta[where][0]
+    return friction, std, inertial
+
+
+def _term(white: White, candidate: Candidate, old: Term) -> Term:
+    if candidate.axis is None:
+        return old
+    columns = raw_columns(white, candidate)
+    return Term(
+        f"{candidate.effect} {candidate.axis}",
+        {candidate.axis: white.columns(candidate.axis, columns)},
+        prior_std(white, candidate.axis, columns),
+        {candidate.axis: white.raw(candidate.axis, columns)},
+    )
+
+
+def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Term] | None:
+    form = form_of(white, candidate)
+    if form is None or stiff(candidate):
+        return None
+    fit = white.fit(others)
+    b, gram = fit.gram(term.blocks)
+    coefficients = np.linalg.solve(gram + np.diag(1 / term.std**2), b)
+    used = white.problem.usable[:, candidate.axis]
+    size = float(np.sqrt(np.mean((raw_columns(white, candidate) @ coefficients)[used] ** 2)))
+    flexible = companion(white, form, size)
+    found = cross_validate(white, [*others, term], [flexible])
+    return (form, flexible) if found.nats > KEEP_FORM and found.raw < 1.0 else None
+
+
+def _estimate(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
+    """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior.
+
+    `base` are the terms of the numbers of the nominal model, `others` those of the other effects.
+    """
+    problem = white.problem
+    named = replace(one, candidate=candidate)
+    effect = get_effect(candidate.effect)
+    places = np.concatenate([np.arange(w.start, w.stop) for w in where])
+    coefficients = fit.theta[places]
+    own = where[0].stop - where[0].start
+    covariance = fit.covariance[np.ix_(places, places)]
+    parameters = effect.parameters_of(candidate.nonlinear, coefficients[:own])
+    std: dict[str, float] = {}
+    jacobian = {name: np.zeros(own) for name in parameters}
+    for k in range(own):
+        step = 1e-4 * max(abs(coefficients[k]), float(np.sqrt(covariance[k, k])), 1e-12)
+        moved = coefficients[:own].copy()
+        moved[k] += step
+        after = effect.parameters_of(candidate.nonlinear, moved)
+        for name in parameters:
+            jacobian[name][k] = (after[name] - parameters[name]) / step
+    linear = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
+    scaled = SCALED.get(candidate.effect)
+    if scaled is not None:
+        # A robot file takes no parameter beyond its bounds.
+        bounds = next(p for p in effect.parameters if p.name == scaled)
+        parameters[scaled] = float(np.clip(parameters[scaled], bounds.lower, bounds.upper))
+        linear = {scaled}
+    for name in linear & set(parameters):
+        std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
+    rest = white.fit(others)
+    spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
+    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
+    test = problem.state.part(problem.test)
+    columns = _all_columns(test, candidate, form)
+    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= JUDGED_SPEED)
+    peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
+    if candidate.axis is None:
+        # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.
+        keep = slice(None, None, max(1, len(columns) // 300))
+        root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
+        draws = coefficients[:, None] + root @ rng.standard_normal((len(coefficients), DRAWS))
+        sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None])
+        sampled = sampled.max(axis=(0, 1), initial=0.0)
+    else:
+        axis = candidate.axis
+        torque = raw_columns(white, candidate) @ coefficients[:own]
+        size = height(torque[problem.usable[:, axis]])
+        sampled = draw_torque(white, [*base, *others], candidate, spreads, size, test, rng)
+        sampled = np.abs(sampled[moving[:, axis]]).max(axis=0, initial=0.0)
+    sampled = sampled * (1 + form_error(effect) * rng.standard_normal(DRAWS))
+    low, high = np.quantile(sampled, [0.025, 0.975])
+    return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))

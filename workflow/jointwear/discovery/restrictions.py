@@ -1,0 +1,54 @@
+"""What the motion of a data set cannot show, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.measurement.checks import Refused
+
+
+def motion_restrictions(problem) -> list[str]:
+    """Return in words which axes are at rest, and whether the held-out motion moves.
+
+    Raises
+    ------
+    Refused : where no axis moves enough to be judged.
+    """
+    n = problem.robot.joints
+    if not problem.judged:
+        raise Refused(
+            "no axis moves for long enough to be judged",
+            "record motion of every joint, away from rest, for several seconds",
+        )
+    found = []
+    for axis in range(n):
+        if axis not in problem.judged:
+            found.append(
+                f"joint {axis + 1} is at rest in the training trajectories: nothing can be said about its drive"
+            )
+    moving = problem.measured.usable[problem.test].any(axis=0)
+    if not moving.any():
+        found.append("no joint moves in the test trajectories: the gap on held-out motion is unknown")
+    else:
+        for axis in np.flatnonzero(~moving):
+            if axis in problem.judged:
+                found.append(f"joint {axis + 1} is at rest in the test trajectories")
+    if not problem.state.has_temperature:
+        found.append("no temperature was recorded: effects of temperature cannot be seen")
+        return found
+    record = np.asarray(problem.train_state.record)
+    labels = np.unique(record)
+    warm = problem.train_state.temperature
+    coincide = []
+    for axis in problem.judged:
+        means = [np.nanmean(warm[record == label, axis]) for label in labels]
+        within = [np.nanstd(warm[record == label, axis]) for label in labels]
+        if np.ptp(means) > 0.5 and len(labels) < 5 and np.std(means) > 3 * np.mean(within):
+            coincide.append(axis + 1)
+    if coincide:
+        found.append(
+            f"the temperature of joints {', '.join(map(str, coincide))} differs between the {len(labels)} training "
+            "trajectories and hardly within them: what changes with temperature cannot be told from what differs "
+            "between these trajectories"
+        )
+    return found

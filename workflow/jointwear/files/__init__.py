@@ -1,0 +1,1 @@
+"""Files: netCDF storage, YAML and JSON documents checked against their schemas, provenance, and errors that help."""

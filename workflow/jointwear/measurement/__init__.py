@@ -1,0 +1,1 @@
+"""Measurement: recordings and logs in every supported format, motion and its derivatives, checks against the robot."""

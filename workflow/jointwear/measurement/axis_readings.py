@@ -1,0 +1,140 @@
+"""Ways in which the columns of a recording may have to be read, and how likely the nominal model makes each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import bodies, inertial_regressor, prior_factor, to_joint_frame
+from jointwear.robots.robot import Robot
+
+#: Samples that the likelihood looks at: apart by more than noise remembers, so that they count as independent.
+INDEPENDENT = 200
+#: Relative standard deviations of inertial parameters and of the numbers of the drives of a nominal model.
+INERTIAL_ERROR, DRIVE_ERROR = 0.05, 0.3
+#: A payload that nobody wrote down: share of the mass of the arm, and its lever [m].
+PAYLOAD_SHARE, PAYLOAD_LEVER = 0.05, 0.15
+#: Share of the squared torque below which no model is expected to come.
+ROUNDING = 1e-5
+#: Rounds in which the numbers of the model and the noise of each axis are found in turn.
+ROUNDS = 8
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One way to read a recording: "swap" two axes, "flip" one, turn its "torque" around, or take it as of the "motor".
+
+    `axes` are 0-based.
+    """
+
+    kind: str
+    axes: tuple[int, ...]
+
+    @property
+    def reason(self) -> str:
+        """What a recording looks like that has to be read this way."""
+        joints = [str(axis + 1) for axis in self.axes]
+        return {
+            "swap": f"joints {' and '.join(joints)} look swapped",
+            "flip": f"the sign of joint {joints[0]} looks flipped",
+            "torque": f"the sign of the torque of joint {joints[0]} looks flipped",
+            "motor": f"the torque of joint {joints[0]} looks like that of the motor, before the gear",
+        }[self.kind]
+
+    @property
+    def remedy(self) -> str:
+        """How to mend such a recording."""
+        joints = [str(axis + 1) for axis in self.axes]
+        return {
+            "swap": f"exchange the columns of joints {' and '.join(joints)}",
+            "flip": f"turn the sign of position and torque of joint {joints[0]}",
+            "torque": f"turn the sign of the torque of joint {joints[0]}",
+            "motor": "multiply the torque by the gear ratio",
+        }[self.kind]
+
+    def read(self, parts: np.ndarray, usable: np.ndarray, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions, velocities, accelerations and torques (m, 4, n), and usable (m, n), read this way."""
+        if self.kind == "swap":
+            order = np.arange(parts.shape[2])
+            order[list(self.axes)] = self.axes[::-1]
+            return parts[:, :, order], usable[:, order]
+        turned = parts.copy()
+        (axis,) = self.axes
+        if self.kind == "flip":
+            turned[:, :, axis] *= -1.0
+        else:
+            turned[:, 3, axis] *= -1.0 if self.kind == "torque" else robot.gear_ratio[axis]
+        return turned, usable
+
+
+def readings(robot: Robot) -> Iterator[Reading]:
+    """Yield every other way to read a recording of `robot`."""
+    for pair in combinations(range(robot.joints), 2):
+        yield Reading("swap", pair)
+    for axis in range(robot.joints):
+        yield Reading("flip", (axis,))
+        yield Reading("torque", (axis,))
+        if abs(robot.gear_ratio[axis]) > 2:
+            yield Reading("motor", (axis,))
+
+
+def payload_std(robot: Robot) -> np.ndarray:
+    """Return standard deviations (10,) of the inertial parameters of an unknown body at the flange."""
+    mass = PAYLOAD_SHARE * sum(b[0] for b in bodies(robot))
+    return np.array([mass, *[mass * PAYLOAD_LEVER] * 3, *[mass * PAYLOAD_LEVER**2] * 6])
+
+
+class Likelihood:
+    """How likely a nominal model makes a recording when its numbers may be as wrong as such numbers are.
+
+    Friction, motor inertia, inertial parameters and a payload have Gaussian priors; what they leave is noise of a
+    size that the data tell. So what a wrong number, or a body at the flange, does to the torque speaks against no
+    reading, and friction of a size that no such drive has does.
+    """
+
+    def __init__(self, dynamics: Dynamics, fewest: int) -> None:
+        self._dynamics, self._fewest = dynamics, fewest
+        robot = dynamics.robot
+        self._factor = prior_factor(robot, INERTIAL_ERROR)
+        self._tip = to_joint_frame(robot, robot.joints - 1) * payload_std(robot)
+        self._drives = np.stack([robot.coulomb_positive, robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
+
+    def __call__(self, parts: np.ndarray, usable: np.ndarray) -> float:
+        """Return the log likelihood [nats] of samples (m, 4, n), up to what does not depend on how they are read."""
+        step = max(1, len(parts) // INDEPENDENT)
+        q, v, a, torque = (parts[::step, k] for k in range(4))
+        usable = usable[::step]
+        n = q.shape[1]
+        regressor = inertial_regressor(self._dynamics, q, v, a)
+        shared = np.concatenate([regressor @ self._factor, regressor[:, :, -10:] @ self._tip], axis=2)
+        rigid = self._dynamics.rigid_body_torque(q, v, a)
+        products, counts = [], []
+        for j in range(n):
+            used = usable[:, j]
+            if used.sum() * step < self._fewest:
+                continue
+            size = max(float(np.sqrt(np.mean(torque[used, j] ** 2))), 1e-12)
+            motion = np.stack([v[used, j] > 0, v[used, j] < 0, v[used, j], a[used, j]], axis=1) * self._drives[j]
+            block = np.zeros((int(used.sum()), 4 * n + shared.shape[2] + 1))
+            block[:, 4 * j : 4 * j + 4] = DRIVE_ERROR * motion
+            block[:, 4 * n : -1] = shared[used, j]
+            # Motor inertia is part of the rigid-body torque.
+            block[:, -1] = torque[used, j] - rigid[used, j] - motion[:, :3].sum(axis=1)
+            block /= size
+            products.append(block.T @ block)
+            counts.append(len(block))
+        if not products:
+            return 0.0
+        sums, count = np.array(products), np.array(counts)
+        # An axis that the model cannot follow must not bend the numbers of the others: nothing is trusted at first.
+        left = np.ones(len(sums))
+        for _ in range(ROUNDS):
+            total = np.tensordot(1 / left, sums, 1)
+            theta = np.linalg.solve(total[:-1, :-1] + np.eye(len(total) - 1), total[:-1, -1])
+            error = np.append(-theta, 1.0)
+            left = np.maximum(sums @ error @ error, 0.0) / count + ROUNDING
+        return -float(0.5 * count @ np.log(left)) - 0.5 * float(theta @ theta)

@@ -1,0 +1,171 @@
+"""Refuse recordings that cannot belong to the robot as they stand, and say in words what others cannot show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.axis_readings import Likelihood, Reading, readings
+from jointwear.measurement.motion import Measured, measure
+from jointwear.measurement.recording import Recording
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
+
+#: Samples looked at by the checks against the model.
+LOOK = 1500
+FEWEST = 40
+#: Drop of the log residual, summed over axes, from which another reading of the axes is believed, and down to which
+#: it is worth a closer look.
+CLEARLY = 0.9
+#: Share of the squared torque of an axis that a right reading of it never leaves.
+WRONG = 0.5
+#: Log likelihood [nats] by which the closer look must favour another reading that fits no better in size, and by
+#: which it may speak against one that does.
+CONTRADICTS = 12.0
+#: Why another reading is believed, as the end of the sentence that says what it is.
+_WHY = {
+    "swap": "; exchanged they fit the model",
+    "flip": "; turned around it fits the model",
+    "torque": " against its motion",
+    "motor": "",
+}
+#: Share of the squared torque that wrong numbers leave of the right reading; axes of a wrist resemble each other, so
+#: that an exchange of two needs more.
+RIGHT, SAME_WRIST = 0.01, 0.03
+
+
+class Refused(InputError):
+    """A recording that must not be judged; `suggestion` says what to mend."""
+
+    def __init__(self, reason: str, suggestion: str) -> None:
+        super().__init__(reason)
+        self.reason, self.suggestion = reason, suggestion
+
+
+def check_recording(recording: Recording, robot: Robot, measured: Callable[[], Measured] | None = None) -> list[str]:
+    """Check units, order and signs of a recording against the nominal model; return restrictions in words.
+
+    Parameters
+    ----------
+    measured : gives the samples with their derivatives, where the caller keeps them; called after the first checks.
+
+    Raises
+    ------
+    Refused : for another number of joints, degrees, swapped joints, a flipped axis, motor-side torque, too few or
+        no finite samples.
+    """
+    name = recording.name
+    if recording.joints != robot.joints:
+        raise Refused(
+            f"data set '{name}': has {recording.joints} joints, robot '{robot.name}' has {robot.joints}",
+            "name the robot file of this arm, or map the right columns",
+        )
+    if len(recording.time) < FEWEST:
+        raise Refused(
+            f"data set '{name}': has {len(recording.time)} samples; at least {FEWEST} are needed",
+            "record longer",
+        )
+    good = np.isfinite(recording.position).all(axis=1) & np.isfinite(recording.torque).all(axis=1)
+    if not np.isfinite(recording.time).all():
+        raise Refused(f"data set '{name}': the time holds values that are not finite", "repair the time stamps")
+    if good.mean() < 0.2:
+        raise Refused(
+            f"data set '{name}': only {100 * good.mean():.0f} % of the samples are finite in every joint",
+            "map the measured columns, or leave the gaps out",
+        )
+    _units(recording, robot, good)
+    restrictions = []
+    if good.mean() < 1.0:
+        restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are not finite and were left out")
+    _against_model(recording, robot, measured() if measured is not None else measure(recording))
+    if len(recording.time) < 400:
+        restrictions.append(f"only {len(recording.time)} samples: weak effects cannot be seen")
+    return restrictions
+
+
+def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
+    """Positions far outside the limits that come inside when read as degrees are degrees."""
+    q = recording.position[good]
+    reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+    largest = np.abs(q).max(axis=0)
+    over = largest > np.maximum(1.5 * reach, reach + 1.0)
+    if over.any() and np.all(np.radians(largest) <= reach + 0.5) and largest.max() > 10:
+        axis = int(np.argmax(largest / reach))
+        raise Refused(
+            f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}, its limits are "
+            f"{robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like degrees",
+            "state units: {position: deg}",
+        )
+
+
+def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, velocities, accelerations and torques of a thinned recording that moves, (m, 4, n)."""
+    n = measured.position.shape[1]
+    if not len(measured.time):
+        return np.zeros((0, 4, n)), np.zeros(0), np.zeros((0, n), bool)
+    step = max(1, len(measured.time) // LOOK)
+    parts = (measured.position, measured.velocity, measured.acceleration, measured.torque)
+    return np.stack([p[::step] for p in parts], axis=1), measured.time[::step], measured.usable[::step]
+
+
+def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+    """Return for each axis the part of the squared torque that the model leaves, sizes of friction left free."""
+    from scipy.optimize import nnls
+
+    robot = dynamics.robot
+    n = parts.shape[2]
+    q, v, a, torque = (parts[:, k] for k in range(4))
+    rigid = dynamics.rigid_body_torque(q, v, a)
+    shares = np.full(n, np.nan)
+    for j in range(n):
+        used = usable[:, j]
+        if used.sum() < FEWEST:
+            continue
+        forward = v[used, j] > 0
+        level = np.where(forward, robot.coulomb_positive[j], robot.coulomb_negative[j])
+        if not np.any(level):
+            level = np.where(forward, 1.0, -1.0)
+        # Friction and motor inertia cannot drive: their coefficients are not negative.
+        design = np.stack([level, v[used, j], a[used, j]], axis=1)
+        _, norm = nnls(design, torque[used, j] - rigid[used, j] + robot.armature[j] * a[used, j])
+        shares[j] = norm**2 / max(float(np.sum(torque[used, j] ** 2)), 1e-12)
+    return shares
+
+
+def _score(left: np.ndarray, floor: float) -> float:
+    """Total log of what is left: lower is better, but below `floor` no better."""
+    return float(np.nansum(np.log(np.maximum(left, floor))))
+
+
+def _against_model(recording: Recording, robot: Robot, measured: Measured) -> None:
+    """Recognise a flipped axis, swapped joints and motor-side torque.
+
+    Another reading must explain the data far better with the numbers of the nominal model as they are, unless it is
+    contradicted when these may be somewhat wrong; or it must be far more likely when they may.
+    """
+    parts, time, usable = _features(measured)
+    if len(time) < FEWEST:
+        return
+    dynamics = Dynamics(robot)
+    left = explained(dynamics, parts, usable)
+    if not np.isfinite(left).any():
+        return
+    likelihood = Likelihood(dynamics, FEWEST)
+    as_read: float | None = None
+    believed: list[tuple[float, Reading]] = []
+    for reading in readings(robot):
+        turned = reading.read(parts, usable, robot)
+        floor = SAME_WRIST if reading.kind == "swap" else RIGHT
+        other = explained(dynamics, *turned)
+        gained = _score(left, floor) - _score(other, floor)
+        if gained < -CLEARLY or not np.nanmax(other[list(reading.axes)], initial=0.0) < WRONG:
+            continue
+        as_read = likelihood(parts, usable) if as_read is None else as_read
+        nats = likelihood(*turned) - as_read
+        if nats > (-CONTRADICTS if gained > CLEARLY else CONTRADICTS):
+            believed.append((nats, reading))
+    if believed:
+        reading = max(believed, key=lambda x: x[0])[1]
+        raise Refused(f"data set '{recording.name}': {reading.reason}{_WHY[reading.kind]}", reading.remedy)

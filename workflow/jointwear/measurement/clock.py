@@ -1,0 +1,201 @@
+"""Order in time: what becomes of repeated, late, missing and restarted stamps. The rules, stated once:
+
+- a stamp that is not finite, repeats the one before, or arrives late (at most :data:`LATE` samples in a row earlier
+  than one already seen) is left out and the window flagged;
+- time that goes back for longer is a clock that was set back. With a date the new stamps are believed; without one
+  the log goes on where it was. Either way a new stretch begins and the window is flagged;
+- a step longer than :data:`GAP` times the usual one is a gap: a new stretch, flagged where it lies within a window;
+- a change of the trajectory label is a new stretch; without a date it also begins a new window, so that no window
+  mixes two trajectories.
+
+A stretch is uninterrupted: filters and differences never reach across its ends.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.flags import Flag
+from jointwear.measurement.formats.chunk import Chunk
+
+GAP = 5.0
+LATE = 3
+#: Restarts in one chunk that are too many for a clock.
+MOST_RESTARTS = 50
+#: Largest time [s] that is believed, some 3000 years.
+LONGEST = 1e11
+#: Shortest usual step [s] that is believed.
+SHORTEST_STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """A chunk in order: `stretch` (m,) labels rise through the log, `flags` (m,) bit fields."""
+
+    chunk: Chunk
+    stretch: np.ndarray
+    flags: np.ndarray
+
+
+class Clock:
+    """Puts the chunks of one log in order, one after the other.
+
+    Parameters
+    ----------
+    length : of a window [s], to which trajectories without a date are aligned.
+    name : of the log, for messages.
+    """
+
+    def __init__(self, length: float, name: str = "log") -> None:
+        self._length, self._name = length, name
+        self._stretch = 0
+        self._last: float | None = None
+        self._label: int | None = None
+        self._shift = 0.0
+        self._step = np.nan
+        self._untold = 0
+
+    def order(self, chunk: Chunk) -> Ordered:
+        """Return the next chunk with its time in order.
+
+        Raises
+        ------
+        InputError : if the stamps are no time: all not finite, absurdly large, or falling back all the time.
+        """
+        raw = np.asarray(chunk.time, dtype=float)
+        finite = np.isfinite(raw)
+        if np.any(np.abs(raw[finite]) > LONGEST):
+            raise InputError(f"{self._name}: the time reaches {np.abs(raw[finite]).max():.4g} s; state its unit")
+        if len(raw) > 1 and finite.sum() < 0.5 * len(raw):
+            raise InputError(f"{self._name}: {100 * (1 - finite.mean()):.0f} % of the time stamps are not finite")
+        steps = np.diff(raw[finite])
+        if np.any(steps > 0):
+            self._step = float(np.median(steps[steps > 0]))
+            if self._step < SHORTEST_STEP:
+                raise InputError(f"{self._name}: the samples lie {self._step:.3g} s apart; state the unit of the time")
+        label = chunk.trajectory
+        cuts = [0, len(raw)] if label is None else [0, *(np.flatnonzero(np.diff(label)) + 1), len(raw)]
+        time, keep = raw.copy(), finite.copy()
+        flags = np.where(finite, 0, int(Flag.NOT_FINITE))
+        stretch = np.zeros(len(raw), dtype=np.int64)
+        self._restarts = 0
+        for a, b in itertools.pairwise(cuts):
+            if label is not None and label[a] != self._label:
+                self._begin(float(raw[a]) if finite[a] else np.nan, int(label[a]), chunk.dated)
+            self._order_part(time, keep, flags, stretch, slice(a, b), chunk.dated)
+        # What was left out is told by its neighbour that stays.
+        left_out = np.flatnonzero(~keep & (flags != 0))
+        staying = np.flatnonzero(keep)
+        if len(staying):
+            place = np.minimum(np.searchsorted(staying, left_out), len(staying) - 1)
+            np.bitwise_or.at(flags, staying[place], flags[left_out])
+            flags[staying[0]] |= self._untold
+            self._untold = 0
+        elif len(left_out):
+            self._untold |= int(np.bitwise_or.reduce(flags[left_out]))
+        return part_of(Ordered(replace(chunk, time=time), stretch, flags), keep)
+
+    def _begin(self, first: float, label: int, dated: bool) -> None:
+        """Begin a trajectory."""
+        if self._last is not None:
+            self._stretch += 1
+            if not dated and np.isfinite(first):
+                border = self._length * (np.floor(self._last / self._length) + 1)
+                self._shift = border - first
+                self._last = None
+        self._label = label
+
+    def _order_part(
+        self,
+        time: np.ndarray,
+        keep: np.ndarray,
+        flags: np.ndarray,
+        stretch: np.ndarray,
+        part: slice,
+        dated: bool,
+    ) -> None:
+        """Order the samples of one trajectory within a chunk, in place."""
+        index = np.flatnonzero(keep[part]) + part.start
+        restarted = False
+        while len(index):
+            values = time[index] + self._shift
+            before = -np.inf if self._last is None else self._last
+            highest = np.maximum.accumulate(np.concatenate([[before], values]))[:-1]
+            late = values < highest
+            back = _first_long_run(late)
+            if restarted:
+                # The sample at which the clock was found set back opens a stretch of its own.
+                flags[index[0]] |= int(Flag.CLOCK_RESET)
+            now = slice(0, len(index) if back is None else back)
+            wrong = late[now] | (values[now] == highest[now])
+            flags[index[now][wrong]] |= int(Flag.DUPLICATE_STAMPS)
+            keep[index[now][wrong]] = False
+            good, kept = index[now][~wrong], values[now][~wrong]
+            if len(good):
+                stamps = np.concatenate([[before], kept])
+                gaps = np.diff(stamps)
+                is_gap = np.isfinite(gaps) & (gaps > GAP * self._step)
+                # Between two windows a gap is no loss: many logs hold a part of every hour.
+                inside = np.diff(np.floor(stamps / self._length)) == 0
+                flags[good[is_gap & inside]] |= int(Flag.GAP)
+                stretch[good] = self._stretch + np.cumsum(is_gap)
+                self._stretch = int(stretch[good[-1]])
+                time[good] = kept
+                self._last = float(kept[-1])
+            if back is None:
+                return
+            self._restarts += 1
+            if self._restarts > MOST_RESTARTS:
+                raise InputError(
+                    f"{self._name}: the time runs backwards again and again; it is not the time of the samples"
+                )
+            index = index[back:]
+            self._stretch += 1
+            if not dated:
+                step = self._step if np.isfinite(self._step) else 1.0
+                self._shift += (self._last or 0.0) + step - float(time[index[0]] + self._shift)
+            self._last = None
+            restarted = True
+
+
+def _first_long_run(late: np.ndarray) -> int | None:
+    """Return where the first run of more than LATE true values begins."""
+    if not late.any():
+        return None
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], late, [False]]).astype(np.int8)))
+    starts, ends = edges[::2], edges[1::2]
+    # A run that the chunk ends in counts as long: what follows would be late too.
+    long = (ends - starts > LATE) | ((ends == len(late)) & (starts > 0) & (ends - starts > 1))
+    return int(starts[long][0]) if long.any() else None
+
+
+_ARRAYS = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory")
+
+
+def join(parts: list[Ordered]) -> Ordered:
+    """Return parts of one log that follow each other as one."""
+    if len(parts) == 1:
+        return parts[0]
+    chunks = [p.chunk for p in parts]
+    arrays = {}
+    for name in _ARRAYS:
+        values = [getattr(c, name) for c in chunks]
+        if all(v is None for v in values):
+            arrays[name] = None
+        else:
+            # A bag may carry velocity in some chunks only.
+            blank = [np.full_like(c.position, np.nan) if v is None else v for v, c in zip(values, chunks, strict=True)]
+            arrays[name] = np.concatenate(blank)
+    chunk = Chunk(**arrays, dated=all(c.dated for c in chunks))
+    return Ordered(chunk, np.concatenate([p.stretch for p in parts]), np.concatenate([p.flags for p in parts]))
+
+
+def part_of(ordered: Ordered, chosen: slice | np.ndarray) -> Ordered:
+    """Return some of the samples."""
+    chunk = ordered.chunk
+    arrays = {n: None if getattr(chunk, n) is None else getattr(chunk, n)[chosen] for n in _ARRAYS}
+    return Ordered(replace(chunk, **arrays), ordered.stretch[chosen], ordered.flags[chosen])

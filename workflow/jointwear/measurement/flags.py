@@ -1,0 +1,35 @@
+"""What can be wrong with a stretch of a log, and in which words a page says so."""
+
+from __future__ import annotations
+
+from enum import IntFlag
+
+
+class Flag(IntFlag):
+    """What was found in a window; several may hold at once."""
+
+    GAP = 1
+    DUPLICATE_STAMPS = 2
+    CLOCK_RESET = 4
+    NOT_FINITE = 8
+    AT_REST = 16
+    OUTSIDE_LIMITS = 32
+    TORQUE_FROZEN = 64
+    REFUSED = 128
+    UNEXPLAINED = 256
+
+
+#: Flags that keep a window (of that axis) from being judged, whatever its statistics are.
+DISQUALIFYING = Flag.OUTSIDE_LIMITS | Flag.TORQUE_FROZEN | Flag.REFUSED
+
+FLAG_WORDS = {
+    Flag.GAP: "a gap in the log",
+    Flag.DUPLICATE_STAMPS: "repeated time stamps, left out",
+    Flag.CLOCK_RESET: "the clock was set back",
+    Flag.NOT_FINITE: "values that are missing or absurd, left out",
+    Flag.AT_REST: "at rest, or too slow to show friction",
+    Flag.OUTSIDE_LIMITS: "positions far outside the limits of the joint",
+    Flag.TORQUE_FROZEN: "the torque does not change while the axis moves",
+    Flag.REFUSED: "the log contradicts the model (units, order or sign of the axes)",
+    Flag.UNEXPLAINED: "the model explains much less of the torque than in the first log",
+}

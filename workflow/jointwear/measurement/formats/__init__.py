@@ -1,0 +1,46 @@
+"""Logs in any supported format as a stream of :class:`Chunk`: a log may be larger than memory.
+
+One module a format; each has ``read(path, layout, rows)``. Names, units and the order of the axes come from the
+config (:class:`Layout`). Nothing in a log is ever evaluated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.formats.chunk import Chunk, Layout, layout_of
+from jointwear.measurement.formats.kinds import FORMATS, log_format
+
+
+def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[Chunk]:
+    """Yield the samples of one log in its order, at most about `rows` at a time.
+
+    Raises
+    ------
+    InputError : one line naming the file, what is wrong, and what there is.
+    """
+    kind = log_format(path)
+    if kind is None:
+        raise InputError(f"{path}: no kind of log (allowed: {', '.join(FORMATS)}, or a bag's folder)")
+    if not Path(path).exists():
+        raise InputError(f"{path}: no such file")
+    if kind == "netcdf":
+        from jointwear.measurement.formats.netcdf import read
+    elif kind == "csv":
+        from jointwear.measurement.formats.text import read
+    elif kind == "parquet":
+        from jointwear.measurement.formats.parquet import read
+    else:
+        from jointwear.measurement.formats.bag import read
+    empty = True
+    for chunk in read(Path(path), layout, rows):
+        if len(chunk.time):
+            empty = False
+            yield chunk
+    if empty:
+        raise InputError(f"{path}: holds no samples")
+
+
+__all__ = ["Chunk", "Layout", "layout_of", "read_log"]

@@ -1,0 +1,169 @@
+"""What every reader yields, and what it needs to know."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.errors import InputError, nearest
+from jointwear.measurement.recording_files import ROLES, converted
+
+JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
+NEEDED = ("time", "position", "torque")
+#: Sizes beyond which a number is none that an arm can have: it counts as missing.
+ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
+#: Numbers of time between these count as seconds since 1970 UTC: 2001 to 2286.
+UNIX_TIMES = (1e9, 1e10)
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Samples of a robot with n joints, in the order of the log.
+
+    `time` (m,) [s], since 1970 UTC where `dated`. `position`, `torque` (m, n) [rad], [N m]; `velocity`,
+    `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label or None.
+    """
+
+    time: np.ndarray
+    position: np.ndarray
+    torque: np.ndarray
+    velocity: np.ndarray | None = None
+    acceleration: np.ndarray | None = None
+    temperature: np.ndarray | None = None
+    trajectory: np.ndarray | None = None
+    dated: bool = False
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names and units of a robot's logs.
+
+    `names`: role -> name in the log, or a list of names, one an axis. `given`: roles that the config names, which
+    must be there. `units`: role -> unit. `joints`: names of the joints in messages, in order of the axes. `topic` of
+    a bag, or None.
+    """
+
+    axes: int
+    joints: tuple[str, ...]
+    names: Mapping[str, str | Sequence[str]]
+    given: frozenset[str] = frozenset()
+    units: Mapping[str, str] = field(default_factory=dict)
+    topic: str | None = None
+
+
+def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
+    """Return the layout that an entry of ``monitor.robots`` describes, for a robot with these joints.
+
+    Raises
+    ------
+    InputError : if a role is not known.
+    """
+    for key in ("variables", "units"):
+        for role in entry.get(key) or {}:
+            if role not in ROLES:
+                raise InputError(
+                    f"config: '{key}' has the role '{role}'{nearest(role, ROLES)} (allowed: {', '.join(ROLES)})"
+                )
+    variables = dict(entry.get("variables") or {})
+    return Layout(
+        axes=len(joint_names),
+        joints=tuple(entry.get("joints") or joint_names),
+        names={role: role for role in ROLES} | variables,
+        given=frozenset(variables),
+        units=dict(entry.get("units") or {}),
+        topic=entry.get("topic"),
+    )
+
+
+def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str, list[str]]:
+    """Return role -> columns of a table. A joint role has one column an axis, numbered from 1 (or 0).
+
+    Raises
+    ------
+    InputError : if a role that is needed or named in the config is not there, or has another number of axes.
+    """
+    there = list(columns)
+    found: dict[str, list[str]] = {}
+    for role, name in layout.names.items():
+        if not isinstance(name, str):
+            missing = [c for c in name if c not in there]
+            if missing:
+                raise InputError(f"{path}: has no column '{missing[0]}' for {role}{nearest(missing[0], there)}")
+            found[role] = list(name)
+        elif name in there and role not in ("position", "velocity", "acceleration", "torque"):
+            found[role] = [name]
+        elif role in JOINT_ROLES:
+            numbered = sorted(
+                (int(m.group(1)), c) for c in there if (m := re.fullmatch(re.escape(name) + r"_(\d+)", c))
+            )
+            numbers = [k for k, _ in numbered]
+            if numbers and (numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers)))):
+                raise InputError(f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)})")
+            if numbered:
+                found[role] = [c for _, c in numbered]
+    for role in (*NEEDED, *sorted(layout.given)):
+        if role not in found:
+            name = layout.names[role]
+            shown = f"{name}_1" if role in JOINT_ROLES else name
+            raise InputError(
+                f"{path}: has no {role} (looked for '{shown}'){nearest(shown, there)}; name it under 'variables' "
+                f"(it has: {_few(there)})"
+            )
+    for role, names in found.items():
+        if role in JOINT_ROLES and len(names) != layout.axes and not (role == "temperature" and len(names) == 1):
+            raise InputError(f"{path}: has {len(names)} columns of {role}, the robot has {layout.axes} joints")
+    return found
+
+
+def _few(names: Sequence[str], most: int = 24) -> str:
+    return ", ".join(str(n) for n in names[:most]) + (", ..." if len(names) > most else "")
+
+
+def make_chunk(
+    path: Path, values: Mapping[str, np.ndarray], layout: Layout, units: Mapping[str, str], dated: bool
+) -> Chunk:
+    """Return a chunk from raw values: units converted, shapes checked.
+
+    Parameters
+    ----------
+    values : role -> array; joint roles (m, n), temperature also (m,).
+    units : role -> unit as the log says; the config goes before it.
+    dated : whether time is already in seconds since 1970 UTC.
+    """
+    found: dict[str, np.ndarray] = {}
+    for role, raw in values.items():
+        array = np.asarray(raw, dtype=float)
+        unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
+        try:
+            found[role] = converted(array, role, unit, str(path))
+        except InputError as error:
+            raise InputError(str(error).replace("data set '", "log '", 1)) from None
+    time = found["time"]
+    if not dated and len(time):
+        first = time[np.isfinite(time)][:1]
+        dated = bool(len(first) and UNIX_TIMES[0] <= first[0] < UNIX_TIMES[1])
+    for role in JOINT_ROLES:
+        array = found.get(role)
+        if array is None:
+            continue
+        if role == "temperature" and (array.ndim == 1 or array.shape[1] == 1):
+            array = np.broadcast_to(array.reshape(len(time), 1), (len(time), layout.axes))
+        if array.shape == (len(time), layout.axes):
+            with np.errstate(invalid="ignore"):
+                absurd = np.abs(array) > ABSURD[role]
+            if absurd.any():
+                array = np.where(absurd, np.nan, array)
+        else:
+            raise InputError(
+                f"{path}: {role} has shape {array.shape}; {len(time)} samples of {layout.axes} joints are expected"
+            )
+        found[role] = array
+    trajectory = found.pop("trajectory", None)
+    if trajectory is not None:
+        trajectory = np.where(np.isfinite(trajectory), trajectory, -1).astype(np.int64)
+    return Chunk(**found, trajectory=trajectory, dated=dated)

@@ -1,0 +1,68 @@
+"""netCDF logs: variables on (time,) and (time, joint)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from jointwear.files.errors import InputError, nearest
+from jointwear.files.storage import open_dataset, read_variable
+from jointwear.measurement.formats.chunk import NEEDED, Chunk, Layout, make_chunk
+
+
+def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
+    """Yield the samples of a netCDF file; see :func:`jointwear.measurement.formats.read_log`."""
+    with open_dataset(path) as dataset:
+        there = dataset.variables
+        names = {}
+        for role, name in layout.names.items():
+            if not isinstance(name, str):
+                raise InputError(f"{path}: 'variables.{role}' is a list; a netCDF file has one variable for a role")
+            if name in there:
+                names[role] = name
+            elif role in NEEDED or role in layout.given:
+                raise InputError(
+                    f"{path}: has no variable '{name}' for {role}{nearest(name, there)} (it has: {', '.join(there)})"
+                )
+        count = {role: there[name].shape[0] if there[name].ndim else 0 for role, name in names.items()}
+        if len(set(count.values())) > 1:
+            told = ", ".join(f"{role} {size}" for role, size in count.items())
+            raise InputError(f"{path}: variables differ in length ({told})")
+        for role, name in names.items():
+            if there[name].dtype == str or there[name].dtype.kind not in "fiu":
+                raise InputError(f"{path}: variable '{name}' for {role} does not hold numbers")
+        units = {role: str(there[name].units) for role, name in names.items() if hasattr(there[name], "units")}
+        factor, origin = _date(path, units.get("time", ""))
+        dated = origin is not None
+        for start in range(0, count["time"], rows):
+            part = slice(start, start + rows)
+            values = {
+                role: _floats(there[name], read_variable(dataset, path, name, part)) for role, name in names.items()
+            }
+            if dated:
+                values["time"] = values["time"] * factor + origin
+            yield make_chunk(path, values, layout, units, dated)
+
+
+def _floats(variable: netCDF4.Variable, values: np.ndarray) -> np.ndarray:
+    """Return the values as floats with what the file marks as missing as NaN, and packed numbers unpacked."""
+    result = np.asarray(values, dtype=float)
+    for mark in ("_FillValue", "missing_value"):
+        if hasattr(variable, mark):
+            result[values == getattr(variable, mark)] = np.nan
+    return result
+
+
+def _date(path: Path, units: str) -> tuple[float, float | None]:
+    """Return the length [s] of the unit and the origin [s since 1970 UTC] of CF time units, or None without a date."""
+    if " since " not in units:
+        return 1.0, None
+    try:
+        zero, one = netCDF4.num2date([0, 1], units, only_use_cftime_datetimes=False, only_use_python_datetimes=True)
+    except (ValueError, OverflowError) as error:
+        raise InputError(f"{path}: the unit '{units}' of time is not known ({error})") from None
+    epoch = (zero - type(zero)(1970, 1, 1)).total_seconds()
+    return (one - zero).total_seconds(), epoch

@@ -1,0 +1,27 @@
+"""Parquet logs, one column an axis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pyarrow as pa
+from pyarrow import parquet
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.formats.arrow import chunk_of
+from jointwear.measurement.formats.chunk import Chunk, Layout, find_columns
+
+
+def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
+    """Yield the samples of a Parquet file; see :func:`jointwear.measurement.formats.read_log`."""
+    try:
+        with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20) as file:
+            names = list(dict.fromkeys(file.schema_arrow.names))
+            columns = find_columns(path, names, layout)
+            wanted = list(dict.fromkeys(c for group in columns.values() for c in group))
+            for batch in file.iter_batches(batch_size=rows, columns=wanted, use_threads=False):
+                yield chunk_of(path, batch, columns, layout)
+    except (pa.ArrowException, OSError) as error:
+        first = next(iter(str(error).splitlines()), "unknown reason")
+        raise InputError(f"{path}: is truncated or not a Parquet file ({first})") from None

@@ -1,0 +1,284 @@
+"""Velocity and acceleration from measured positions, decimation, and the samples that can be judged.
+
+The rule for the cut-off: the spectrum of each joint's position is compared with its own noise floor (the median of
+the upper third of the band). The highest frequency at which the smoothed spectrum stands ten times above the floor
+is the end of the signal; the zero-phase low-pass filter (Butterworth, order 4, forward and backward) is set to
+twice that frequency, so that it leaves the signal alone. Where the sampling resolves the motion and no sample is
+missing, least-squares splines take the place of the filter: see :mod:`jointwear.measurement.smoothing`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+from scipy.signal import butter, sosfiltfilt
+
+from jointwear.measurement.recording import Recording, elapsed_time
+from jointwear.measurement.smoothing import END, smooth, widest_band
+
+#: Rates above this are decimated [Hz], to about TARGET.
+HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
+#: Samples below this share of the speed of the axis (95 % quantile), and below this speed [rad/s], count as rest.
+SLOW_SHARE, SLOW = 0.02, 0.02
+#: Shortest run of samples that a zero-phase filter is asked to handle.
+SHORTEST = 24
+#: Share of the sampling rate that the spectrum of a resolved motion stays below.
+RESOLVED = 0.155
+#: A measured velocity agrees with the positions where it differs from their derivative by no more than noise x this.
+AGREES = 1.5
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Samples ready for the comparison with a model; arrays (m, n) unless stated.
+
+    `usable` marks samples that can be judged: the joint moves, away from filter edges, everything finite.
+    `cutoff` (n,) [Hz] of the filter that made the derivatives, NaN where they were given; `fitted` says that splines
+    whose band ends there did. `rate` [Hz].
+    `speed_floor` (n,) [rad/s] below which a joint counts as at rest. `band` [Hz] above which the torque was filtered
+    away, infinite where it was left alone. `reach` (n,) [Hz] up to which the positions hold a signal, where
+    accelerations were derived; else None.
+    """
+
+    time: np.ndarray
+    trajectory: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+    temperature: np.ndarray
+    usable: np.ndarray
+    cutoff: np.ndarray
+    rate: float
+    speed_floor: np.ndarray
+    band: float = np.inf
+    reach: np.ndarray | None = None
+    fitted: bool = False
+
+
+def runs(trajectory: np.ndarray) -> list[slice]:
+    """Return one slice for each run of equal labels."""
+    edges = np.flatnonzero(np.diff(trajectory)) + 1
+    return [slice(a, b) for a, b in zip([0, *edges], [*edges, len(trajectory)], strict=True) if b > a]
+
+
+def noise_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
+    """Return noise density [unit^2/Hz] of signals (k,) and the frequency [Hz] where the signal ends.
+
+    The spectrum is taken of the second difference and divided by its gain: the range of a position spectrum is so
+    wide that the side lobes of any window would hide the floor.
+    """
+    frequencies = np.fft.rfftfreq(256, 1 / rate)[1:]
+    power, weight = np.zeros(len(frequencies)), 0
+    for x in signals:
+        second = np.diff(x, 2)
+        for start in range(0, max(len(second) - 255, 1), 128):
+            piece = second[start : start + 256]
+            if len(piece) < 64:
+                continue
+            window = np.hanning(len(piece))
+            spectrum = np.fft.rfft((piece - piece.mean()) * window, 256)[1:]
+            power += np.abs(spectrum) ** 2 * 2 / (rate * np.sum(window**2))
+            weight += 1
+    if not weight:
+        return 0.0, 0.4 * rate
+    power /= weight * (2 * np.sin(np.pi * frequencies / rate)) ** 4
+    floor = float(np.median(power[2 * len(power) // 3 :]))
+    smooth = np.exp(np.convolve(np.log(np.pad(power, 1, mode="edge") + 1e-300), np.ones(3) / 3, mode="valid"))
+    above = np.flatnonzero(smooth > 10 * floor)
+    end = frequencies[above[-1]] if len(above) else frequencies[0]
+    return floor, float(max(end, frequencies[1]))
+
+
+@lru_cache(maxsize=128)
+def _butterworth(cutoff: float, rate: float) -> np.ndarray:
+    return butter(4, cutoff, fs=rate, output="sos")
+
+
+def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
+    """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
+    if cutoff >= 0.45 * rate or len(values) < SHORTEST:
+        return values
+    pad = min(len(values) - 1, int(3 * rate / cutoff))
+    return sosfiltfilt(_butterworth(cutoff, rate), values, axis=0, padlen=pad)
+
+
+def _derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    spline = make_interp_spline(time, values, k=5 if len(time) > 6 else 1)
+    return spline(time, 1), spline(time, 2)
+
+
+def measure(recording: Recording) -> Measured:
+    """Derive what was not measured, reduce high rates, and mark the samples that can be judged.
+
+    NaN samples of one joint make that joint unusable there; gaps are bridged linearly for the filter only.
+    """
+    time = elapsed_time(recording.time, recording.trajectory)
+    pieces = runs(recording.trajectory)
+    step = float(np.median(np.concatenate([np.diff(time[p]) for p in pieces if p.stop - p.start > 1] or [[1.0]])))
+    rate = 1.0 / step if step > 0 else 1.0
+    count, n = recording.position.shape
+    temperature = np.full((count, n), np.nan)
+    if recording.temperature is not None:
+        given = np.asarray(recording.temperature, dtype=float)
+        temperature[:] = given[:, None] if given.ndim == 1 else given
+    finite = np.isfinite(recording.position) & np.isfinite(recording.torque)
+    position, torque = _bridge(recording.position, pieces), _bridge(recording.torque, pieces)
+
+    floor = np.zeros(n)
+    cutoff = np.full(n, np.nan)
+    velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
+    acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
+    source = position if velocity is None else velocity
+    reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
+    for j in range(n):
+        density, end = noise_floor([source[p, j] for p in pieces], rate)
+        if velocity is None or acceleration is None:
+            cutoff[j] = min(2.0 * end, 0.45 * rate)
+        limit = min(cutoff[j] if np.isfinite(cutoff[j]) else 0.5 * rate, 0.5 * rate)
+        # Differentiation multiplies the noise density by (2 pi f)^2.
+        scale = (2 * np.pi) ** 2 * limit**3 / 3 if velocity is None else limit
+        floor[j] = np.sqrt(density * scale)
+    derived = velocity is None or acceleration is None
+    factor = max(1, round(rate / TARGET_RATE)) if rate > HIGHEST_RATE else 1
+    out_rate = rate / factor
+    if factor > 1:
+        cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), 0.4 * out_rate)
+
+    guard = 2 if factor > 1 else 1
+    parts = []
+    # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
+    splines = factor == 1 and bool(np.max(reach, initial=0.0) < RESOLVED * rate) and bool(finite.all())
+    splines = splines and (velocity is None or bool(np.isfinite(recording.velocity).all()))
+    if splines:
+        pieces = [p for p in pieces if p.stop - p.start >= SHORTEST]
+        splines = bool(pieces)
+    if splines:
+        q, v, a, band, noise = _fitted(time, pieces, position, velocity, rate)
+        if derived and np.mean(band >= widest_band(rate)) > 0.5:
+            # One joint may be too coarse or too slow for its encoder. Where most ask for all the knots there are, it is
+            # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
+            splines, reach = False, np.maximum(reach, band)
+        else:
+            position, velocity, floor = q, v, noise
+            cutoff = band if derived else cutoff
+            acceleration = a if acceleration is None else acceleration
+    for p in pieces:
+        t, q, tau = time[p], position[p], torque[p]
+        if p.stop - p.start < SHORTEST and (derived or factor > 1):
+            continue
+        v = None if velocity is None else velocity[p]
+        a = None if acceleration is None else acceleration[p]
+        if (derived or factor > 1) and not splines:
+            filtered = np.stack([low_pass(q[:, j], cutoff[j], rate) for j in range(n)], axis=1)
+            first, second = _derivatives(t, filtered)
+            q = filtered
+            if v is None:
+                v, a = first, second if a is None else a
+            elif a is None:
+                filtered = np.stack([low_pass(v[:, j], cutoff[j], rate) for j in range(n)], axis=1)
+                a = _derivatives(t, filtered)[0]
+        if factor > 1:
+            # Half power at the new Nyquist frequency: an emptier band would be blown up by whitening.
+            limit = 0.5 * out_rate
+            tau = low_pass(tau, limit, rate)
+            v, a = low_pass(v, limit, rate), low_pass(a, limit, rate)
+        ok = finite[p].copy()
+        if derived or factor > 1:
+            for j in range(n):
+                known = cutoff[j] if np.isfinite(cutoff[j]) else 0.4 * out_rate
+                # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.
+                reaches = END * 0.5 / known if splines else 1.2 / known
+                edge = min(int(np.ceil(reaches * rate)) + 1, len(ok) // 4)
+                ok[:edge, j] = ok[len(ok) - edge :, j] = False
+                # A gap spoils its surroundings as far as the filter reaches.
+                for miss in np.flatnonzero(~finite[p][:, j]):
+                    ok[max(miss - edge, 0) : miss + edge + 1, j] = False
+        keep = slice(factor // 2, None, factor)
+        parts.append([x[keep] for x in (t, recording.trajectory[p], q, v, a, tau, temperature[p], ok)])
+    if not parts:
+        empty = np.zeros((0, n))
+        return Measured(np.zeros(0), np.zeros(0, int), *([empty] * 5), empty.astype(bool), cutoff, out_rate, floor)
+    time, trajectory, position, velocity, acceleration, torque, temperature, ok = (
+        np.concatenate(group) for group in zip(*parts, strict=True)
+    )
+    fast = np.array([np.quantile(np.abs(velocity[:, j]), 0.95) for j in range(n)])
+    # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
+    slow = np.minimum(SLOW_SHARE * fast, SLOW)
+    speed_floor = np.maximum(np.maximum(5 * floor, slow), 1e-6)
+    usable = ok & _moving(velocity, trajectory, speed_floor, guard)
+    return Measured(
+        time,
+        trajectory,
+        position,
+        velocity,
+        acceleration,
+        torque,
+        temperature,
+        usable,
+        cutoff,
+        out_rate,
+        speed_floor,
+        0.5 * out_rate if factor > 1 else np.inf,
+        reach if derived else None,
+        splines,
+    )
+
+
+def _fitted(time, pieces: list[slice], position, velocity, rate: float):
+    """Fit splines to positions and, where given, to velocities.
+
+    Each joint's derivatives come from the signal that gives them with less noise; from the velocities if the two
+    disagree, as a recorder may take them from elsewhere.
+
+    Returns
+    -------
+    position, velocity and acceleration (m, n), the end of the band (n,) [Hz], the noise of the velocity (n,) [rad/s].
+    """
+    rows = np.concatenate([np.arange(p.start, p.stop) for p in pieces])
+    one = smooth([(time[p], position[p]) for p in pieces], rate)
+    q, v, a = position.copy(), np.zeros_like(position), np.zeros_like(position)
+    q[rows], v[rows], a[rows] = one.value, one.first, one.second
+    cutoff, noise = one.cutoff, one.derivative_noise(1, rate)
+    if velocity is None:
+        return q, v, a, cutoff, noise
+    two = smooth([(time[p], velocity[p]) for p in pieces], rate)
+    apart = np.sqrt(np.mean((velocity[rows] - one.first) ** 2, axis=0))
+    agree = apart <= AGREES * np.hypot(two.noise, noise)
+    for order, target in ((1, v), (2, a)):
+        better = agree & (one.derivative_noise(order, rate) <= two.derivative_noise(order - 1, rate))
+        target[np.ix_(rows, ~better)] = (two.value, two.first)[order - 1][:, ~better]
+        cutoff = np.where(better, cutoff, two.cutoff)
+        if order == 1:
+            noise = np.where(better, noise, two.derivative_noise(0, rate))
+    return q, v, a, cutoff, noise
+
+
+def _bridge(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
+    if np.isfinite(values).all():
+        return np.asarray(values, dtype=float)
+    result = np.array(values, dtype=float)
+    for p in pieces:
+        for j in range(result.shape[1]):
+            x = result[p, j]
+            good = np.isfinite(x)
+            if good.any() and not good.all():
+                x[~good] = np.interp(np.flatnonzero(~good), np.flatnonzero(good), x[good])
+            elif not good.any():
+                x[:] = 0.0
+    return result
+
+
+def _moving(velocity: np.ndarray, trajectory: np.ndarray, floor: np.ndarray, guard: int) -> np.ndarray:
+    """Return where each joint moves faster than its floor and does not reverse within `guard` samples."""
+    moving = np.abs(velocity) > floor
+    sense = np.sign(velocity)
+    for shift in range(1, guard + 1):
+        same = (sense[shift:] == sense[:-shift]) & (trajectory[shift:] == trajectory[:-shift])[:, None]
+        turn = ~same & (trajectory[shift:] == trajectory[:-shift])[:, None]
+        moving[shift:] &= ~turn
+        moving[:-shift] &= ~turn
+    return moving

@@ -1,0 +1,234 @@
+"""Read measured data of any supported layout into a :class:`Recording`, and keep recordings as netCDF."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files import provenance
+from jointwear.files.errors import InputError, nearest
+from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.measurement.recording import Recording
+
+ROLES = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature")
+_JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
+#: Factor (and offset) that turns a unit into the project's, by role.
+_UNITS: dict[str, dict[str, tuple[float, float]]] = {
+    "time": {"s": (1.0, 0.0), "ms": (1e-3, 0.0), "us": (1e-6, 0.0), "ns": (1e-9, 0.0), "h": (3600.0, 0.0)},
+    "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
+    "position": {"rad": (1.0, 0.0), "deg": (np.pi / 180, 0.0)},
+    "velocity": {"rad/s": (1.0, 0.0), "deg/s": (np.pi / 180, 0.0)},
+    "acceleration": {"rad/s2": (1.0, 0.0), "deg/s2": (np.pi / 180, 0.0)},
+    "torque": {"N m": (1.0, 0.0), "mN m": (1e-3, 0.0), "kN m": (1e3, 0.0)},
+    "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
+}
+_SPELLINGS = {
+    "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
+    "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
+    "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s",
+}  # fmt: skip
+
+
+def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str | Path = ".") -> Recording:
+    """Read the data of one entry of ``discover.datasets``.
+
+    Parameters
+    ----------
+    entry : `measured` (netCDF, CSV or Parquet), optional `variables` (role: name), `units` (role: unit), `train`,
+        `test`.
+    name : of the data set, for messages. root : folder that relative paths count from.
+
+    Raises
+    ------
+    InputError : if a file, variable or unit is not known; the message names it and what there is.
+    """
+    path = Path(root) / entry["measured"]
+    names = {role: role for role in ROLES} | dict(entry.get("variables") or {})
+    for role in entry.get("variables") or {}:
+        if role not in ROLES:
+            raise InputError(
+                f"data set '{name}': 'variables' has the role '{role}'{nearest(role, ROLES)} "
+                f"(allowed: {', '.join(ROLES)})"
+            )
+    suffix = path.suffix.lower()
+    if suffix in (".nc", ".nc4", ".cdf", ".netcdf"):
+        found, units = _from_netcdf(path, names, set(entry.get("variables") or {}))
+    elif suffix in (".csv", ".parquet"):
+        found, units = _from_table(path, _read_table(path), names), {}
+    else:
+        raise InputError(f"{path}: unknown kind of file '{suffix}' (allowed: .nc, .csv, .parquet)")
+    for role, unit in (entry.get("units") or {}).items():
+        if role not in _UNITS:
+            raise InputError(f"data set '{name}': 'units' has the role '{role}'{nearest(role, ROLES)}")
+        units[role] = unit
+    for role in ("time", "position", "torque"):
+        if role not in found:
+            raise InputError(f"{path}: has no {role} (looked for '{names[role]}'); name it under 'variables'")
+    for role in list(found):
+        found[role] = converted(found[role], role, units.get(role), name)
+    count = len(found["time"])
+    if "trajectory" in found:
+        labels = found["trajectory"]
+        if not np.isfinite(labels).all() or np.any(labels != np.round(labels)):
+            raise InputError(f"{path}: '{names['trajectory']}' must hold whole numbers")
+        trajectory = labels.astype(int)
+    else:
+        trajectory = np.zeros(count, dtype=int)
+    if np.any((np.diff(found["time"]) <= 0) & (np.diff(trajectory) == 0)):
+        raise InputError(f"{path}: the time does not rise within a trajectory")
+
+    def labels_of(key: str) -> tuple[int, ...] | None:
+        return None if entry.get(key) is None else tuple(int(x) for x in entry[key])
+
+    return Recording(
+        time=found["time"],
+        trajectory=trajectory,
+        position=found["position"],
+        torque=found["torque"],
+        velocity=found.get("velocity"),
+        acceleration=found.get("acceleration"),
+        temperature=found.get("temperature"),
+        train=labels_of("train"),
+        test=labels_of("test"),
+        name=name,
+    )
+
+
+def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
+    if unit is None:
+        return values
+    known = _UNITS[role]
+    plain = _SPELLINGS.get(str(unit).strip(), str(unit).strip())
+    if plain not in known:
+        if role in ("time", "trajectory"):
+            return values
+        raise InputError(
+            f"data set '{name}': unit '{unit}' of {role} is not known{nearest(plain, known)} "
+            f"(allowed: {', '.join(known)})"
+        )
+    factor, offset = known[plain]
+    return values if (factor, offset) == (1.0, 0.0) else values * factor + offset
+
+
+def _from_netcdf(
+    path: Path, names: Mapping[str, str], wanted: set[str]
+) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    found, units = {}, {}
+    with open_dataset(path) as dataset:
+        for role, variable in names.items():
+            if variable not in dataset.variables:
+                if role in wanted:
+                    raise InputError(
+                        f"{path}: has no variable '{variable}' for {role}{nearest(variable, dataset.variables)} "
+                        f"(it has: {', '.join(dataset.variables)})"
+                    )
+                continue
+            values = np.asarray(read_variable(dataset, path, variable), dtype=float)
+            dimensions = 1 if role in ("time", "trajectory") else 2
+            if values.ndim != dimensions and not (role == "temperature" and values.ndim == 1):
+                raise InputError(f"{path}: '{variable}' has {values.ndim} dimensions; {role} needs {dimensions}")
+            found[role] = values
+            unit = getattr(dataset.variables[variable], "units", None)
+            if unit is not None:
+                units[role] = str(unit)
+    sizes = {role: len(values) for role, values in found.items()}
+    if len(set(sizes.values())) > 1:
+        raise InputError(f"{path}: variables differ in length ({', '.join(f'{r} {s}' for r, s in sizes.items())})")
+    return found, units
+
+
+def _read_table(path: Path) -> dict[str, np.ndarray]:
+    if path.suffix.lower() == ".parquet":
+        try:
+            import pyarrow.parquet as parquet
+        except ImportError:
+            raise InputError(f"{path}: reading Parquet needs the package pyarrow; install it or write CSV") from None
+        try:
+            table = parquet.read_table(path)
+        except FileNotFoundError:
+            raise InputError(f"{path}: no such file") from None
+        except Exception as error:
+            raise InputError(f"{path}: is not a Parquet file ({str(error).splitlines()[0]})") from None
+        return {c: np.asarray(table.column(c).to_numpy(), dtype=float) for c in table.column_names}
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            header = next(csv.reader(file), None)
+            if not header:
+                raise InputError(f"{path}: is empty")
+            header = [h.strip() for h in header]
+            rows = np.genfromtxt(file, delimiter=",", dtype=float, ndmin=2)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {str(error).splitlines()[0].strip()}") from None
+    if rows.size == 0 or rows.shape[1] != len(header):
+        raise InputError(
+            f"{path}: the header names {len(header)} columns, the rows have {rows.shape[1] if rows.size else 0}"
+        )
+    return dict(zip(header, rows.T, strict=True))
+
+
+def _from_table(path: Path, table: Mapping[str, np.ndarray], names: Mapping[str, str]) -> dict[str, np.ndarray]:
+    found = {}
+    for role, base in names.items():
+        if role in ("time", "trajectory", "temperature") and base in table:
+            found[role] = table[base]
+            continue
+        if role not in _JOINT_ROLES:
+            continue
+        numbered = sorted(
+            (int(m.group(1)), column) for column in table if (m := re.fullmatch(re.escape(base) + r"_(\d+)", column))
+        )
+        if not numbered:
+            continue
+        if [k for k, _ in numbered] != list(range(1, len(numbered) + 1)):
+            raise InputError(
+                f"{path}: the columns '{base}_1', '{base}_2' ... have gaps ({', '.join(c for _, c in numbered)})"
+            )
+        found[role] = np.stack([table[column] for _, column in numbered], axis=1)
+    return found
+
+
+def write_recording(recording: Recording, path: str | Path, settings: Mapping[str, Any]) -> None:
+    """Keep a recording under native names; train and test labels become attributes."""
+    count, n = recording.position.shape
+    variables = {
+        "joint": Variable(("joint",), np.arange(1, n + 1), "number of the joint", "1"),
+        "time": Variable(("instant",), recording.time, "time", "s"),
+        "trajectory": Variable(("instant",), recording.trajectory, "label of the trajectory", "1"),
+        "position": Variable(("instant", "joint"), recording.position, "joint position", "rad"),
+        "torque": Variable(("instant", "joint"), recording.torque, "measured torque, joint side", "N m"),
+    }
+    for role, unit in (("velocity", "rad/s"), ("acceleration", "rad/s2"), ("temperature", "degC")):
+        values = getattr(recording, role)
+        if values is not None:
+            values = np.broadcast_to(values[:, None], (count, n)) if values.ndim == 1 else values
+            variables[role] = Variable(("instant", "joint"), values, f"measured {role}", unit)
+    attributes = provenance.attributes(f"measured data set {recording.name}, checked", settings)
+    attributes |= {"dataset": recording.name, "train": list(recording.train), "test": list(recording.test)}
+    write_dataset(path, variables, attributes)
+
+
+def read_recording(path: str | Path) -> Recording:
+    """Read what :func:`write_recording` wrote."""
+    with open_dataset(path) as dataset:
+        name = str(dataset.dataset)
+        train, test = (tuple(int(x) for x in np.atleast_1d(getattr(dataset, k))) for k in ("train", "test"))
+    found, _ = _from_netcdf(Path(path), {role: role for role in ROLES}, set())
+    return Recording(
+        time=found["time"],
+        trajectory=found["trajectory"].astype(int),
+        position=found["position"],
+        torque=found["torque"],
+        velocity=found.get("velocity"),
+        acceleration=found.get("acceleration"),
+        temperature=found.get("temperature"),
+        train=train,
+        test=test,
+        name=name,
+    )

@@ -1,0 +1,1 @@
+"""Publishing: figures, the report, the site, the crate, and its verification."""

@@ -1,0 +1,95 @@
+"""What Snakemake recorded about a run: which job made which file from which others, and when."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from jointwear.files.errors import InputError
+
+
+@dataclass(frozen=True)
+class Made:
+    """How one file came about: rule, files it was made from, begin and end [s since 1970]."""
+
+    rule: str
+    inputs: tuple[str, ...]
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """Everything behind the wanted files: results with the job that made each, and files that no job made."""
+
+    results: dict[str, Made]
+    sources: tuple[str, ...]
+
+    @property
+    def begin(self) -> float:
+        """Begin of the first job [s since 1970]."""
+        return min(made.begin for made in self.results.values())
+
+    @property
+    def end(self) -> float:
+        """End of the last job [s since 1970]."""
+        return max(made.end for made in self.results.values())
+
+
+def trace(wanted: Iterable[str], root: str | Path = ".") -> Run:
+    """Follow Snakemake's records (.snakemake/metadata) from the wanted files back to files that no job made.
+
+    Parameters
+    ----------
+    wanted : result files, relative to `root`.
+    root : folder of the project.
+
+    Raises
+    ------
+    InputError : if a wanted file, or a file behind it, is neither there nor recorded.
+    """
+    records = _records(Path(root) / ".snakemake" / "metadata")
+    results: dict[str, Made] = {}
+    sources: set[str] = set()
+    waiting, seen = list(wanted), set()
+    while waiting:
+        name = waiting.pop()
+        if name in seen:
+            continue
+        seen.add(name)
+        if name not in records:
+            if not (Path(root) / name).is_file():
+                raise InputError(f"{name}: neither a file nor recorded as a result; run `make reproduce` first")
+            sources.add(name)
+            continue
+        results[name] = records[name]
+        waiting.extend(records[name].inputs)
+    # A job's other outputs belong to the run as well: a table is written as netCDF and as CSV.
+    jobs = {(made.rule, made.inputs) for made in results.values()}
+    results.update({name: made for name, made in records.items() if (made.rule, made.inputs) in jobs})
+    there = {name: made for name, made in sorted(results.items()) if (Path(root) / name).exists()}
+    missing = sorted(set(wanted) - there.keys())
+    if missing:
+        raise InputError(f"{missing[0]}: not made yet; run `make reproduce` first")
+    return Run(there, tuple(sorted(sources)))
+
+
+def _records(folder: Path) -> dict[str, Made]:
+    """Return Snakemake's records by the name of the file that they describe."""
+    found: dict[str, Made] = {}
+    for path in folder.rglob("*") if folder.is_dir() else ():
+        if not path.is_file():
+            continue
+        try:
+            # A long name is split over folders that start with @.
+            coded = "".join(part.removeprefix("@") for part in path.relative_to(folder).parts)
+            name = base64.b64decode(coded).decode()
+            entry = json.loads(path.read_text(encoding="utf-8"))
+            made = Made(entry["rule"], tuple(entry["input"]), float(entry["starttime"]), float(entry["endtime"]))
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+        found[name] = made
+    return found

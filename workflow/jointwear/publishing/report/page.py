@@ -1,0 +1,92 @@
+"""Write the report of the reproduction: one page and its numbers as JSON."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from jointwear import __version__
+from jointwear.files.errors import InputError
+from jointwear.files.json_values import as_json
+from jointwear.files.text_files import replace_text
+from jointwear.publishing.report import origin
+from jointwear.publishing.report.assembly import Results, assemble
+from jointwear.publishing.report.inline import inline_svg
+from jointwear.publishing.report.rendering import render_chapters, render_page
+from jointwear.publishing.report.wording import summary
+
+
+def other_pages(results: Path) -> list[dict[str, str]]:
+    """Return the pages that other targets have built beside the report, as links relative to it."""
+    found = [path.relative_to(results) for level in ("*", "*/*") for path in results.glob(f"{level}/*.html")]
+    return [
+        {
+            "name": " ".join([*path.parts[:-1], *([] if path.stem in ("index", path.parts[0]) else [path.stem])]),
+            "link": f"../{path.as_posix()}",
+        }
+        for path in sorted(found)
+        if path.parts[0] != "report"
+    ]
+
+
+def read_chapter(path: str | Path) -> Any:
+    """Read the numbers of a further chapter.
+
+    Raises
+    ------
+    InputError : if the file is missing or not JSON.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as JSON ({error}); delete it and run again") from None
+
+
+def write_report(
+    output: str | Path,
+    numbers: str | Path,
+    results: Results,
+    figures: Mapping[str, str],
+    config: Mapping[str, Any],
+    *,
+    chapters: Mapping[str, str] | None = None,
+    root: str | Path = ".",
+) -> None:
+    """Write the page and its numbers.
+
+    Parameters
+    ----------
+    output : the page; figures are put into it and data are linked relative to it.
+    numbers : JSON file with all scores and the summary.
+    results : result files.
+    figures : SVG files by name, as `figure_1`, `table_ii`.
+    config : the part of the configuration that the reproduction uses.
+    chapters : JSON files of further chapters, by the name under which their template sees them.
+    root : folder of the project, for its commit and Snakemake's records.
+
+    Raises
+    ------
+    InputError : naming the file, if one is missing or corrupt.
+    """
+    data = assemble(results, config)
+    words = summary(data)
+    source = {"version": __version__, "commit": origin.commit(root), "packages": origin.versions()}
+    kept = {k: v for k, v in data.items() if k not in ("rows", "assumptions", "paper")}
+    content = {"summary": words, **kept, "seed": config["seed"], "source": source}
+    context = {
+        **data,
+        "summary": words,
+        "source": source,
+        "config_text": json.dumps(as_json(data["config"]), indent=2, ensure_ascii=False),
+        "plots": {name: inline_svg(path, name.replace("_", "-")) for name, path in figures.items()},
+        "figure_files": {name: os.path.relpath(path, Path(output).parent) for name, path in figures.items()},
+        "times": origin.rule_times(Path(root) / ".snakemake" / "metadata"),
+        "pages": other_pages(Path(output).parent.parent),
+        **{name: read_chapter(path) for name, path in (chapters or {}).items()},
+    }
+    context["chapters"] = render_chapters(context)
+    replace_text(numbers, json.dumps(as_json(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    replace_text(output, render_page("index.html.j2", context))

@@ -1,0 +1,207 @@
+"""Are two files of the same name equal, equal within a tolerance, or different?
+
+Dates and run times are exempt: in pages they stand inside elements marked `data-varies`, in `summary.json` under
+`source`, where versions of software stand as well.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.storage import open_dataset
+
+TOLERANCE = 1e-6  # of the largest size in a variable; single precision holds 6e-8
+EQUAL, CLOSE, DIFFERENT, MISSING = "equal", "equal within tolerance", "different", "missing"
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_VARYING_KEYS = ("source",)
+_VOID = ("area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Verdict on one file, and what was seen where it is not plain equality."""
+
+    verdict: str
+    detail: str = ""
+
+
+def compare_files(ours: str | Path, theirs: str | Path, tolerance: float = TOLERANCE) -> Outcome:
+    """Compare two files of the same kind.
+
+    Parameters
+    ----------
+    ours, theirs : recomputed file and the one of the crate.
+    tolerance : largest difference allowed, as a share of the largest size in the variable (netCDF) or of the number
+        itself (text).
+    """
+    ours, theirs = Path(ours), Path(theirs)
+    if not ours.is_file():
+        return Outcome(MISSING, "was not made")
+    if not theirs.is_file():
+        return Outcome(MISSING, "is not in the crate")
+    if _same_bytes(ours, theirs):
+        return Outcome(EQUAL)
+    if ours.suffix == ".nc":
+        return _compare_netcdf(ours, theirs, tolerance)
+    if ours.suffix == ".json":
+        return _compare_values(_json(ours), _json(theirs), tolerance)
+    return _compare_text(_text(ours), _text(theirs), tolerance)
+
+
+def _same_bytes(a: Path, b: Path) -> bool:
+    if a.stat().st_size != b.stat().st_size:
+        return False
+    with a.open("rb") as one, b.open("rb") as other:
+        while block := one.read(1 << 20):
+            if block != other.read(1 << 20):
+                return False
+    return True
+
+
+def _compare_netcdf(a: Path, b: Path, tolerance: float) -> Outcome:
+    with open_dataset(a) as one, open_dataset(b) as other:
+        if one.variables.keys() != other.variables.keys():
+            changed = sorted(one.variables.keys() ^ other.variables.keys())
+            return Outcome(DIFFERENT, f"variables in one file only: {', '.join(changed)}")
+        largest, where = 0.0, ""
+        for name in one.variables:
+            x, y = np.asarray(one[name][...]), np.asarray(other[name][...])
+            if x.shape != y.shape:
+                return Outcome(DIFFERENT, f"{name}: shape {x.shape}, in the crate {y.shape}")
+            gap = relative_difference(x, y)
+            if gap > largest:
+                largest, where = gap, name
+    if largest > tolerance:
+        return Outcome(DIFFERENT, f"{where}: differs by {largest:.2g} of its largest size")
+    if largest > 0:
+        return Outcome(CLOSE, f"{where}: differs by {largest:.2g} of its largest size")
+    return Outcome(CLOSE, "same numbers, other attributes or layout")
+
+
+def relative_difference(x: np.ndarray, y: np.ndarray) -> float:
+    """Return the largest difference as a share of the largest size in `y`; infinite for text that differs.
+
+    NaN equals NaN; NaN against a number is an infinite difference.
+    """
+    if x.dtype.kind not in "iufb" or y.dtype.kind not in "iufb":
+        return 0.0 if np.array_equal(x, y) else math.inf
+    if x.size == 0 or np.array_equal(x, y, equal_nan=x.dtype.kind == "f" and y.dtype.kind == "f"):
+        return 0.0
+    if not np.array_equal(np.isfinite(x), np.isfinite(y)):
+        return math.inf
+    finite = np.isfinite(x)
+    if not np.array_equal(x[~finite], y[~finite], equal_nan=True):
+        return math.inf
+    x, y = x[finite].astype(float), y[finite].astype(float)
+    size = max(np.abs(y).max(initial=0.0), np.abs(x).max(initial=0.0))
+    return float(np.abs(x - y).max(initial=0.0) / size) if size else 0.0
+
+
+def _json(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def _without_varying(value: Any) -> Any:
+    return {k: v for k, v in value.items() if k not in _VARYING_KEYS} if isinstance(value, dict) else value
+
+
+def _compare_values(a: Any, b: Any, tolerance: float) -> Outcome:
+    largest = 0.0
+    for place, x, y in _pairs(_without_varying(a), _without_varying(b), ""):
+        gap = _number_gap(x, y)
+        if gap > tolerance:
+            return Outcome(DIFFERENT, f"{place.lstrip('.')}: {x!r}, in the crate {y!r}"[:160])
+        largest = max(largest, gap)
+    if largest == 0:
+        return Outcome(EQUAL, "but for dates, run times and versions")
+    return Outcome(CLOSE, f"numbers differ by up to {largest:.2g}")
+
+
+def _pairs(a: Any, b: Any, place: str) -> Iterator[tuple[str, Any, Any]]:
+    if isinstance(a, dict) and isinstance(b, dict) and a.keys() == b.keys():
+        for key in a:
+            yield from _pairs(a[key], b[key], f"{place}.{key}")
+    elif isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
+        for index, (x, y) in enumerate(zip(a, b, strict=True)):
+            yield from _pairs(x, y, f"{place}[{index}]")
+    else:
+        yield place, a, b
+
+
+def _number_gap(x: Any, y: Any) -> float:
+    if x == y:
+        return 0.0
+    if isinstance(x, bool) or isinstance(y, bool) or not isinstance(x, (int, float)) or not isinstance(y, (int, float)):
+        return math.inf
+    return abs(x - y) / max(abs(x), abs(y))
+
+
+class _Plain(HTMLParser):
+    """Collects a page but for elements marked `data-varies`."""
+
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=False)
+        self.kept: list[str] = []
+        self._depth = 0
+
+    def _keep(self, text: str) -> None:
+        if not self._depth:
+            self.kept.append(text)
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        if self._depth or any(name == "data-varies" for name, _ in attrs):
+            self._depth += tag not in _VOID
+        else:
+            self._keep(self.get_starttag_text() or "")
+
+    def handle_startendtag(self, tag: str, attrs: list) -> None:
+        self._keep(self.get_starttag_text() or "")
+
+    def handle_endtag(self, tag: str) -> None:
+        if self._depth:
+            self._depth -= 1
+        else:
+            self._keep(f"</{tag}>")
+
+    def handle_data(self, data: str) -> None:
+        self._keep(data)
+
+    def handle_entityref(self, name: str) -> None:
+        self._keep(f"&{name};")
+
+    def handle_charref(self, name: str) -> None:
+        self._keep(f"&#{name};")
+
+
+def _text(path: Path) -> str:
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".html":
+        return text
+    page = _Plain()
+    page.feed(text)
+    page.close()
+    return "".join(page.kept)
+
+
+def _compare_text(a: str, b: str, tolerance: float) -> Outcome:
+    if a == b:
+        return Outcome(EQUAL, "but for dates, run times and versions")
+    if _NUMBER.sub("#", a) != _NUMBER.sub("#", b):
+        line = next((i for i, (x, y) in enumerate(zip(a.splitlines(), b.splitlines(), strict=False), 1) if x != y), 0)
+        return Outcome(DIFFERENT, f"text differs at line {line}" if line else "one text is longer")
+    gaps = [
+        _number_gap(float(x), float(y)) for x, y in zip(_NUMBER.findall(a), _NUMBER.findall(b), strict=True) if x != y
+    ]
+    worst = max(gaps, default=0.0)
+    if worst > tolerance:
+        return Outcome(DIFFERENT, f"{sum(g > tolerance for g in gaps)} numbers differ, by up to {worst:.2g}")
+    return Outcome(CLOSE, f"numbers differ by up to {worst:.2g}")

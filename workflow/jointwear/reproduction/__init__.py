@@ -1,0 +1,1 @@
+"""Reproduction: the method of the paper, from simulated wear to its tables."""

@@ -1,0 +1,236 @@
+"""Torque of a repeated task as a real robot would log it: wear, disturbance, measurement noise (Table I)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files import provenance
+from jointwear.files.errors import InputError
+from jointwear.files.storage import Variable, create_dataset
+from jointwear.reproduction.grid import Cell
+from jointwear.reproduction.readings import (
+    coulomb_direction,
+    disturbance_mean,
+    disturbance_return,
+    noise_draws,
+    noise_level,
+    select,
+)
+from jointwear.reproduction.wear import Wear
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import load_robot
+from jointwear.robots.trajectory import HOUR, Motion, Task, load_task
+from jointwear.statistics.randomness import generator
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Size and reading of what disturbs the torque.
+
+    `disturbance_share` of the mean torque; `encoder` noise [rad]; `time_step` [s] by which the noise of
+    velocity and acceleration is scaled, equation (9); `reading` one alternative for every ambiguity of the
+    stage "simulation".
+    """
+
+    disturbance_share: float
+    encoder: float
+    time_step: float
+    reading: Mapping[str, str]
+
+
+class RepeatedTask:
+    """A task that a robot repeats for `hours`, sampled at the same instants in every hour.
+
+    Parameters
+    ----------
+    dynamics : the robot.
+    task : the task; `samples` instants every `interval` [s] from the start of every hour.
+    coulomb : Coulomb levels [N m] (hours, n) for positive and for negative velocity.
+    noise : disturbance and measurement noise.
+    """
+
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        task: Task,
+        coulomb: tuple[np.ndarray, np.ndarray],
+        noise: Noise,
+        interval: float = 10.0,
+        samples: int = 60,
+    ) -> None:
+        self.dynamics, self.noise = dynamics, noise
+        self.motion = task.samples(interval, samples)
+        self.coulomb = tuple(level[:, None, :] for level in coulomb)
+        self.torque, self._effects = self._commanded(self.motion)
+        cycle, _ = self._commanded(task.grid(noise.time_step))
+        mean = select(disturbance_mean, noise.reading["disturbance_mean"])(self.torque, cycle)
+        self._disturbance = (noise.disturbance_share * mean)[:, None, :]
+        self._mass = dynamics.mass_matrix(self.motion.position)
+        self._encoder = select(noise_level, noise.reading["noise_level"])(noise.encoder)
+        self._return = select(disturbance_return, noise.reading["disturbance_return"])
+        self._draws = select(noise_draws, noise.reading["noise_draws"])
+        self._direction = select(coulomb_direction, noise.reading["coulomb_direction"])
+
+    def _commanded(self, motion: Motion) -> tuple[np.ndarray, np.ndarray | float]:
+        """Torque without noise in every hour, shape (hours, instants, n), and the part of the robot's effects."""
+        rigid = self.dynamics.rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
+        effects = self._effects_of(motion, rigid)
+        return rigid + self.dynamics.friction_torque(motion.velocity, self.coulomb) + effects, effects
+
+    def _effects_of(self, motion: Motion, rigid: np.ndarray) -> np.ndarray | float:
+        """Torque of the effects in the robot file, on the commanded motion: noise changes it in second order only."""
+        robot = self.dynamics.robot
+        if not robot.effects:
+            return 0.0
+        from jointwear.effects import check_effects, effect_torque, make_state
+
+        check_effects(robot)
+        start = HOUR * np.arange(len(self.coulomb[0]))[:, None]
+        lead = (len(start), *motion.position.shape)
+        parts = (np.broadcast_to(a, lead) for a in (motion.position, motion.velocity, motion.acceleration, rigid))
+        return effect_torque(robot, make_state(robot, *parts, time=start + motion.time))
+
+    def measure(self, random: np.random.Generator, threads: int = 1) -> np.ndarray:
+        """Return one replicate of the measured torque, shape (hours, samples, n) [N m].
+
+        The disturbed torque is turned into a motion by forward dynamics, noise is added to position, velocity
+        and acceleration, and inverse dynamics of the noisy motion gives the measured torque (Table I, 2 to 5).
+        """
+        shape, motion, step = self.torque.shape, self.motion, self.noise.time_step
+
+        def normal() -> np.ndarray:
+            # Single precision is drawn four times as fast; its resolution is 1e-7 of the noise.
+            return random.standard_normal(shape, dtype=np.float32)
+
+        disturbance = self._disturbance * normal()
+        jolt = self._return(disturbance, self._mass)
+        noise = self._draws(lambda: self._encoder * normal().astype(float))
+        position = motion.position + noise[0]
+        velocity = motion.velocity + noise[1] / step
+        acceleration = motion.acceleration + noise[2] / step**2
+        acceleration += jolt
+        direction = self._direction(motion.velocity, velocity)
+        torque = self.dynamics.inverse_dynamics(
+            position, velocity, acceleration, self.coulomb, direction, threads=threads
+        )
+        torque += self._effects
+        return torque
+
+
+def coulomb_levels(
+    dynamics: Dynamics, hours: np.ndarray, axis: int | None = None, wear: Wear | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return positive and negative Coulomb levels [N m], shape (hours, n), with one worn axis or none.
+
+    Parameters
+    ----------
+    hours : (hours,) time since the start of wear [h].
+    axis : 1-based axis that wears.
+    wear : its growth.
+    """
+    robot = dynamics.robot
+    positive = np.tile(robot.coulomb_positive, (len(hours), 1))
+    negative = np.tile(robot.coulomb_negative, (len(hours), 1))
+    if axis is not None and wear is not None:
+        j = axis - 1
+        positive[:, j], negative[:, j] = wear.coulomb(robot.coulomb_positive[j], robot.coulomb_negative[j], hours)
+    return positive, negative
+
+
+def exceedance(torque: np.ndarray, limit: np.ndarray) -> np.ndarray:
+    """Return the largest |torque| of each axis as a share of its limit, shape (n,); NaN where no limit is known."""
+    return np.abs(torque).max(axis=tuple(range(torque.ndim - 1))) / limit
+
+
+def simulate_run(
+    robot: str | Path,
+    task: str | Path,
+    output: str | Path,
+    *,
+    key: tuple[str | int, ...],
+    hours: int,
+    settings: Mapping[str, Any],
+    axis: int | None = None,
+    increase_percent: float | None = None,
+    threads: int = 1,
+) -> None:
+    """Simulate all replicates of one run and write their torque samples.
+
+    Parameters
+    ----------
+    robot, task : robot file and task file.
+    output : netCDF file with `torque` (replicate, hour, sample, axis).
+    key : name of the run, which decides its random numbers.
+    hours : length of the run [h].
+    settings : `seed`, `replicates`, `sampling`, `noise`, `reading` and, for a worn run, `shape` and `wear_hours`.
+    axis, increase_percent : the worn axis (1-based) and the growth of its friction at hour `wear_hours`.
+
+    Raises
+    ------
+    InputError : if a file is wrong, or the robot has no such axis.
+    """
+    dynamics, the_task = Dynamics(load_robot(robot)), load_task(task)
+    n = dynamics.robot.joints
+    if axis is not None and not 1 <= axis <= n:
+        raise InputError(f"{robot}: the robot has {n} axes; axis {axis} cannot wear")
+    hour = np.arange(1, hours + 1)
+    wear = None if axis is None else Wear(increase_percent, settings["shape"], settings["wear_hours"])
+    noise = Noise(**settings["noise"], reading=settings["reading"])
+    sampling = settings["sampling"]
+    levels = coulomb_levels(dynamics, hour, axis, wear)
+    repeated = RepeatedTask(dynamics, the_task, levels, noise, sampling["interval"], sampling["samples"])
+    replicates, samples = settings["replicates"], sampling["samples"]
+    variables = {
+        "replicate": Variable(("replicate",), np.arange(1, replicates + 1), "replicate", "1"),
+        "hour": Variable(("hour",), hour, "time since the start of the run", "h"),
+        "sample_time": Variable(
+            ("sample",), sampling["interval"] * np.arange(samples), "time of the sample in its hour", "s"
+        ),
+        "axis": Variable(("axis",), np.arange(1, n + 1), "axis of the robot", "1"),
+        "torque": Variable(("replicate", "hour", "sample", "axis"), None, "measured joint torque", "N m", kind="f4"),
+        "commanded_torque": Variable(
+            ("hour", "sample", "axis"), repeated.torque, "torque without disturbance and noise", "N m", kind="f4"
+        ),
+        "coulomb": Variable(("hour", "axis"), levels[0], "Coulomb friction for positive velocity", "N m"),
+        "limit_share": Variable(
+            ("axis",), None, "largest |torque| as a share of the robot's torque limit", "1", kind="f8"
+        ),
+    }
+    sizes = {"replicate": replicates, "hour": hours, "sample": samples, "axis": n}
+    title = f"torque of {the_task.name}, " + ("normal operation" if axis is None else f"wear of axis {axis}")
+    described = {**settings, "key": list(key), "hours": hours}
+    with create_dataset(output, sizes, variables, provenance.attributes(title, described)) as dataset:
+        share = np.zeros(n)
+        for replicate in range(replicates):
+            torque = repeated.measure(generator(settings["seed"], *key, replicate=replicate), threads)
+            share = np.fmax(share, exceedance(torque, dynamics.robot.torque_limit))
+            dataset["torque"][replicate] = torque
+        dataset["limit_share"][:] = np.where(np.isnan(dynamics.robot.torque_limit), np.nan, share)
+
+
+def simulate_worn_run(
+    robot: str | Path,
+    task: str | Path,
+    output: str | Path,
+    *,
+    cell: Cell,
+    settings: Mapping[str, Any],
+    threads: int = 1,
+) -> None:
+    """Simulate the worn run of one cell of the grid; see :func:`simulate_run`."""
+    simulate_run(
+        robot,
+        task,
+        output,
+        key=("wear", cell.task, cell.axis, round(cell.increase_percent * 1000)),
+        hours=settings["wear_hours"],
+        settings=settings,
+        axis=cell.axis,
+        increase_percent=cell.increase_percent,
+        threads=threads,
+    )

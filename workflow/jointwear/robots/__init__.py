@@ -1,0 +1,1 @@
+"""Robots: robot files, URDF, rigid-body dynamics, inertial parameters, and the tasks that they carry out."""

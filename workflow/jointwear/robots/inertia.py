@@ -1,0 +1,166 @@
+"""The inertial parameters of the nominal model: regressor of the torques, and how well they are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
+
+
+def inertial_regressor(dynamics: Dynamics, position, velocity, acceleration) -> np.ndarray:
+    """Return the derivative of the torques by the inertial parameters in the joint frames, shape (m, n, 10 n).
+
+    Ten parameters a link: m, m c (3), then inertia xx xy yy xz yz zz about the origin of the joint frame.
+    """
+    model, data = dynamics.model, dynamics.data
+    count, n = position.shape
+    result = np.empty((count, n, 10 * n))
+    for i in range(count):
+        result[i] = pin.computeJointTorqueRegressor(model, data, position[i], velocity[i], acceleration[i])
+    return result
+
+
+def link_frames(robot: Robot) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return rotation (3, 3) and origin (3,) of each link frame in its joint frame.
+
+    Standard DH puts the link frame at the end of the row; a URDF has link and joint frame in one.
+    """
+    if robot.dh is None:
+        return [(np.eye(3), np.zeros(3))] * robot.joints
+    frames = []
+    for row in robot.dh:
+        rotation = np.array(
+            [[1, 0, 0], [0, np.cos(row.alpha), -np.sin(row.alpha)], [0, np.sin(row.alpha), np.cos(row.alpha)]]
+        )
+        frames.append((rotation, np.array([row.a, 0.0, row.d])))
+    return frames
+
+
+def _skew(c):
+    return np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
+
+
+_SIX = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
+
+
+def _unpack(mass, com, inertia) -> np.ndarray:
+    about_origin = inertia + mass * _skew(com).T @ _skew(com)
+    return np.array([mass, *(mass * com), *(about_origin[i] for i in _SIX)])
+
+
+def _matrix(six) -> np.ndarray:
+    m = np.zeros((3, 3))
+    for value, (i, j) in zip(six, _SIX, strict=True):
+        m[i, j] = m[j, i] = value
+    return m
+
+
+def bodies(robot: Robot) -> list[tuple[float, np.ndarray, np.ndarray]]:
+    """Return mass, centre of mass and inertia about it of every link in its *link* frame, payload left out."""
+    if robot.links is not None:
+        return [(link.mass, link.com, link.inertia) for link in robot.links]
+    model = Dynamics(replace(robot, payload=None)).model
+    return [(b.mass, np.array(b.lever), np.array(b.inertia)) for b in list(model.inertias)[1:]]
+
+
+def to_joint_frame(robot: Robot, link: int) -> np.ndarray:
+    """Return the (10, 10) matrix that turns the parameters of `link` from the link to the joint frame."""
+    rotation, origin = link_frames(robot)[link]
+    matrix = np.empty((10, 10))
+    for k in range(10):
+        unit = np.zeros(10)
+        unit[k] = 1.0
+        matrix[:, k] = _moved(unit, rotation, origin)
+    return matrix
+
+
+def _moved(pi: np.ndarray, rotation: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Parameters about the origin of a frame at (rotation, origin), seen from the outer frame; linear in pi."""
+    mass, moment, inertia = pi[0], rotation @ pi[1:4], rotation @ _matrix(pi[4:]) @ rotation.T
+    # Steiner, linear in mass and first moment: I' = I + S(p)'S(mc) + S(mc)'S(p) + m S(p)'S(p).
+    p, h = _skew(origin), _skew(moment)
+    inertia = inertia + p.T @ h + h.T @ p + mass * p.T @ p
+    return np.array([mass, *(moment + mass * origin), *(inertia[i] for i in _SIX)])
+
+
+def prior_factor(robot: Robot, relative: float) -> np.ndarray:
+    """Return a factor L, shape (10 n, r), of the covariance L L' of the inertial parameters in the joint frames.
+
+    Every mass, coordinate of a centre of mass and moment of inertia is known to `relative`; in the first order a
+    centre of mass may also move across its own direction by a quarter of that, and products of inertia by a tenth
+    of the moments beside them, because zeros in a data sheet are rarely exact.
+    """
+    columns = []
+    for link, (mass, com, inertia) in enumerate(bodies(robot)):
+        frame = to_joint_frame(robot, link)
+        base = np.concatenate([[mass], com, [inertia[i] for i in _SIX]])
+        moments = np.abs(np.diag(inertia))
+        spread = np.empty(10)
+        spread[0] = relative * mass
+        spread[1:4] = relative * (np.abs(com) + 0.25 * np.linalg.norm(com))
+        spread[4:] = [
+            relative * (abs(inertia[i, j]) + (0.0 if i == j else 0.1 * np.sqrt(moments[i] * moments[j])))
+            for i, j in _SIX
+        ]
+        for k in range(10):
+            if spread[k] <= 0:
+                continue
+            step = np.zeros(10)
+            step[k] = spread[k]
+            up, down = (_unpack(b[0], b[1:4], _matrix(b[4:])) for b in (base + step, base - step))
+            column = np.zeros(10 * robot.joints)
+            column[10 * link : 10 * link + 10] = frame @ (up - down) / 2
+            columns.append(column)
+    return np.array(columns).T if columns else np.zeros((10 * robot.joints, 0))
+
+
+def mass_direction(robot: Robot, link: int) -> np.ndarray:
+    """Return how the parameters (10 n,) change when mass and inertia of `link` grow by 100 %."""
+    mass, com, inertia = bodies(robot)[link]
+    direction = np.zeros(10 * robot.joints)
+    direction[10 * link : 10 * link + 10] = to_joint_frame(robot, link) @ _unpack(mass, com, inertia)
+    return direction
+
+
+#: Relative size below which an entry of an inertia matrix is round-off.
+ROUND_OFF = 1e-10
+
+
+def _of_a_body(inertia: np.ndarray) -> np.ndarray:
+    """Return the nearest inertia matrix (3, 3) without negative moments, free of round-off.
+
+    No body has negative moments and no model by DH table takes them; a URDF takes any set of parameters, physical or
+    not, that gives the torques of the fit, and is left alone.
+    """
+    size = float(np.abs(inertia).max())
+    clean = np.where(np.abs(inertia) < ROUND_OFF * size, 0.0, inertia)
+    moments, axes = np.linalg.eigh(clean)
+    if moments[0] >= 0:
+        return clean
+    # A shade more than nothing, so that rounding does not make it negative again.
+    return (axes * np.maximum(moments, ROUND_OFF * size)) @ axes.T
+
+
+def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
+    """Return mass, com and inertia of every link, in the layout of a robot file, after adding `delta` (10 n,)."""
+    result = []
+    for link, (mass, com, inertia) in enumerate(bodies(robot)):
+        change = np.linalg.solve(to_joint_frame(robot, link), delta[10 * link : 10 * link + 10])
+        pi = _unpack(mass, com, inertia) + change
+        new_mass = float(max(pi[0], 0.0))
+        new_com = pi[1:4] / pi[0] if pi[0] > 1e-9 else np.zeros(3)
+        about = _matrix(pi[4:]) - new_mass * _skew(new_com).T @ _skew(new_com)
+        if robot.links is not None:
+            about = _of_a_body(about)
+        result.append(
+            {
+                "mass": new_mass,
+                "com": [float(x) for x in new_com],
+                "inertia": [float(about[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
+            }
+        )
+    return result

@@ -1,0 +1,143 @@
+"""A robot as data: kinematics, links, joints, payload and effects, read from one YAML file.
+
+The layout of the file is documented in config/README.md and checked by workflow/schemas/robot.schema.yaml.
+Turning a robot into torques is the work of :mod:`jointwear.robots.dynamics`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.robots.robot_file import read_robot_file
+
+
+@dataclass(frozen=True)
+class Link:
+    """One rigid body. `com` [m] in the link frame, `inertia` (3, 3) [kg m2] about the centre of mass."""
+
+    mass: float
+    com: np.ndarray
+    inertia: np.ndarray
+
+
+@dataclass(frozen=True)
+class DHRow:
+    """One row of a standard Denavit-Hartenberg table: d [m], a [m], alpha [rad], offset [rad]."""
+
+    d: float
+    a: float
+    alpha: float
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class EffectEntry:
+    """An effect of the library that acts on this robot; `axis` and `source_axis` are 1-based or None."""
+
+    effect: str
+    axis: int | None
+    source_axis: int | None
+    parameters: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot with n joints. Arrays have shape (n,); friction and inertia of the drives are on the joint side.
+
+    Attributes
+    ----------
+    coulomb_positive, coulomb_negative : Coulomb friction [N m] for positive and negative velocity, signed
+        like the torque that overcomes it (positive >= 0, negative <= 0).
+    viscous : viscous friction [N m s/rad].
+    armature : inertia of motor and gear seen at the joint [kg m2].
+    torque_limit : largest torque [N m], NaN where unknown.
+    """
+
+    name: str
+    gravity: np.ndarray
+    joint_names: tuple[str, ...]
+    lower: np.ndarray
+    upper: np.ndarray
+    gear_ratio: np.ndarray
+    armature: np.ndarray
+    viscous: np.ndarray
+    coulomb_positive: np.ndarray
+    coulomb_negative: np.ndarray
+    torque_limit: np.ndarray
+    dh: tuple[DHRow, ...] | None = None
+    links: tuple[Link, ...] | None = None
+    urdf: Path | None = None
+    payload: Link | None = None
+    effects: tuple[EffectEntry, ...] = ()
+    provenance: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def joints(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
+
+
+def inertia_matrix(six: list[float] | None) -> np.ndarray:
+    """Turn (xx, yy, zz, xy, yz, xz) [kg m2] into a symmetric (3, 3) matrix; None gives zeros."""
+    xx, yy, zz, xy, yz, xz = six if six is not None else (0.0,) * 6
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], dtype=float)
+
+
+def _link(entry: dict[str, Any]) -> Link:
+    return Link(float(entry["mass"]), np.array(entry["com"], dtype=float), inertia_matrix(entry.get("inertia")))
+
+
+def robot_from_data(data: dict[str, Any], urdf: Path | None = None) -> Robot:
+    """Build a :class:`Robot` from the checked content of a robot file.
+
+    Parameters
+    ----------
+    data : the content as :func:`jointwear.robots.robot_file.read_robot_file` returns it.
+    urdf : path of the URDF file where the robot is given by one.
+    """
+    joints = data["joints"]
+    gear = np.array([j["gear_ratio"] for j in joints], dtype=float)
+
+    def column(get) -> np.ndarray:
+        return np.array([np.nan if get(j) is None else get(j) for j in joints], dtype=float)
+
+    payload = data.get("payload")
+    return Robot(
+        name=data["name"],
+        gravity=np.array(data["gravity"], dtype=float),
+        joint_names=tuple(j["name"] for j in joints),
+        lower=column(lambda j: j["limits"][0]),
+        upper=column(lambda j: j["limits"][1]),
+        gear_ratio=gear,
+        armature=gear**2 * column(lambda j: j["motor_inertia"]),
+        viscous=gear**2 * column(lambda j: j["viscous"]),
+        coulomb_positive=np.abs(gear) * column(lambda j: j["coulomb"]["positive"]),
+        coulomb_negative=np.abs(gear) * column(lambda j: j["coulomb"]["negative"]),
+        torque_limit=column(lambda j: j["torque_limit"]),
+        dh=tuple(DHRow(r["d"], r["a"], r["alpha"], r.get("offset", 0.0)) for r in data["dh"]) if "dh" in data else None,
+        links=tuple(_link(e) for e in data["links"]) if "links" in data else None,
+        urdf=urdf,
+        payload=_link(payload) if payload and payload["mass"] > 0 else None,
+        effects=tuple(
+            EffectEntry(e["effect"], e.get("axis"), e.get("source_axis"), dict(e.get("parameters", {})))
+            for e in data.get("effects", [])
+        ),
+        provenance=dict(data.get("provenance", {})),
+    )
+
+
+def load_robot(path: str | Path) -> Robot:
+    """Read and check a robot file.
+
+    Raises
+    ------
+    InputError : if the file is missing, is not YAML, or breaks the layout; the message names the key.
+    """
+    path = Path(path)
+    data = read_robot_file(path)
+    urdf = path.parent / data["urdf"] if "urdf" in data else None
+    return robot_from_data(data, urdf)

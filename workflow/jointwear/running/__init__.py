@@ -1,0 +1,1 @@
+"""Running: what Snakemake needs at every call: configuration, scripts, imported modules, the stale lock."""

@@ -1,0 +1,106 @@
+"""Check the configuration before any job starts, and hand each rule the part that it uses.
+
+Imported by the Snakefile at every call: nothing heavy is imported here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
+from jointwear.files.errors import InputError, nearest
+from jointwear.reproduction import readings
+from jointwear.robots.robot_file import read_robot_file
+from jointwear.robots.task_file import read_task_file
+
+TASKS = Path("config/tasks")
+_NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+
+def config_schema() -> dict[str, Any]:
+    """Return the schema of the configuration, with the alternatives of every reading filled in."""
+    schema = read_schema("config")
+    entries = {
+        a.name: {"type": "string", "enum": list(a.alternatives), "description": a.question, "default": a.default}
+        for a in readings.ambiguities().values()
+    }
+    schema["properties"]["reading"].update(additionalProperties=False, properties=entries)
+    return schema
+
+
+def _plain(value: Any) -> Any:
+    """Turn what Snakemake loaded into plain dicts, lists, numbers and text (it reads 1e-4 as text)."""
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if isinstance(value, str) and _NUMBER.match(value):
+        return float(value)
+    # YAML turns a date without quotes into one of its own.
+    return value.isoformat() if isinstance(value, date) else value
+
+
+def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict[str, Any]:
+    """Check a configuration and return it with number types normalised and readings complete.
+
+    Parameters
+    ----------
+    config : as Snakemake merged it.
+    files : the configuration files, read once more for keys given twice, which Snakemake takes silently.
+
+    Raises
+    ------
+    InputError : one line naming the key, what is allowed and the nearest valid value.
+    """
+    for path in files:
+        read_yaml(path)
+    schema = config_schema()
+    config = _plain(config)
+    check(config, schema, "config")
+    config = normalise_numbers(config, schema)
+    config["reading"] = {a.name: config["reading"].get(a.name, a.default) for a in readings.ambiguities().values()}
+    config.setdefault("discover", {}).setdefault("datasets", {})
+    config.setdefault("monitor", {}).setdefault("robots", {})
+    if config["report"]["replicate"] > config["replicates"]:
+        raise InputError(
+            f"config: 'report.replicate' is {config['report']['replicate']}, there are {config['replicates']} "
+            f"replicates; the nearest valid value is {config['replicates']}"
+        )
+    span = config["sampling"]["interval"] * config["sampling"]["samples"]
+    if span > 3600:
+        raise InputError(f"config: 'sampling' covers {span:g} s of every hour; it must fit into 3600 s")
+    return config
+
+
+def check_experiment(config: Mapping[str, Any]) -> None:
+    """Check robot and tasks of the reproduction against each other and against the config.
+
+    Raises
+    ------
+    InputError : one line naming file and key.
+    """
+    robot = read_robot_file(config["robot"])
+    axes = len(robot["joints"])
+    for axis in config["wear"]["axes"]:
+        if axis > axes:
+            raise InputError(
+                f"config: 'wear.axes' holds {axis}; robot '{robot['name']}' has axes 1 to {axes}; "
+                f"the nearest valid value is {axes}"
+            )
+    known = sorted(p.stem for p in TASKS.glob("*.yaml"))
+    for task in config["tasks"]:
+        if task not in known:
+            raise InputError(
+                f"config: 'tasks' holds '{task}', but there is no {TASKS}/{task}.yaml{nearest(task, known)} "
+                f"(there are: {', '.join(known)})"
+            )
+        read_task_file(TASKS / f"{task}.yaml", robot)
+
+
+def reading_of(config: Mapping[str, Any], *stages: str) -> dict[str, str]:
+    """Return the chosen alternatives of the ambiguities that the given stages ask about."""
+    return {name: config["reading"][name] for stage in stages for name in readings.of_stage(stage)}

@@ -1,0 +1,1 @@
+"""Statistics: intervals for what was counted or measured, and one stream of random numbers per replicate."""

@@ -1,0 +1,44 @@
+"""Generate one batch of cases as files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.text_files import replace_text
+from jointwear.robots.robot import load_robot
+from jointwear.studies.challenge.case_files import write_case_data, write_truth
+from jointwear.studies.challenge.generate import INERTIAL_PRIOR, generate
+from jointwear.studies.challenge.plan import Case
+
+
+def generate_batch(
+    cases: list[Case],
+    robot_path: str,
+    seed: int,
+    folder: str | Path,
+    truth_json: str | Path,
+    truth_netcdf: str | Path,
+) -> None:
+    """Write the data sets of a batch into `folder`, their list into `cases.json` there, and the truth elsewhere.
+
+    Raises
+    ------
+    InputError : if the robot file is missing, broken, or gives a URDF.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    nominal = load_robot(robot_path)
+    settings: dict[str, Any] = {"seed": seed, "robot": robot_path}
+    listed, truths = [], []
+    for case in cases:
+        data, truth = generate(case, nominal, seed)
+        write_case_data(folder / f"{case.name}.nc", data, "Data set of the hidden-effect test", settings)
+        listed.append(
+            {"case": case.name, "file": f"{case.name}.nc", "train": list(data.train), "test": list(data.test)}
+        )
+        truths.append(truth)
+    write_truth(truth_json, truth_netcdf, truths, settings)
+    content = {"robot": robot_path, "inertial_prior": INERTIAL_PRIOR, "cases": listed}
+    replace_text(folder / "cases.json", json.dumps(content, indent=1) + "\n")

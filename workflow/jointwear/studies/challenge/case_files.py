@@ -1,0 +1,94 @@
+"""Files of the test: data sets as any user's, and apart from them the truth.
+
+Data sets go into one folder a batch, with `cases.json` naming file, robot, training and held-out recordings. Truth goes
+into one JSON and one netCDF file a batch, elsewhere.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.errors import InputError
+from jointwear.files.provenance import attributes
+from jointwear.files.storage import Variable, read_variables, write_dataset
+from jointwear.files.text_files import replace_text
+from jointwear.studies.challenge.generate import TRUTH_STRIDE, CaseData, Truth
+
+
+def write_case_data(path: str | Path, data: CaseData, title: str, settings: dict[str, Any]) -> None:
+    """Write one data set in the native layout of measured data."""
+    joints = ("time", "joint")
+    variables = {
+        "time": Variable(("time",), data.time, "time", "s"),
+        "joint": Variable(("joint",), np.arange(1, data.position.shape[1] + 1, dtype="i4"), "number of the joint"),
+        "trajectory": Variable(("time",), data.trajectory.astype("i4"), "number of the recording"),
+        "position": Variable(joints, data.position, "joint position", "rad"),
+        "torque": Variable(joints, data.torque, "motor torque on the joint side", "N m"),
+        "temperature": Variable(joints, data.temperature, "motor temperature", "degC"),
+    }
+    if data.velocity is not None:
+        variables["velocity"] = Variable(joints, data.velocity, "joint velocity", "rad/s")
+    if data.acceleration is not None:
+        variables["acceleration"] = Variable(joints, data.acceleration, "joint acceleration", "rad/s2")
+    write_dataset(path, variables, attributes(title, settings))
+
+
+def write_truth(
+    json_path: str | Path, netcdf_path: str | Path, truths: Sequence[Truth], settings: dict[str, Any]
+) -> None:
+    """Write the truth of one batch: facts as JSON, noise-free torque as netCDF.
+
+    Effects of all cases lie end to end along `effect`; `first_effect` (case) says where those of a case begin.
+    """
+    replace_text(json_path, json.dumps({"cases": [t.facts for t in truths]}, indent=1) + "\n")
+    counts = [len(t.effects) for t in truths]
+    variables = {
+        "case": Variable(("case",), np.array([t.facts["case"] for t in truths], dtype=object), "name of the case"),
+        "torque": Variable(
+            ("case", "sample", "joint"),
+            np.array([t.torque for t in truths], dtype="f4"),
+            f"torque without noise, every {TRUTH_STRIDE}th held-out sample, NaN where not judged",
+            "N m",
+        ),
+        "first_effect": Variable(("case",), np.cumsum([0, *counts[:-1]]).astype("i4"), "first row along effect"),
+        "effect_torque": Variable(
+            ("effect", "sample", "joint"),
+            np.concatenate([t.effects for t in truths]).astype("f4"),
+            "torque of each hidden effect at the same samples",
+            "N m",
+        ),
+    }
+    write_dataset(netcdf_path, variables, attributes("Truth of the hidden-effect test", settings))
+
+
+def read_truth(json_path: str | Path, netcdf_path: str | Path) -> list[Truth]:
+    """Read the truth of one batch.
+
+    Raises
+    ------
+    InputError : naming the file, if it is missing or broken.
+    """
+    facts = read_json(json_path)["cases"]
+    torque, first, effects = read_variables(netcdf_path, "torque", "first_effect", "effect_torque")
+    ends = [*first[1:], len(effects)]
+    return [Truth(f, torque[k], effects[first[k] : ends[k]]) for k, f in enumerate(facts)]
+
+
+def read_json(path: str | Path) -> dict[str, Any]:
+    """Read a JSON file of the test.
+
+    Raises
+    ------
+    InputError : naming the file, if it is missing or broken.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except ValueError as error:
+        raise InputError(f"{path}: is not JSON ({error}); delete it and run again") from None

@@ -1,0 +1,250 @@
+"""Make one case: the data that discovery gets, and apart from it the truth that only the score may read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jointwear.robots.robot import Robot
+from jointwear.statistics.randomness import generator
+from jointwear.studies.challenge.arm import Arm, with_one_wrong_number, with_wrong_numbers
+from jointwear.studies.challenge.hide import SMOOTH_ONLY, allowed_axes, draw_hidden
+from jointwear.studies.challenge.motion import Path, fourier_path, transfer_paths
+from jointwear.studies.challenge.plan import Case
+from jointwear.studies.challenge.scene import Scene, scene_of
+from jointwear.studies.challenge.sensors import encoder_steps, quantise, torque_noise
+from jointwear.studies.challenge.separability import IDENTIFIABLE, Sieve, build_sieve, energy_left_by
+from jointwear.studies.challenge.surroundings import start_times, temperatures
+from jointwear.studies.challenge.tiers import EFFECTS, TIERS, Tier
+from jointwear.studies.challenge.tracking import track
+from jointwear.studies.challenge.world import Hidden, World, build_world, total_torque
+
+DURATION, INTERVAL = 15.0, 0.01
+#: The recording that is held out; never the first or last, so that nothing has to be foretold.
+TEST = 2
+#: Share of cases whose motion is that of a closed loop with tracking error.
+CLOSED_LOOP = 0.1
+#: Every so many samples of the held-out recording keep their noise-free torque.
+TRUTH_STRIDE = 5
+INERTIAL_PRIOR = 0.05
+#: Standard deviation [rad/s] of the velocity where the recorder gives one.
+VELOCITY_NOISE = 1e-4
+#: Below this speed [rad/s] an axis rests and its friction is not judged; nor are the ends of a recording [s], where
+#: a filter that makes derivatives of positions has nothing to lean on.
+REST = 0.02
+EDGE = 0.25
+_RIVAL_DRAWS = 3
+
+
+@dataclass(frozen=True)
+class CaseData:
+    """What is measured: arrays (m, n), `time` and `trajectory` (m,); velocity and acceleration may be None."""
+
+    time: np.ndarray
+    trajectory: np.ndarray
+    position: np.ndarray
+    torque: np.ndarray
+    temperature: np.ndarray
+    velocity: np.ndarray | None
+    acceleration: np.ndarray | None
+    train: tuple[int, ...]
+    test: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What is hidden: facts for JSON, and over every fifth held-out sample (k, n) the noise-free torque and the
+    torque of each hidden effect (e, k, n) [N m]; NaN where the axis is not judged: at rest and at the ends."""
+
+    facts: dict[str, Any]
+    torque: np.ndarray
+    effects: np.ndarray
+
+
+def _paths(tier: Tier, robot: Robot, rng: np.random.Generator, count: int) -> list[Path]:
+    if tier.motion == "transfer":
+        return transfer_paths(robot, rng, count, DURATION)
+    # One recording in three is slow throughout: a good excitation also creeps.
+    return [
+        fourier_path(robot, rng, np.exp(rng.uniform(np.log(0.5), np.log(2.0), robot.joints)) * rng.choice([0.3, 1, 1]))
+        for _ in range(count)
+    ]
+
+
+def _draw(case: Case, scene: Scene, rng: np.random.Generator) -> list[Hidden]:
+    if case.kind in ("single", "outside"):
+        return [draw_hidden(case.subject, scene, rng)]
+    if case.kind != "two":
+        return []
+    first, second = (str(x) for x in rng.choice(EFFECTS, 2, replace=False))
+    one = draw_hidden(first, scene, rng)
+    places = allowed_axes(second, scene)
+    others = [k for k in places if k != one.axis]
+    if one.axis in places and rng.random() < 0.4:
+        return [one, draw_hidden(second, scene, rng, one.axis)]
+    return [one, draw_hidden(second, scene, rng, int(rng.choice(others)) if others else None)]
+
+
+def _real_arm(case: Case, tier: Tier, nominal: Robot, rng: np.random.Generator) -> tuple[Robot, dict[str, Any] | None]:
+    robot = with_wrong_numbers(nominal, rng, tier.inertial_error, tier.drive_error)
+    if case.kind != "retuned":
+        return robot, None
+    massive = [k for k, link in enumerate(nominal.links) if link.mass]
+    axis = int(rng.choice(massive)) if case.subject == "link_inertia" else int(rng.integers(nominal.joints))
+    share = float(rng.uniform(0.15, 0.40) * rng.choice([-1, 1]))
+    return with_one_wrong_number(robot, case.subject, axis, share), {
+        "number": case.subject,
+        "axis": axis + 1,
+        "share": share,
+    }
+
+
+def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
+    """Make one case; the same case, robot and seed give the same arrays.
+
+    Parameters
+    ----------
+    nominal : the robot that discovery will be given, by DH table.
+    seed : of the whole test; the case's words are the spawn key.
+    """
+    rng = generator(seed, *case.key, replicate=case.number)
+    tier = TIERS[case.tier]
+    robot, wrong = _real_arm(case, tier, nominal, rng)
+    arm = Arm(robot)
+    count = int(rng.integers(4, 6))
+    samples = round(DURATION / INTERVAL)
+    paths = _paths(tier, nominal, rng, count)
+    starts = start_times(rng, count, DURATION)
+    heat = temperatures(rng, count, nominal.joints)
+    world = build_world(arm, paths, starts, heat, samples, INTERVAL)
+    hidden = _draw(case, scene_of(world), rng)
+    closed = rng.random() < CLOSED_LOOP and not any(h.name in SMOOTH_ONLY for h in hidden)
+    if closed:
+        laws = [h.law for h in hidden if h.law is not None]
+        moved = track(
+            arm,
+            Arm(nominal),
+            paths,
+            starts,
+            heat,
+            DURATION,
+            float(rng.uniform(3, 6)),
+            (lambda state: sum(law(state) for law in laws)) if laws else None,
+        )
+        world = build_world(arm, moved, starts, heat, samples, INTERVAL)
+    torque, terms = total_torque(world, hidden)
+    deviation = tier.noise * torque.std(axis=0)
+    noise = torque_noise(rng, deviation, tier.colour, count, samples)
+    data = _measure(world, torque + noise, rng, closed)
+    train = world.state.recording != TEST
+    facts: dict[str, Any] = {
+        "case": case.name,
+        "set": case.set,
+        "tier": case.tier,
+        "kind": case.kind,
+        "subject": case.subject,
+        "closed_loop": bool(closed),
+        "noise": deviation.tolist(),
+        "wrong_number": wrong,
+    }
+    held = np.flatnonzero(~train)
+    facts["effects"] = []
+    if hidden:
+        sieve = build_sieve(world, nominal, train, deviation, tier.colour, INERTIAL_PRIOR)
+        plain = build_sieve(world, nominal, train, deviation, 0.0, INERTIAL_PRIOR) if tier.colour else sieve
+        for k, (item, term) in enumerate(zip(hidden, terms, strict=True)):
+            # The second effect must stand out beside the first one.
+            other = [t for j, t in enumerate(terms) if j != k]
+            facts["effects"].append(_describe(item, term, other, sieve, plain, world))
+        if case.kind != "outside":
+            for item, term, entry in zip(hidden, terms, facts["effects"], strict=True):
+                entry["rivals"] = _rivals(item, term, world, sieve, rng) if entry["energy"] > IDENTIFIABLE else {}
+    if wrong:
+        facts["wrong_number"]["energy"] = _energy_of_number(wrong, world, nominal, train, deviation, tier.colour)
+    kept = held[::TRUTH_STRIDE]
+    effects = np.array([t[kept] for t in terms]).reshape(len(terms), len(kept), nominal.joints)
+    hide = ~_judged(world)[kept]
+    return data, Truth(facts, np.where(hide, np.nan, torque[kept]), np.where(hide, np.nan, effects))
+
+
+def _judged(world: World) -> np.ndarray:
+    """Return where the torque of an axis is judged, (m, n)."""
+    clock = np.tile(world.clock, len(world.paths))
+    inside = (clock >= EDGE) & (clock <= world.clock[-1] - EDGE)
+    return inside[:, None] & (np.abs(world.state.velocity) >= REST)
+
+
+def _measure(world: World, torque: np.ndarray, rng: np.random.Generator, closed: bool) -> CaseData:
+    s, robot = world.state, world.arm.robot
+    given = rng.random()
+    velocity = acceleration = None
+    if given > 0.5:
+        velocity = s.velocity + rng.normal(0, VELOCITY_NOISE, s.velocity.shape)
+    if given > 0.8 and not closed:
+        acceleration = s.acceleration
+    labels = range(len(world.paths))
+    return CaseData(
+        time=np.round(s.time, 6),
+        trajectory=s.recording,
+        position=quantise(s.position, encoder_steps(rng, robot.gear_ratio)),
+        torque=torque,
+        temperature=quantise(s.temperature + rng.normal(0, 0.05, s.temperature.shape), 0.1),
+        velocity=velocity,
+        acceleration=acceleration,
+        train=tuple(k for k in labels if k != TEST),
+        test=(TEST,),
+    )
+
+
+def _describe(
+    item: Hidden, term: np.ndarray, other: list[np.ndarray], sieve: Sieve, plain: Sieve, world: World
+) -> dict[str, Any]:
+    held = _judged(world) & (world.state.recording == TEST)[:, None]
+    energy = energy_left_by(sieve, term, other) if other else sieve.energy(term)
+    return {
+        "effect": item.name,
+        "axis": None if item.axis is None else item.axis + 1,
+        "source_axis": None if item.source is None else item.source + 1,
+        "also": [k + 1 for k in item.also],
+        "form": item.form,
+        "size": item.size,
+        "unit": item.unit,
+        "parameters": item.parameters,
+        "energy": energy,
+        "energy_unwhitened": plain.energy(term),
+        "peak": np.abs(np.where(held, term, 0.0)).max(axis=0).tolist(),
+    }
+
+
+def _rivals(item: Hidden, term: np.ndarray, world: World, sieve: Sieve, rng: np.random.Generator) -> dict[str, float]:
+    """Return for every other effect the energy of the true one that it leaves, acting on the same axis."""
+    scene = scene_of(world)
+    axis = item.axis if item.axis is not None else int(np.argmax(np.sum(term**2, axis=0)))
+    left = {}
+    for name in EFFECTS:
+        if name == item.name or (name in SMOOTH_ONLY and hasattr(world.paths[0], "torque_at")):
+            continue
+        if name != "payload" and axis not in allowed_axes(name, scene):
+            continue
+        draws = [draw_hidden(name, scene, rng, axis).term(world) for _ in range(_RIVAL_DRAWS)]
+        left[name] = energy_left_by(sieve, term, draws)
+    return left
+
+
+def _energy_of_number(
+    wrong: dict[str, Any], world: World, nominal: Robot, train: np.ndarray, deviation: np.ndarray, colour: float
+) -> float:
+    """Return the energy of a wrong number of the model itself: what the model's other numbers cannot take over."""
+    axis, number = wrong["axis"] - 1, wrong["number"]
+    column = {"coulomb_friction": 0, "viscous_friction": 2, "motor_inertia": 3}.get(number)
+    without = () if column is None else (4 * axis + column,)
+    mass = axis if column is None else None
+    sieve = build_sieve(world, nominal, train, deviation, colour, INERTIAL_PRIOR, without, mass)
+    right = with_one_wrong_number(world.arm.robot, number, axis, 1 / (1 + wrong["share"]) - 1)
+    s = world.state
+    change = world.arm.torque(s.position, s.velocity, s.acceleration) - Arm(right).torque(
+        s.position, s.velocity, s.acceleration
+    )
+    return sieve.energy(change)

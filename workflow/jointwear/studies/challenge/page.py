@@ -1,0 +1,197 @@
+"""The page of the hidden-effect test: one file, no script, no outside resource."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from jointwear.files.text_files import replace_text
+from jointwear.publishing.report.rendering import render_page
+from jointwear.studies.challenge.case_files import read_json
+from jointwear.studies.challenge.generate import CLOSED_LOOP, DURATION, INTERVAL
+from jointwear.studies.challenge.plan import part_batches
+from jointwear.studies.challenge.scores import SHARES, UPPER_LIMITS
+from jointwear.studies.challenge.separability import IDENTIFIABLE, SEPARABLE
+from jointwear.studies.challenge.tiers import COUNTS, DRAWINGS, EFFECTS, FULL, TARGETS, TIERS
+
+_WORDS = {
+    "identifiable_share": "single effects that the motion can show (identifiable)",
+    **{name: text for name, (_, _, text) in SHARES.items()},
+    "false_names": "false names where nothing is hidden",
+    "gap_median": "held-out gap closed, median",
+    "gap_tenth": "held-out gap closed, 10th percentile",
+    "not_worse": "not worse than retuning on held-out motion",
+    "not_worse_named": "the same, only cases with a named effect",
+    "tie_size": "mean size of the tie set",
+    "name_first_strict": "right name first, no two names counted as one",
+    "exact_set_strict": "exact set, no two names counted as one",
+    "right_number": "the wrong number itself is listed",
+}
+_ORDER = [*TARGETS, "name_first_strict", "exact_set_strict", "right_number", "not_worse_named"]
+_NAMES = {
+    **{name: name.replace("_", " ").replace("stribeck", "Stribeck").replace("coulomb", "Coulomb") for name in EFFECTS},
+    **{answer: answer for answer in ("nothing", "none", "retuned", "unknown", "refused")},
+    "outside": "outside the library",
+}
+_SET_WORDS = {
+    "choose": "the seeds on which thresholds were chosen",
+    "sample": "a sample of cases with seeds of their own",
+    "report": "the seeds that are kept for the report",
+}
+
+
+def _target(name: str, tier: str) -> str:
+    if name not in TARGETS:
+        return ""
+    value = TARGETS[name][list(TIERS).index(tier)]
+    if isinstance(value, tuple):
+        return f"{value[0]:.2f} to {value[1]:.2f}"
+    if name == "false_names":
+        return f"at most {value} of {FULL['nothing']}"
+    return f"{'at most' if name in UPPER_LIMITS else 'at least'} {value:g}"
+
+
+def _shown(name: str, score: Mapping[str, Any]) -> str:
+    if score["value"] is None:
+        return "no cases"
+    if name == "false_names":
+        return f"{score['value']} of {score['count']}"
+    interval = f" ({score['low']:.2f} to {score['high']:.2f})" if score["low"] is not None else ""
+    return f"{score['value']:.3f}{interval}"
+
+
+def score_table(tiers: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the rows of the score table: words, and for every tier value, all cases, target and whether reached."""
+    return [
+        {
+            "words": _WORDS[name],
+            "cells": [
+                {
+                    "value": _shown(name, content["scores"][name]),
+                    "all": _shown(name, content["all_cases"][name]),
+                    "count": content["scores"][name]["count"],
+                    "target": _target(name, tier),
+                    "reached": content["scores"][name].get("reached"),
+                }
+                for tier, content in tiers.items()
+            ],
+        }
+        for name in _ORDER
+    ]
+
+
+#: What has to be answered to the kinds that hide no effect of the library.
+RIGHT_ANSWER = {"nothing": "none", "outside": "unknown"}
+
+
+def confusion_table(confusion: Mapping[str, Mapping[str, int]]) -> dict[str, Any]:
+    """Return columns and rows of a confusion matrix; every cell has the number and its share of the row."""
+    given = {answer for answers in confusion.values() for answer in answers}
+    columns = [n for n in EFFECTS if n in given or confusion.get(n)]
+    columns += [n for n in ("none", "retuned", "unknown", "refused") if n in given]
+    columns += sorted(given - set(columns))
+    rows = []
+    for truth, answers in confusion.items():
+        total = sum(answers.values())
+        if total:
+            cells = [
+                {
+                    "count": answers.get(c, 0),
+                    "share": answers.get(c, 0) / total,
+                    "right": c == RIGHT_ANSWER.get(truth, truth),
+                }
+                for c in columns
+            ]
+            rows.append({"truth": truth, "total": total, "cells": cells})
+    return {"columns": columns, "rows": rows}
+
+
+def calibration_points(bins: list[Mapping[str, Any]]) -> list[dict[str, float]]:
+    """Return the filled bins as points of a drawing 600 wide and 160 high, with 95 % intervals."""
+    filled = [b for b in bins if b["names"]]
+    step = 560 / max(len(filled), 1)
+
+    def height(share: float) -> float:
+        return round(150 - 140 * share, 1)
+
+    return [
+        {
+            "x": round(40 + step * (k + 0.5), 1),
+            "y": height(b["right"] / b["names"]),
+            "top": height(b["share_high"]),
+            "bottom": height(b["share_low"]),
+            "label": f"{b['low']:g}+" if b["high"] > 1e9 else f"{b['low']:g} to {b['high']:g}",
+            "names": b["names"],
+        }
+        for k, b in enumerate(filled)
+    ]
+
+
+def set_words(part: str, cases: int, drawing: int) -> str:
+    """Return in words which cases a page shows; `part` as in :func:`jointwear.studies.challenge.plan.part_batches`."""
+    seed_set, numbers = part_batches(part)
+    whole = len(TIERS) * sum(COUNTS[seed_set].values())
+    words = _SET_WORDS[seed_set]
+    if drawing > 1:
+        words += f" (drawing {drawing}: results on earlier ones had been seen before discovery was last changed)"
+    if cases >= whole:
+        return words
+    count = max(numbers.values())
+    return (
+        f"{words}: the first {count} batches of every tier, each a like mixture of all kinds, "
+        f"{cases} of {whole} cases. The share was fixed before any result was looked at"
+    )
+
+
+def write_page(
+    scores_path: str,
+    peers_path: str | None,
+    output: str,
+    part: str,
+    seed: int,
+    command: str | None = None,
+    drawing: int | None = None,
+) -> None:
+    """Write the page from the scores (and, where they were run, those of the peers).
+
+    Parameters
+    ----------
+    part : a seed set or its first batches. command : what makes the scores, where they were not made just now.
+    drawing : of the seed set that was run; default the present one.
+
+    Raises
+    ------
+    InputError : if the scores are missing or broken.
+    """
+    scores = read_json(scores_path)
+    tiers = scores["tiers"]
+    drawing = DRAWINGS[part_batches(part)[0]] if drawing is None else drawing
+    missed = [
+        f"{_WORDS[name]} ({tier})"
+        for tier, content in tiers.items()
+        for name in TARGETS
+        if content["scores"][name].get("reached") is False
+    ]
+    judged = sum(content["scores"][n].get("reached") is not None for content in tiers.values() for n in TARGETS)
+    context = {
+        "names": _NAMES,
+        "set_words": set_words(part, scores["cases"], drawing),
+        "is_sample": COUNTS[part_batches(part)[0]] is not FULL,
+        "command": command,
+        "seed": seed,
+        "cases": scores["cases"],
+        "tiers": tiers,
+        "settings": {name: TIERS[name] for name in tiers},
+        "table": score_table(tiers),
+        "missed": missed,
+        "judged": judged,
+        "confusion": {name: confusion_table(content["confusion"]) for name, content in tiers.items()},
+        "calibration": {name: calibration_points(content["calibration"]) for name, content in tiers.items()},
+        "peers": read_json(peers_path) if peers_path else None,
+        "identifiable": IDENTIFIABLE,
+        "separable": SEPARABLE,
+        "closed_loop": CLOSED_LOOP,
+        "duration": DURATION,
+        "rate": round(1 / INTERVAL),
+    }
+    replace_text(output, render_page("challenge.html.j2", context))

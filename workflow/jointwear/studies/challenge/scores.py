@@ -1,0 +1,186 @@
+"""Scores over many judged cases: the table with its targets, confusion, detection limits, calibration."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from jointwear.statistics.intervals import wilson_interval
+from jointwear.studies.challenge.tiers import EFFECTS, FULL, TARGETS, TIERS
+
+Row = Mapping[str, Any]
+
+#: Score, what it counts (kind of case), and the field of a row. Rows that are None do not count.
+SHARES = {
+    "name_first": ("single", "name_first", "right name first"),
+    "axis": ("single", "axis_right", "right axis"),
+    "exact_set": ("single", "exact_set", "exact set of names, single effects"),
+    "retuned": ("retuned", "retuned", "one wrong number called retuned, no effect named"),
+    "unknown": ("outside", "unknown", "outside the library called unknown"),
+    "two_found": ("two", "both_found", "two effects, both found"),
+    "two_exact": ("two", "two_exact", "two effects, exact"),
+    "tie_holds": ("single", "tie_holds", "tie set holds the truth"),
+    "coverage": ("single", "covered", "95 % interval covers the true peak torque"),
+}
+#: Scores where less is better.
+UPPER_LIMITS = {"false_names", "tie_size"}
+
+
+def _of(rows: Sequence[Row], kind: str, identifiable: bool) -> list[Row]:
+    return [r for r in rows if r["kind"] == kind and (r["identifiable"] or not identifiable)]
+
+
+def _share(rows: Sequence[Row], field: str) -> dict[str, Any]:
+    answers = [bool(r[field]) for r in rows if r.get(field) is not None]
+    low, high = wilson_interval(sum(answers), len(answers))
+    return {"value": sum(answers) / len(answers) if answers else None, "count": len(answers), "low": low, "high": high}
+
+
+def _number(values: Sequence[float], value: float | None) -> dict[str, Any]:
+    return {"value": value, "count": len(values), "low": None, "high": None}
+
+
+def score_tier(rows: Sequence[Row], identifiable: bool = True) -> dict[str, dict[str, Any]]:
+    """Return every score of one tier: value, count, and for shares a 95 % interval.
+
+    Parameters
+    ----------
+    rows : of :func:`jointwear.studies.challenge.judge.judge`, one tier.
+    identifiable : count only cases that the motion can show at all (the published score), or all cases.
+    """
+    scores = {name: _share(_of(rows, kind, identifiable), field) for name, (kind, field, _) in SHARES.items()}
+    singles = _of(rows, "single", identifiable)
+    scores["identifiable_share"] = _share(_of(rows, "single", False), "identifiable")
+    scores["name_first_strict"] = _share(singles, "name_first_strict")
+    scores["exact_set_strict"] = _share(singles, "exact_set_strict")
+    scores["right_number"] = _share(_of(rows, "retuned", identifiable), "right_number")
+    nothing = [r for r in rows if r["kind"] == "nothing"]
+    scores["false_names"] = _number(nothing, sum(r["false_name"] for r in nothing) if nothing else None)
+    gaps = [r["gap_closed"] for r in singles if r.get("gap_closed") is not None]
+    scores["gap_median"] = _number(gaps, float(np.median(gaps)) if gaps else None)
+    scores["gap_tenth"] = _number(gaps, float(np.percentile(gaps, 10)) if gaps else None)
+    scores["not_worse"] = _share([r for r in rows if r.get("not_worse") is not None], "not_worse")
+    scores["not_worse_named"] = _share([r for r in rows if r["named"] and r.get("not_worse") is not None], "not_worse")
+    sizes = [r["tie_size"] for r in singles if r.get("tie_size")]
+    scores["tie_size"] = _number(sizes, float(np.mean(sizes)) if sizes else None)
+    return scores
+
+
+def reached(name: str, tier: str, score: Mapping[str, Any]) -> bool | None:
+    """Whether a score reaches its target; None where it has none or nothing was counted.
+
+    The number of false names is allowed for the full number of cases and scaled down for a sample.
+    """
+    if name not in TARGETS or score["value"] is None:
+        return None
+    target = TARGETS[name][list(TIERS).index(tier)]
+    if isinstance(target, tuple):
+        return target[0] <= score["value"] <= target[1]
+    if name == "false_names":
+        return score["value"] <= target * max(score["count"] / FULL["nothing"], 0)
+    return score["value"] <= target if name in UPPER_LIMITS else score["value"] >= target
+
+
+def confusion(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
+    """Return truth -> answer -> number of cases: identifiable single effects, then the other kinds by verdict."""
+    table: dict[str, Counter] = {name: Counter() for name in (*EFFECTS, "nothing", "retuned", "outside")}
+    for row in rows:
+        if row["kind"] == "two" or (row["kind"] in ("single", "outside", "retuned") and not row["identifiable"]):
+            continue
+        truth = row["subject"] if row["kind"] == "single" else row["kind"]
+        table[truth][row["first_name"] or row["verdict"]] += 1
+    return {truth: dict(answers) for truth, answers in table.items()}
+
+
+def detection_limits(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Return for every effect the size at which half and nine tenths of the cases get the right name.
+
+    From a logistic curve in the logarithm of the size with a weak ridge, over all single cases, identifiable or not.
+    None where the curve leaves the range of sizes tried; `always` and `never` say on which side.
+    """
+    result = []
+    for name in EFFECTS:
+        cases = [r for r in rows if r["kind"] == "single" and r["subject"] == name]
+        if not cases:
+            continue
+        size = np.abs([r["size"] for r in cases])
+        right = np.array([r["name_first_strict"] and r["axis_right"] for r in cases], dtype=float)
+        x = np.log(size)
+        centre, spread = x.mean(), max(x.std(), 1e-9)
+        beta = _logistic((x - centre) / spread, right)
+        limits = {}
+        for level in (0.5, 0.9):
+            odds = np.log(level / (1 - level))
+            at = np.exp(centre + spread * (odds - beta[0]) / beta[1]) if abs(beta[1]) > 1e-3 else np.nan
+            limits[level] = float(at) if size.min() <= at <= size.max() else None
+        result.append(
+            {
+                "effect": name,
+                "cases": len(cases),
+                "right": int(right.sum()),
+                "identifiable": int(sum(bool(r["identifiable"]) for r in cases)),
+                "smallest": float(size.min()),
+                "largest": float(size.max()),
+                "half": limits[0.5],
+                "ninety": limits[0.9],
+                "grows_with_size": bool(beta[1] > 0),
+            }
+        )
+    return result
+
+
+def _logistic(x: np.ndarray, y: np.ndarray, ridge: float = 0.1) -> np.ndarray:
+    """Fit intercept and slope of a logistic curve by Newton's method with a ridge; returns (2,)."""
+    design = np.column_stack([np.ones_like(x), x])
+    beta = np.zeros(2)
+    for _ in range(50):
+        p = 1 / (1 + np.exp(-np.clip(design @ beta, -30, 30)))
+        hessian = design.T @ (design * (p * (1 - p))[:, None]) + ridge * np.eye(2)
+        step = np.linalg.solve(hessian, design.T @ (y - p) - ridge * beta)
+        beta = beta + step
+        if np.abs(step).max() < 1e-9:
+            break
+    return beta
+
+
+def calibration(
+    rows: Sequence[Row], edges: Sequence[float] = (0, 10, 15, 20, 30, 50, 100, 300, 1000, 1e12)
+) -> list[dict]:
+    """Return for bins of evidence [nats] how many names were given and how many of them were right, over all cases.
+
+    A name is right where that effect (or one that the motion cannot tell from it) acts on that axis.
+    """
+    names = [n for r in rows for n in r["names"] if n["evidence"] is not None]
+    result = []
+    for low, high in pairwise(edges):
+        inside = [n["right"] for n in names if low <= n["evidence"] < high]
+        interval = wilson_interval(sum(inside), len(inside))
+        result.append(
+            {
+                "low": float(low),
+                "high": float(high),
+                "names": len(inside),
+                "right": int(sum(inside)),
+                "share_low": interval[0],
+                "share_high": interval[1],
+            }
+        )
+    return result
+
+
+def failures(rows: Sequence[Row]) -> dict[str, Counter]:
+    """Return for every hidden thing what was answered instead of the right answer, over identifiable cases."""
+    table: dict[str, Counter] = {}
+    for r in rows:
+        if r["kind"] in ("single", "outside", "retuned") and not r["identifiable"]:
+            continue
+        good = {"single": "exact_set", "two": "two_exact", "retuned": "retuned", "outside": "unknown"}.get(r["kind"])
+        if (good and r[good]) or (r["kind"] == "nothing" and not r["false_name"]):
+            continue
+        answer = " + ".join(f"{n}@{a}" for n, a in r["named"]) or r["verdict"]
+        table.setdefault(f"{r['kind']}:{r['subject'] or ''}", Counter())[answer] += 1
+    return table

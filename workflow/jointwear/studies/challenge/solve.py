@@ -1,0 +1,98 @@
+"""Give the data sets of one batch to discovery and keep what it says. Never reads truth."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.discovery import Recording, Settings, Verdict, discover
+from jointwear.files.errors import InputError
+from jointwear.files.provenance import attributes
+from jointwear.files.storage import Variable, open_dataset, write_dataset
+from jointwear.files.text_files import replace_text
+from jointwear.robots.robot import Robot, load_robot
+from jointwear.studies.challenge.case_files import read_json
+
+#: Held-out predictions are kept for every so many samples, as in the truth files.
+STRIDE = 5
+MODELS = ("nominal", "retuned", "augmented")
+
+
+def read_recording(path: Path, train: Sequence[int], test: Sequence[int]) -> Recording:
+    """Read one data set in the native layout.
+
+    Raises
+    ------
+    InputError : naming the file, if it is missing or broken.
+    """
+    with open_dataset(path) as dataset:
+        values = {name: np.asarray(v[...]) for name, v in dataset.variables.items() if name != "joint"}
+    return Recording(**values, train=tuple(train), test=tuple(test), name=path.stem)
+
+
+def solve(recording: Recording, robot: Robot, settings: Settings) -> tuple[dict[str, Any], np.ndarray, float]:
+    """Return the verdict as in verdict.json (or {"refused": reason}), the torque of nominal, retuned and augmented
+    model over every fifth held-out sample (3, k, n) [N m], and the computing time [s]."""
+    start = time.process_time()
+    held = np.flatnonzero(np.isin(recording.trajectory, recording.test))[::STRIDE]
+    try:
+        verdict = discover(recording, robot, settings)
+    except InputError as error:
+        nothing = np.full((len(MODELS), len(held), recording.joints), np.nan)
+        return {"refused": str(error)}, nothing, time.process_time() - start
+    seconds = time.process_time() - start
+    torque = np.array([_at_samples(verdict, verdict.torques[model], recording, held) for model in MODELS])
+    return json.loads(verdict.to_json()), torque, seconds
+
+
+def _at_samples(verdict: Verdict, torque: np.ndarray, recording: Recording, wanted: np.ndarray) -> np.ndarray:
+    """Return a model's torque at the wanted samples of the recording; discovery may have used other instants."""
+    result = np.full((len(wanted), torque.shape[1]), np.nan)
+    for label in np.unique(recording.trajectory[wanted]):
+        mine, theirs = recording.trajectory[wanted] == label, verdict.sample_trajectory == label
+        # Discovery may lay recordings end to end: times count from the first sample of each.
+        start = recording.time[recording.trajectory == label][0]
+        clock = recording.time[wanted[mine]] - start
+        theirs_clock = verdict.sample_time[theirs] - verdict.sample_time[theirs][0]
+        for joint in range(torque.shape[1]):
+            result[mine, joint] = np.interp(clock, theirs_clock, torque[theirs, joint])
+    return result
+
+
+def solve_batch(folder: str | Path, json_path: str | Path, netcdf_path: str | Path, settings: dict[str, Any]) -> None:
+    """Solve every data set of a batch and write verdicts (JSON) and held-out predictions (netCDF).
+
+    Parameters
+    ----------
+    folder : holds `cases.json` and one netCDF file a case. settings : of :class:`jointwear.discovery.Settings`.
+
+    Raises
+    ------
+    InputError : if a file of the batch is missing or broken.
+    """
+    folder = Path(folder)
+    listed = read_json(folder / "cases.json")
+    robot = load_robot(listed["robot"])
+    entries, torques = [], []
+    for case in listed["cases"]:
+        recording = read_recording(folder / case["file"], case["train"], case["test"])
+        said, torque, seconds = solve(recording, robot, Settings(inertial_prior=listed["inertial_prior"], **settings))
+        entries.append({"case": case["case"], "seconds": round(seconds, 3), "verdict": said})
+        torques.append(torque)
+    replace_text(json_path, json.dumps({"cases": entries}, indent=1) + "\n")
+    variables = {
+        "case": Variable(("case",), np.array([e["case"] for e in entries], dtype=object), "name of the case"),
+        "model": Variable(("model",), np.array(MODELS, dtype=object), "model that predicts the torque"),
+        "torque": Variable(
+            ("case", "model", "sample", "joint"),
+            np.array(torques, dtype="f4"),
+            f"predicted torque, every {STRIDE}th held-out sample",
+            "N m",
+        ),
+    }
+    write_dataset(netcdf_path, variables, attributes("Predictions of the hidden-effect test", settings))

@@ -1,0 +1,270 @@
+"""What was missing from the published experiment, in the layout that `discover` uses too."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.json_values import six_digits
+from jointwear.files.storage import open_dataset, read_variable
+from jointwear.robots.robot import load_robot
+from jointwear.studies.recovery.candidates import COMPONENTS, Parameter, candidate
+from jointwear.studies.recovery.choice import choose, parts, runner_up
+from jointwear.studies.recovery.fit import Fit, read_fit
+from jointwear.studies.recovery.plan import NOTHING
+from jointwear.studies.recovery.tables import Tables, read_tables
+
+UNEXPLAINED = 9.0  # mean squared weighted residual: three per cent of the torque in the root mean square
+
+
+def cells(tables: Tables, fit: Fit) -> list[dict[str, Any]]:
+    """Return one entry for every table cell: published, reproduced, errors."""
+    result = []
+    for t, task in enumerate(tables.tasks):
+        for axis in range(tables.maximum.shape[1]):
+            for c, increase in enumerate(tables.increase_percent):
+                place = (t, axis, c)
+                published = tables.maximum[place]
+                result.append(
+                    {
+                        "task": task,
+                        "axis": axis + 1,
+                        "increase_percent": float(increase),
+                        "published_maximum": float(published),
+                        "reproduced_maximum": six_digits(fit.maximum[place]),
+                        "error_percent": None
+                        if published == 0
+                        else six_digits(100 * (fit.maximum[place] / published - 1)),
+                        "published_variation": float(tables.variation[place]),
+                        "reproduced_variation": six_digits(fit.variation[place]),
+                    }
+                )
+    return result
+
+
+def contradictions(tables: Tables, coulomb: np.ndarray) -> list[dict[str, Any]]:
+    """Return cells of Table V that no wear curve can bring together.
+
+    Two tasks with the same hours in both columns have the same worn friction, and nothing else differs between
+    the columns. On an axis whose torque is friction alone the columns must then differ by the same.
+
+    Parameters
+    ----------
+    coulomb : (n,) larger Coulomb level of each axis [N m].
+    """
+    result = []
+    hours, axis = tables.reading_hours, 0  # axis 1 bears no gravity
+    for a in range(len(tables.tasks)):
+        for b in range(a + 1, len(tables.tasks)):
+            if not np.array_equal(hours[a, axis], hours[b, axis]):
+                continue
+            change = np.diff(tables.maximum[[a, b], axis], axis=1)[:, 0]
+            # 0.45 % scatter of each maximum, four maxima.
+            scatter = 2 * 0.0045 * tables.maximum[[a, b], axis].mean()
+            if abs(change[0] - change[1]) > 3 * scatter:
+                result.append(
+                    {
+                        "tasks": [tables.tasks[a], tables.tasks[b]],
+                        "axis": axis + 1,
+                        "hours": [float(h) for h in hours[a, axis]],
+                        "change": [six_digits(x) for x in change],
+                        "unit": "N m",
+                        "largest_possible_scatter": six_digits(3 * scatter),
+                        "reason": "same hours and same friction, so the columns must differ alike; axis "
+                        f"{axis + 1} bears no gravity (Coulomb friction {coulomb[axis]:.3g} N m)",
+                    }
+                )
+    return result
+
+
+def _parameter(p: Parameter, value: float, std: float) -> dict[str, Any]:
+    return {"value": six_digits(value), "std": six_digits(std), "unit": p.unit}
+
+
+def build_verdict(
+    tables: Tables,
+    fits: Mapping[str, Fit],
+    transferred: Mapping[str, float],
+    coulomb: np.ndarray,
+    ensemble: Mapping[str, np.ndarray] | None = None,
+) -> dict[str, Any]:
+    """Return the verdict.
+
+    Parameters
+    ----------
+    fits : by candidate.
+    transferred : mean squared weighted residual on left-out tasks, by candidate, of those that were tested.
+    coulomb : (n,) larger Coulomb level of each axis [N m].
+    ensemble : values over the solutions, by parameter, for what is identifiable.
+    """
+    chosen = choose(fits, transferred)
+    fit, nothing, second = fits[chosen], fits[NOTHING], runner_up(fits, chosen)
+    effects, retuned, place = [], [], 0
+    for component in candidate(chosen).components:
+        own = range(place, place + len(component.parameters))
+        place += len(component.parameters)
+        numbers = [(component.parameters[k - own.start], fit.effect[k], fit.std[k]) for k in own]
+        others = [n for n in fits if parts(n) and component.name in parts(n)]
+        without = parts(chosen) - {component.name}
+        reduced = "+".join(c.name for c in candidate(chosen).components if c.name in without) or NOTHING
+        if component.kind == "effect":
+            named = {p.name if p.axis is None else f"{p.name}_{p.axis}": _parameter(p, v, s) for p, v, s in numbers}
+            gain = None
+            if chosen in transferred and reduced in transferred:
+                gain = six_digits(1 - transferred[chosen] / transferred[reduced])
+            effects.append(
+                {
+                    "effect": component.name,
+                    "axis": None,
+                    "source_axis": None,
+                    "tie_set": sorted(
+                        {component.name, *component.same_in_slow_motion}, key=lambda n: n != component.name
+                    ),
+                    "parameters": named,
+                    "regime": None,
+                    "evidence_nats": six_digits((fits[reduced].bic - fit.bic) / 2),
+                    "cross_validated_gain": gain,
+                    "candidates_with_it": len(others),
+                }
+            )
+        else:
+            retuned += [
+                {
+                    "parameter": p.name,
+                    "axis": p.axis,
+                    "nominal": p.nominal,
+                    "value": six_digits(v),
+                    "std": six_digits(s),
+                    "unit": p.unit,
+                    "tie_set": [component.name, *component.same_in_slow_motion],
+                    "kind": component.kind,
+                }
+                for p, v, s in numbers
+            ]
+    verdict = "effects" if effects else "retuned" if retuned else "none"
+    if fit.variance > UNEXPLAINED:
+        verdict = "unknown"
+    gap = np.abs(nothing.maximum - tables.maximum), np.abs(fit.maximum - tables.maximum)
+    layout = [f"{c['task']} axis {c['axis']} {c['increase_percent']:g} %" for c in cells(tables, fit)]
+    return {
+        "dataset": "published tables V and VI",
+        "verdict": verdict,
+        "candidate": chosen,
+        "effects": effects,
+        "retuned": retuned,
+        "unexplained": contradictions(tables, coulomb),
+        "gap": {
+            "unit": "N m",
+            "per": "table cell, |reproduced - published| maximum; order in `cells`",
+            "cells": layout,
+            "nominal": [six_digits(x) for x in gap[0].ravel()],
+            "retuned": [six_digits(x) for x in np.abs(_best_retuned(fits).maximum - tables.maximum).ravel()],
+            "augmented": [six_digits(x) for x in gap[1].ravel()],
+            "noise_floor": [six_digits(x) for x in (0.0045 * tables.maximum).ravel()],
+        },
+        "not_identifiable": _not_identifiable(fits, chosen, ensemble),
+        "next_experiment": None,
+        "runner_up": {
+            "candidate": second,
+            "bic": six_digits(fits[second].bic),
+            "behind_nats": six_digits((fits[second].bic - fit.bic) / 2),
+            "mean_square": six_digits(fits[second].variance),
+        },
+        "wear_shape": six_digits(fit.shape),
+        "mean_square": six_digits(fit.variance),
+        "cells": cells(tables, fit),
+    }
+
+
+def _best_retuned(fits: Mapping[str, Fit]) -> Fit:
+    names = [n for n in fits if parts(n) and all(COMPONENTS[p].kind == "retuned" for p in parts(n))]
+    return min((fits[n] for n in names), key=lambda f: f.bic) if names else fits[NOTHING]
+
+
+def _not_identifiable(fits, chosen: str, ensemble) -> list[dict[str, Any]]:
+    result = [
+        {"effects": [p, *COMPONENTS[p].same_in_slow_motion], "axis": None, "reason": "alike in slow motion"}
+        for p in parts(chosen)
+        if COMPONENTS[p].same_in_slow_motion
+    ]
+    if "payload" in parts(chosen) and ensemble is not None:
+        mass, z = ensemble["mass"], ensemble["com_z"]
+        spread = {
+            name: (float(np.min(v)), float(np.max(v)))
+            for name, v in (("mass", mass), ("com_z", z), ("product", mass * z))
+        }
+        relative = {
+            name: float(np.std(v) / np.mean(v)) for name, v in (("mass", mass), ("com_z", z), ("product", mass * z))
+        }
+        result.append(
+            {
+                "effects": ["payload"],
+                "axis": None,
+                "reason": "mass and offset trade off against poses",
+                "range_over_solutions": {k: [six_digits(x) for x in v] for k, v in spread.items()},
+                "relative_spread": {k: six_digits(v) for k, v in relative.items()},
+                "correlation_of_mass_and_offset": six_digits(np.corrcoef(mass, z)[0, 1]) if len(mass) > 2 else None,
+            }
+        )
+    return result
+
+
+def write_comparison(
+    path: str | Path, fits: Mapping[str, Fit], transferred: Mapping[str, float], tables: Tables
+) -> None:
+    """Write one row a candidate, best criterion first."""
+    moving = ~tables.at_rest
+    columns = [
+        "candidate",
+        "parameters",
+        "data",
+        "cost",
+        "mean_square",
+        "bic",
+        "aicc",
+        "median_error_percent",
+        "worst_error_percent",
+    ]
+    with Path(path).open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*columns, "left_out_mean_square"])
+        for name, fit in sorted(fits.items(), key=lambda item: item[1].bic):
+            error = 100 * np.abs(fit.maximum / np.where(tables.maximum > 0, tables.maximum, 1) - 1)[moving]
+            numbers = [fit.cost, fit.variance, fit.bic, fit.aicc, np.median(error), error.max(), transferred.get(name)]
+            text = ["" if x is None else f"{x:.6g}" for x in numbers]
+            writer.writerow([name, fit.parameters, fit.data, *text])
+
+
+def judge(
+    robot: str | Path,
+    published: str | Path,
+    fits: Sequence[str | Path],
+    transfer: str | Path,
+    ensemble: str | Path,
+    verdict: str | Path,
+    comparison: str | Path,
+) -> None:
+    """Compare all fits and write the verdict and the comparison.
+
+    Parameters
+    ----------
+    robot : the unloaded arm; published : file of the published numbers; fits, transfer, ensemble : what the other
+        rules wrote; verdict : JSON; comparison : CSV.
+    """
+    arm, tables = load_robot(robot), read_tables(published)
+    known = {fit.candidate: fit for fit in map(read_fit, fits)}
+    with open_dataset(transfer) as data:
+        names = [str(n) for n in data["candidate"][:]]
+        transferred = dict(zip(names, read_variable(data, transfer, "mean_square").mean(axis=1), strict=True))
+    with open_dataset(ensemble) as data:
+        values = read_variable(data, ensemble, "effect")
+        numbers = {str(n): values[:, k] for k, n in enumerate(data["parameter"][:])}
+    coulomb = np.maximum(arm.coulomb_positive, -arm.coulomb_negative)
+    result = build_verdict(tables, known, transferred, coulomb, numbers)
+    Path(verdict).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_comparison(comparison, known, transferred, tables)
