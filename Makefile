@@ -16,6 +16,7 @@ lock_of = $(shell cat $(1) | sha256sum | cut -c1-16)
 RUN := $(VENV)/.run-$(call lock_of,requirements/run.txt)
 TEST := $(VENV)/.test-$(call lock_of,requirements/run.txt requirements/test.txt)
 PUBLISH := $(VENV)/.publish-$(call lock_of,requirements/run.txt requirements/publish.txt)
+PLANTS := $(VENV)/.plants-$(call lock_of,requirements/run.txt requirements/test.txt requirements/plants.txt)
 CLUSTER := $(VENV)/.cluster-$(call lock_of,requirements/run.txt requirements/cluster.txt)
 CHECK_VENV := .venv-check
 CHECK_LOCKS := $(addprefix requirements/,run.txt test.txt publish.txt cluster.txt check.txt)
@@ -23,7 +24,7 @@ CHECK := $(CHECK_VENV)/.check-$(call lock_of,$(CHECK_LOCKS))
 BENCH_VENV := .venv-bench
 BENCH := $(BENCH_VENV)/.bench-$(call lock_of,requirements/run.txt requirements/bench.txt)
 
-PIP_INSTALL := -m pip install --disable-pip-version-check --quiet --require-hashes
+PIP_INSTALL := -m pip install --disable-pip-version-check --quiet --quiet --require-hashes
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 
 .PHONY: help
@@ -48,6 +49,12 @@ $(PUBLISH): $(RUN)
 	@echo "adding requirements/publish.txt to $(VENV)"
 	@rm -f $(VENV)/.publish-*
 	@$(BIN)/python $(PIP_INSTALL) -r requirements/publish.txt
+	@touch $@
+
+$(PLANTS): $(TEST)
+	@echo "adding requirements/plants.txt to $(VENV)"
+	@rm -f $(VENV)/.plants-*
+	@$(BIN)/python $(PIP_INSTALL) -r requirements/plants.txt
 	@touch $@
 
 $(CLUSTER): $(RUN)
@@ -137,7 +144,7 @@ reference: $(RUN)  ## Write docs/reference from schemas and docstrings
 lock:  ## Renew requirements/*.txt from requirements/*.in
 	@"$(PYTHON)" -m venv .venv-lock
 	@.venv-lock/bin/pip install --quiet pip-tools
-	@for name in run test bench publish cluster check peers; do .venv-lock/bin/pip-compile --quiet --upgrade --generate-hashes --no-emit-index-url \
+	@for name in run test plants bench publish cluster check peers; do .venv-lock/bin/pip-compile --quiet --upgrade --generate-hashes --no-emit-index-url \
 	  --no-emit-find-links --no-emit-trusted-host --allow-unsafe --strip-extras \
 	  --output-file requirements/$$name.txt requirements/$$name.in; done
 
