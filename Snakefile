@@ -5,9 +5,6 @@ from snakemake.utils import min_version
 min_version("9.0")
 
 
-configfile: "config/config.yaml"
-
-
 # Used only with --software-deployment-method apptainer: the Python that requirements/run.txt is locked for.
 container: "docker://python:3.11"
 

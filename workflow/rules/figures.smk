@@ -16,7 +16,7 @@ rule draw_figure_1:
     input:
         simulation=f"results/simulation/{FIGURE_RUN}",
         robot=config["robot"],
-        task=f"config/tasks/{FIGURE_CELL.task}.yaml",
+        task=shipped(f"config/tasks/{FIGURE_CELL.task}.yaml"),
         published=PUBLISHED,
         modules=modules_of("draw_figure_1"),
     output:

@@ -1,7 +1,7 @@
 rule simulate_training:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
+        task=task_file,
         modules=modules_of("simulate_training"),
     output:
         "results/simulation/{task}/training.nc",
@@ -17,7 +17,7 @@ rule simulate_training:
 rule simulate_normal:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
+        task=task_file,
         modules=modules_of("simulate_normal"),
     output:
         "results/simulation/{task}/normal.nc",
@@ -33,7 +33,7 @@ rule simulate_normal:
 rule simulate_wear:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
+        task=task_file,
         modules=modules_of("simulate_wear"),
     output:
         "results/simulation/{task}/axis{axis}_{increase}percent.nc",

@@ -1,4 +1,4 @@
-PUBLISHED = "config/paper/published.yaml"
+PUBLISHED = shipped("config/paper/published.yaml")
 
 
 rule tabulate_lags:
