@@ -17,6 +17,7 @@ from jointwear.running.configuration import (
     reading_of,
 )
 from jointwear.files.errors import InputError
+from jointwear.robots.robot_file import read_robot_file
 from jointwear.running.modules import imported_by, lend_to_children
 from jointwear.running.shipped import shipped, shipped_glob
 from jointwear.running.stale_lock import clear_stale_lock, note_run
@@ -59,6 +60,20 @@ def modules_of(rule):
         return [from_here(path) for path in imported_by(script)]
 
     return lambda wildcards: files()
+
+
+# Effects of the robot of the reproduction; an edit of any other effect leaves its runs alone.
+ROBOT_EFFECTS = frozenset(
+    entry["effect"] for entry in read_robot_file(config["robot"])["effects"]
+)
+
+
+def simulation_modules(rule):
+    """Library files of a rule that simulates the robot of the reproduction: of the effects, those that it has."""
+    script = LIBRARY / "scripts" / f"{rule}.py"
+    return lambda wildcards: [
+        from_here(path) for path in imported_by(script, ROBOT_EFFECTS)
+    ]
 
 
 def from_here(path):

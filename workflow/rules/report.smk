@@ -1,4 +1,3 @@
-REPORT_TABLES = ["table_ii", "table_iii", "table_iv", "table_v", "table_vi"]
 REPORT_FIGURES = [
     "figure_1",
     "figure_2",

@@ -2,7 +2,7 @@ rule simulate_training:
     input:
         robot=config["robot"],
         task=task_file,
-        modules=modules_of("simulate_training"),
+        modules=simulation_modules("simulate_training"),
     output:
         "results/simulation/{task}/training.nc",
     log:
@@ -18,7 +18,7 @@ rule simulate_normal:
     input:
         robot=config["robot"],
         task=task_file,
-        modules=modules_of("simulate_normal"),
+        modules=simulation_modules("simulate_normal"),
     output:
         "results/simulation/{task}/normal.nc",
     log:
@@ -34,7 +34,7 @@ rule simulate_wear:
     input:
         robot=config["robot"],
         task=task_file,
-        modules=modules_of("simulate_wear"),
+        modules=simulation_modules("simulate_wear"),
     output:
         "results/simulation/{task}/axis{axis}_{increase}percent.nc",
     log:
