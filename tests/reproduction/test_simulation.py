@@ -6,8 +6,9 @@ import pytest
 from jointwear.files.storage import read_variables
 from jointwear.reproduction import readings
 from jointwear.reproduction.grid import Cell, by_cell, cell_of
-from jointwear.reproduction.simulation import Noise, RepeatedTask, coulomb_levels, simulate_run, simulate_worn_run
+from jointwear.reproduction.simulation import Noise, RepeatedTask, simulate_run
 from jointwear.reproduction.wear import Wear
+from jointwear.reproduction.worn_run import coulomb_levels, simulate_worn_run
 from jointwear.robots.trajectory import load_task
 from jointwear.statistics.randomness import generator
 
