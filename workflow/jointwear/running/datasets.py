@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError
+from jointwear.files.regular_files import check_regular
 from jointwear.robots.robot_file import robot_sources
 
 
@@ -22,12 +23,10 @@ def check_datasets(config: Mapping[str, Any]) -> None:
     """
     for name, entry in config["discover"]["datasets"].items():
         for key in ("measured", "robot"):
-            path = Path(entry[key])
-            if not path.is_file():
-                there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() else []
-                raise InputError(
-                    f"config: 'discover.datasets.{name}.{key}' is {path}: no such file{nearest(path.name, there)}"
-                )
+            try:
+                check_regular(entry[key])
+            except InputError as error:
+                raise InputError(f"config: 'discover.datasets.{name}.{key}' is {error}") from None
         for path in robot_sources(entry["robot"])[1:]:
-            if not Path(path).is_file():
+            if not Path(path).exists():
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
