@@ -36,7 +36,7 @@ def parse_json(text: str, name: object, kind: type = dict) -> Any:
     except RecursionError:
         raise InputError(f"{name}: is nested too deeply") from None
     except ValueError as error:
-        raise InputError(f"{name}: is truncated or not JSON ({error}); delete it and run again") from None
+        raise InputError(f"{name}: cannot be read as JSON ({error}); delete it and run again") from None
     if not isinstance(data, kind):
         wanted = {dict: "a mapping", list: "a list"}.get(kind, kind.__name__)
         raise InputError(f"{name}: must hold {wanted}, holds {type(data).__name__}; delete it and run again")

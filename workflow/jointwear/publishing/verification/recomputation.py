@@ -86,8 +86,8 @@ def check_trust(crate: Path, own: Path) -> None:
     if differing:
         raise InputError(
             f"crate {crate}: its workflow is not this one: {len(differing)} files differ, as {differing[0]}. It would "
-            "run with your rights: look at it, then add --config trust=true, or verify with the version of jointwear that "
-            "wrote it"
+            "run with your rights: look at it, then add --config trust=true, or verify with the version of jointwear "
+            "that wrote it"
         )
     prepare(read_yaml(crate / CONFIG))
 
