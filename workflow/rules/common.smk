@@ -1,4 +1,5 @@
 import sys
+import time
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,7 @@ sys.path.insert(0, str(LIBRARY))
 # Snakemake would import pandas, a quarter of a second, only to ask whether a parameter is a data frame; none is.
 sys.modules.setdefault("pandas", None)
 
+from jointwear.running.closing import closing_lines
 from jointwear.running.configuration import (
     check_experiment,
     layer_files,
@@ -28,8 +30,15 @@ if workflow.is_main_process and clear_stale_lock(Path.cwd()):
     print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
 
 
+BEGIN = time.time()
+
+
 onstart:
     note_run(Path.cwd())
+
+
+onsuccess:
+    print(*closing_lines(Path.cwd(), BEGIN), sep="\n")
 
 
 try:

@@ -1,6 +1,7 @@
 # Which logs every monitored robot has, and what the rules of monitor.smk take from its entry.
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
 from jointwear.monitor.plan import READING_KEYS, batches_of, check_robots, log_sources
 
@@ -21,6 +22,12 @@ SHIPPED_ROBOTS = {
         "robots"
     ].items()
 }
+# Those whose logs are here: the registered ones only once they have been fetched.
+OWN_ROBOTS = [
+    name
+    for name, entry in SHIPPED_ROBOTS.items()
+    if not any(will_be_fetched(pattern) for pattern in entry["logs"])
+]
 CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
 
 

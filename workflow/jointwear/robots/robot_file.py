@@ -11,6 +11,7 @@ from typing import Any
 
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest, shown
+from jointwear.files.registered import path_in, will_be_fetched
 from jointwear.robots.rigid_body import has_no_negative_moment
 from jointwear.robots.urdf_file import read_urdf_joints
 
@@ -94,13 +95,14 @@ def _complete(path: Path, index: int, joint: dict[str, Any]) -> dict[str, Any]:
 
 def _joints_of_urdf(path: Path, data: dict[str, Any]) -> list[dict[str, Any]]:
     """Return one joint entry for each moving joint of the URDF, overridden by those of the robot file."""
-    urdf = path.parent / data["urdf"]
+    urdf = path_in(data["urdf"], path.parent)
     try:
         entries = read_urdf_joints(urdf, check_inertia=data.get("inertia_check", "full") == "full")
     except InputError as error:
-        if "no such file" in str(error):
-            raise InputError(f"{path}: 'urdf' names {data['urdf']}, which does not exist") from None
-        raise
+        if "no such file" not in str(error):
+            raise
+        hint = "; `snakemake fetch_data` loads it" if will_be_fetched(urdf) else ""
+        raise InputError(f"{path}: 'urdf' names {data['urdf']}, which does not exist{hint}") from None
     found = {entry["name"]: entry for entry in entries}
     given = data.get("joints", [])
     for i, joint in enumerate(given):
@@ -116,4 +118,6 @@ def _joints_of_urdf(path: Path, data: dict[str, Any]) -> list[dict[str, Any]]:
 def robot_sources(path: str) -> list[str]:
     """Return the files that a robot is made of: the robot file and, where it names one, the URDF."""
     data = read_yaml(path)
-    return [path, str(Path(path).parent / data["urdf"])] if isinstance(data.get("urdf"), str) else [path]
+    if not isinstance(data.get("urdf"), str):
+        return [path]
+    return [path, str(path_in(data["urdf"], Path(path).parent))]

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
+from jointwear.files.registered import will_be_fetched
 from jointwear.files.regular_files import check_regular
 from jointwear.robots.robot_file import robot_sources
 
@@ -23,10 +24,12 @@ def check_datasets(config: Mapping[str, Any]) -> None:
     """
     for name, entry in config["discover"]["datasets"].items():
         for key in ("measured", "robot"):
+            if will_be_fetched(entry[key]):
+                continue
             try:
                 check_regular(entry[key])
             except InputError as error:
                 raise InputError(f"config: 'discover.datasets.{name}.{key}' is {error}") from None
         for path in robot_sources(entry["robot"])[1:]:
-            if not Path(path).exists():
+            if not Path(path).exists() and not will_be_fetched(path):
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
