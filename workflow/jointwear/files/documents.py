@@ -49,33 +49,46 @@ _StrictLoader.add_implicit_resolver(
 )
 
 
-def _check_size(node: yaml.Node, counts: dict[int, int | None], depth: int = 0) -> int:
-    """Return how many values a node stands for when every alias is written out; `counts` remembers nodes seen.
+def _check_size(node: yaml.Node, seen: dict[int, tuple[int, int] | None]) -> tuple[int, int]:
+    """Return how many values and levels a node stands for when every alias is written out; `seen` remembers nodes.
 
     Raises
     ------
     InputError : if an anchor holds itself, or there are too many values or levels.
     """
     line = node.start_mark.line + 1
-    if id(node) in counts:
-        if counts[id(node)] is None:
+    if id(node) in seen:
+        if seen[id(node)] is None:
             raise InputError(f"line {line}: an anchor holds itself")
-        return counts[id(node)]
-    if depth > DEEPEST:
-        raise InputError(f"line {line}: is nested more than {DEEPEST} levels deep")
-    counts[id(node)] = None
-    total = 1
+        return seen[id(node)]
+    seen[id(node)] = None
+    total, levels = 1, 0
     if isinstance(node, yaml.CollectionNode):
         pairs = isinstance(node, yaml.MappingNode)
         for entry in node.value:
-            total += sum(_check_size(inner, counts, depth + 1) for inner in (entry if pairs else (entry,)))
+            for inner in entry if pairs else (entry,):
+                count, below = _check_size(inner, seen)
+                total, levels = total + count, max(levels, below + 1)
             if total > MOST_VALUES:
                 raise InputError(f"line {line}: stands for more than {MOST_VALUES} values, aliases written out")
-    counts[id(node)] = total
-    return total
+            if levels > DEEPEST:
+                raise InputError(f"line {line}: is nested more than {DEEPEST} levels deep, aliases written out")
+    seen[id(node)] = total, levels
+    return seen[id(node)]
+
+
+def _check_depth(text: str) -> None:
+    """Check the nesting of a document event by event: to build one that is too deep would end the process."""
+    depth = 0
+    for event in yaml.parse(text, Loader=_StrictLoader):
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise InputError(f"line {event.start_mark.line + 1}: is nested more than {DEEPEST} levels deep")
 
 
 def _load(text: str) -> Any:
+    _check_depth(text)
     loader = _StrictLoader(text)
     try:
         node = loader.get_single_node()
@@ -107,7 +120,8 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         what = getattr(error, "problem", None) or "not valid YAML"
         raise InputError(f"{path}:{where} {what}") from None
     except RecursionError:
-        raise InputError(f"{path}: is nested more than {DEEPEST} levels deep") from None
+        # Anchors within anchors within anchors.
+        raise InputError(f"{path}: is nested too deeply") from None
     except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
         # Values whose tag says what they are not: 2026-13-45, !!int text.
         raise InputError(f"{path}: not valid YAML ({error})") from None

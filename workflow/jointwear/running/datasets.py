@@ -27,6 +27,8 @@ def check_datasets(config: Mapping[str, Any]) -> None:
             if will_be_fetched(entry[key]):
                 continue
             try:
+                if key == "measured" and Path(entry[key]).is_dir():
+                    continue  # a bag
                 check_regular(entry[key])
             except InputError as error:
                 raise InputError(f"config: 'discover.datasets.{name}.{key}' is {error}") from None
