@@ -1,4 +1,4 @@
-"""Documents that would be believed though they are broken: numbers, sizes, kinds of files, values echoed in messages."""
+"""Documents that would be believed though they are broken: numbers, sizes, kinds of files, values in messages."""
 
 import json
 import os
@@ -34,8 +34,18 @@ def put(text, path, value):
 @pytest.mark.parametrize("number", NOT_FINITE)
 @pytest.mark.parametrize(
     "path",
-    ["noise.disturbance_share", "noise.encoder", "noise.time_step", "wear.shape", "wear.increase_percent.0"]
-    + ["detection.confidence", "detection.variance_share", "sampling.interval", "seed", "replicates"],
+    [
+        "noise.disturbance_share",
+        "noise.encoder",
+        "noise.time_step",
+        "wear.shape",
+        "wear.increase_percent.0",
+        "detection.confidence",
+        "detection.variance_share",
+        "sampling.interval",
+        "seed",
+        "replicates",
+    ],
 )
 def test_no_number_of_the_configuration_may_be_infinite(tmp_path, root, path, number):
     text = put((root / "config/config.yaml").read_text(), path, number)
@@ -53,9 +63,22 @@ def test_no_number_of_the_configuration_may_be_infinite(tmp_path, root, path, nu
 @pytest.mark.parametrize("number", NOT_FINITE)
 @pytest.mark.parametrize(
     "path",
-    ["gravity.2", "dh.0.d", "dh.1.a", "dh.0.alpha", "links.1.mass", "links.1.com.0", "links.1.inertia.0"]
-    + ["joints.0.viscous", "joints.0.motor_inertia", "joints.0.gear_ratio", "joints.0.coulomb.positive"]
-    + ["joints.0.torque_limit", "joints.0.limits.0", "payload.mass"],
+    [
+        "gravity.2",
+        "dh.0.d",
+        "dh.1.a",
+        "dh.0.alpha",
+        "links.1.mass",
+        "links.1.com.0",
+        "links.1.inertia.0",
+        "joints.0.viscous",
+        "joints.0.motor_inertia",
+        "joints.0.gear_ratio",
+        "joints.0.coulomb.positive",
+        "joints.0.torque_limit",
+        "joints.0.limits.0",
+        "payload.mass",
+    ],
 )
 def test_no_number_of_a_robot_may_be_infinite(tmp_path, root, path, number):
     (tmp_path / "arm.yaml").write_text(put((root / "config/robots/puma560_paper.yaml").read_text(), path, number))

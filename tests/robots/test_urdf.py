@@ -12,7 +12,8 @@ from jointwear.robots.robot_file import read_robot_file
 
 
 def link(name, mass="2.0", inertia='ixx="0.02" iyy="0.02" izz="0.01" ixy="0" iyz="0" ixz="0"', com="0 0 0.1"):
-    return f'<link name="{name}"><inertial><origin xyz="{com}"/><mass value="{mass}"/><inertia {inertia}/></inertial></link>'
+    body = f'<origin xyz="{com}"/><mass value="{mass}"/><inertia {inertia}/>'
+    return f'<link name="{name}"><inertial>{body}</inertial></link>'
 
 
 def joint(name, parent, child, kind="revolute", inside='<limit lower="-1" upper="1" effort="5" velocity="1"/>'):
