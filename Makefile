@@ -87,7 +87,7 @@ reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of 
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs)"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or hostile)"
 
 .PHONY: test-browser
 test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium chromium-driver)
