@@ -78,7 +78,7 @@ def test_sources_become_the_registered_files(server, tmp_path):
 def test_numbers_that_are_not_the_registered_ones_are_refused_and_leave_nothing(server, tmp_path):
     _, _, entry = staubli(*server)
     entry["files"]["measured.nc"]["rms"]["tau"][2] *= 1.01
-    with pytest.raises(InputError, match="'tau' of measured.nc does not hold the registered numbers"):
+    with pytest.raises(InputError, match=r"'tau' of measured\.nc does not hold the registered numbers"):
         fetch("arm", tmp_path / "out", registry_of(tmp_path, entry), tmp_path / "cache")
     assert not list((tmp_path / "out").iterdir())
 
