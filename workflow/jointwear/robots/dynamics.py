@@ -11,10 +11,13 @@ import pinocchio as pin
 
 from jointwear.files.errors import InputError
 from jointwear.robots.robot import Link, Robot
+from jointwear.robots.urdf_file import moving_mass
 
 _BLOCK = 4096  # states
 #: Name of the frame at the tip of the arm; a URDF may have frames of any ordinary name.
 TIP = "jointwear/tip"
+#: Relative difference of the moving mass between URDF and model that is round-off.
+MASS_TOLERANCE = 1e-9
 
 
 def _pin_inertia(link: Link) -> pin.Inertia:
@@ -58,7 +61,7 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
     try:
         full = pin.buildModelFromUrdf(str(robot.urdf))
     except (ValueError, RuntimeError) as error:
-        raise InputError(f"{robot.urdf}: Pinocchio cannot read it ({str(error).splitlines()[0]})") from None
+        raise InputError(f"{robot.urdf}: Pinocchio cannot read it ({error})") from None
     if full.nq != full.nv:
         # Continuous joints have a (cos, sin) pair as position; the project's positions are angles.
         root = pin.Model()
@@ -75,6 +78,9 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
     names = list(full.names)[1:]
     if names != list(robot.joint_names):
         raise InputError(f"{robot.urdf}: joints are {names}, the robot file has {list(robot.joint_names)}")
+    mass, told = sum(body.mass for body in list(full.inertias)[1:]), moving_mass(robot.urdf)
+    if abs(mass - told) > MASS_TOLERANCE * told:
+        raise InputError(f"{robot.urdf}: Pinocchio reads {mass:g} kg of moving links, the file holds {told:g} kg")
     last = [f for f in full.frames if f.type == pin.FrameType.BODY and f.parentJoint == full.njoints - 1]
     tip = last[-1].placement if last else pin.SE3.Identity()
     full.addFrame(pin.Frame(TIP, full.njoints - 1, 0, tip, pin.FrameType.OP_FRAME))
