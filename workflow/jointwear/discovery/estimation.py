@@ -23,6 +23,7 @@ from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
 from jointwear.discovery.problem import White
 from jointwear.discovery.refine import SCALED, evidence_at, free_parameters, refine, simplest
+from jointwear.discovery.verdict import FallBack
 from jointwear.effects import State, get_effect
 from jointwear.robots.inertia import mass_direction
 
@@ -71,6 +72,8 @@ class Final:
     delta_inertial: np.ndarray
     retuned_friction: np.ndarray
     retuned_inertial: np.ndarray
+    fallbacks: tuple[FallBack, ...] = ()
+    misfits: tuple[str, ...] = ()
 
 
 def finalise(outcome: Outcome) -> Final:
@@ -149,16 +152,6 @@ def _with_references(white, base, refined, forms, others, error):
         if fit.evidence + value > Fit(white.targets, [*base, *rest, term]).evidence:
             result[i] = (one, moved, _term(white, moved, term))
     return result
-
-
-def effect_on(state: State, estimate: Estimate) -> np.ndarray:
-    """Return the torque of one estimated effect on any ordered state, (m, n)."""
-    return np.asarray(_columns_on(state, estimate) @ estimate.coefficients)
-
-
-def _columns_on(state: State, estimate: Estimate) -> np.ndarray:
-    """Columns (m, n, k) of an effect and its form."""
-    return _all_columns(state, estimate.named.candidate, estimate.form)
 
 
 def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.ndarray:
