@@ -1,4 +1,4 @@
-"""From estimates to the entries of the verdict: named effects, wrong parameters, what is left and what cannot be told."""
+"""From estimates to the entries of the verdict: named effects, wrong parameters, what is left, what cannot be told."""
 
 from __future__ import annotations
 

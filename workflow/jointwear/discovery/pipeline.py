@@ -123,12 +123,29 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     restrictions = check_recording(recording, robot, measured)
     problem = build_problem(recording, robot, settings, measured())
     restrictions += motion_restrictions(problem)
-    final = finalise(search(problem))
-    seen = identifiability(final.outcome.white, final.outcome.dictionary)
+    outcome = search(problem)
+    final, files, torques = _written(problem, finalise(outcome))
+    if _worse(problem, torques):
+        # What bounds and bodies made of the numbers in the file is not what was fitted: leave the links alone.
+        final, files, torques = _written(problem, finalise(outcome, frozenset({"inertial"})))
+    seen = identifiability(outcome.white, outcome.dictionary)
+    content = make_verdict(recording.name, final, seen, torques, restrictions)
+    return Discovery(recording, content, final, seen, files, torques)
+
+
+def _written(problem: Problem, final: Final) -> tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]:
+    """Return a model with its robot files and the torque that each of them gives."""
     files = {"retuned": written_robot(final, False), "augmented": written_robot(final)}
     torques = {"nominal": problem.measured.torque - problem.discrepancy}
     for kind, file in files.items():
         with file.robot() as arm:
             torques[kind] = simulate_robot(arm, problem.measured)[0]
-    content = make_verdict(recording.name, final, seen, torques, restrictions)
-    return Discovery(recording, content, final, seen, files, torques)
+    return final, files, torques
+
+
+def _worse(problem: Problem, torques: dict[str, np.ndarray]) -> bool:
+    """Return whether a written robot follows the training motion worse than the given one on any axis."""
+    used = problem.measured.usable & problem.train[:, None]
+    square = {k: np.sum(np.where(used, (problem.measured.torque - v) ** 2, 0.0), axis=0) for k, v in torques.items()}
+    limit = problem.settings.not_worse**2 * square["nominal"]
+    return any(np.any(square[kind] > limit) for kind in ("retuned", "augmented"))

@@ -19,6 +19,7 @@ class Settings:
     block : length of such a block [s]; the noise forgets within a third of a second.
     smallest_share : drop of the mean squared error on records left out, over the noise variance of the axis, below
         which an effect does not matter to a simulation.
+    predicted : share of the evidence of an effect that must show as nats gained on records left out, up to a limit.
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
         and direction, because no form is known exactly.
@@ -35,8 +36,9 @@ class Settings:
     most_on_axis: int = 2
     accept: float = 9.0
     certainty: float = 0.99
-    block: float = 2.0
+    block: float = 0.5
     smallest_share: float = 0.001
+    predicted: float = 0.15
     worst_record: float = -4.0
     form_error: float = 0.05
     unexplained_p: float = 1e-8
@@ -45,4 +47,3 @@ class Settings:
     not_worse: float = 1.05
     near_the_floor: float = 0.10
     weak_nats: float = 100.0
-    share: float = 0.02

@@ -1,4 +1,4 @@
-"""The stage ``snakemake discover``: one data set in, everything that its page, the report and other targets need out."""
+"""The stage ``snakemake discover``: one data set in, every file of it out."""
 
 from __future__ import annotations
 
