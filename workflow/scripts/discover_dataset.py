@@ -12,4 +12,5 @@ if __name__ == "__main__":
             snakemake.params.entry,
             snakemake.input.robot,
             Path(snakemake.output.verdict).parent,
+            snakemake.log[0],
         )

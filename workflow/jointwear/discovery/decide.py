@@ -9,6 +9,7 @@ import numpy as np
 from jointwear.discovery.acceptance import predictive, refusal, within_bounds
 from jointwear.discovery.candidates import (
     LINK_MASS,
+    Candidate,
     Dictionary,
     Scored,
     build_dictionary,
@@ -24,11 +25,13 @@ from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Outcome, Refusal
 from jointwear.discovery.posterior import weigh
 from jointwear.discovery.problem import Problem, White, estimate_noise, whiten
-from jointwear.discovery.refine import refine
+from jointwear.discovery.refine import free_parameters, refine
 from jointwear.discovery.tolerance import with_tolerances
 
 #: Candidates refused after which the search ends.
 MOST_REFUSED = 12
+#: Probability below which an effect is not named: something else is more likely.
+LIKELY = 0.5
 #: Evidence [nats] that an effect may lose between being found and the last check, when others share it.
 SLACK = 4.0
 
@@ -44,6 +47,7 @@ def search(problem: Problem) -> Outcome:
     white = whiten(problem, estimate_noise(problem))
     dictionary = build_dictionary(white)
     outcome = Outcome(problem, white, white.fit(), dictionary)
+    outcome.not_tried = {(effect, axis): reason for effect, axis, reason in getattr(dictionary, "not_tried", ())}
     named: list[Named] = []
     refusals: list[Refusal] = []
     while sum(n.candidate.effect != LINK_MASS for n in named) < settings.most_effects:
@@ -67,8 +71,16 @@ def search(problem: Problem) -> Outcome:
     outcome.unexplained, outcome.profile = unexplained(outcome)
     if outcome.unexplained:
         stand_alone(outcome)
-    outcome.named = [weigh(outcome, n, _with_form) for n in outcome.named]
-    outcome.named.sort(key=lambda n: -n.evidence)
+    weighed = [weigh(outcome, n, _with_form) for n in outcome.named]
+    outcome.refusals += [
+        Refusal(n.candidate, n.evidence, "probability, given the data and the library", n.probability, LIKELY)
+        for n in weighed
+        if n.probability < LIKELY
+    ]
+    outcome.named = sorted((n for n in weighed if n.probability >= LIKELY), key=lambda n: -n.evidence)
+    if len(outcome.named) < len(weighed):
+        outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
+        outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
 
 
@@ -125,12 +137,23 @@ def _with_form(white: White, fit: Fit, scored: Scored) -> float:
 def _named(white: White, fit: Fit, scored: Scored) -> Named:
     if scored.candidate.axis is not None and scored.candidate.effect != LINK_MASS:
         candidate = refine(white, fit, scored.candidate)
+        misfit = _stuck(scored.candidate, candidate)
         columns, axis = raw_columns(white, candidate), candidate.axis
         blocks, std = {axis: white.columns(axis, columns)}, prior_std(white, axis, columns)
         scored = Scored(candidate, scored.evidence, blocks, std)
+    else:
+        misfit = ""
     label = f"{scored.candidate.effect} {scored.candidate.axis}"
     term = Term(label, scored.blocks, scored.std, raw_blocks(white, scored.candidate))
-    return Named(scored.candidate, term, _form_of(white, fit, scored), scored.evidence)
+    return Named(scored.candidate, term, _form_of(white, fit, scored), scored.evidence, misfit=misfit)
+
+
+def _stuck(start: Candidate, end: Candidate) -> str:
+    """Say that a search ended where it began: its steps are finer than any grid."""
+    free = [p.name for p in free_parameters(start)]
+    if not free or any(start.nonlinear[name] != end.nonlinear[name] for name in free):
+        return ""
+    return f"the search for {', '.join(free)} of {start.effect} on joint {start.axis + 1} ended at its start"
 
 
 def _beside(white: White, others: list[Named], one: Named) -> float:

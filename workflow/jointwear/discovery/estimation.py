@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,6 +33,8 @@ from jointwear.robots.inertia import mass_direction
 KEEP_FORM = 3.0
 #: Up to this relative error of the numbers of the drives they are taken as right.
 RIGHT_NUMBERS = 0.03
+#: Relative distance within which a parameter lies on a bound.
+ON_BOUND = 1e-6
 #: The peak torque of an effect is stated for samples that are at least as fast as this [rad/s].
 JUDGED_SPEED = 0.02
 
@@ -98,7 +101,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     for i, (one, candidate, term) in enumerate(refined):
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
         forms.append(_form_if_kept(white, one, candidate, term, others))
-    base, refined, error = _whole_model(white, refined, forms, mass_terms)
+    base, refined = _whole_model(white, refined, forms, mass_terms)
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base = [t for t in base if t.label not in without]
     kept, fallbacks = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented")
@@ -113,11 +116,33 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
     alone, given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned")
     friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
-    return replace(final, retuned_friction=friction, retuned_inertial=inertial, fallbacks=fallbacks + given_up)
+    return replace(
+        final,
+        retuned_friction=friction,
+        retuned_inertial=inertial,
+        fallbacks=fallbacks + given_up,
+        misfits=tuple(words for e in final.estimates for words in _misfits(e)),
+    )
+
+
+def _misfits(estimate: Estimate) -> Iterator[str]:
+    """Yield in words where the search for the parameters of an effect ended at its start or on a bound."""
+    candidate = estimate.named.candidate
+    if estimate.named.misfit:
+        yield estimate.named.misfit
+    if candidate.axis is None:
+        return
+    for p in get_effect(candidate.effect).parameters:
+        value = estimate.parameters.get(p.name)
+        if value is None or p.fixed or p.name not in estimate.std:
+            continue
+        for bound in (p.lower, p.upper):
+            if np.isfinite(bound) and abs(value - bound) <= ON_BOUND * max(abs(bound), abs(value)):
+                yield f"{p.name} of {candidate.effect} on joint {candidate.axis + 1} ended on its bound {bound:g}"
 
 
 def _whole_model(white, refined, forms, mass_terms):
-    """Return the base with its likely errors, the effects with their references placed, and that error."""
+    """Return the base with its likely errors, and the effects with their references placed."""
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base, error = likely_base(white, terms)
     if error <= RIGHT_NUMBERS and any(
@@ -126,7 +151,7 @@ def _whole_model(white, refined, forms, mass_terms):
         others = mass_terms + [f[1] for f in forms if f is not None]
         refined = _with_references(white, base, refined, forms, others, error)
         base, error = likely_base(white, [t for _, _, t in refined] + others)
-    return base, refined, error
+    return base, refined
 
 
 def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Step]]:

@@ -17,6 +17,7 @@ class Named:
     `cross_validated` the share of the squared residual that it explains in records left out in turn, `gain_share` the
     drop of the squared error there over the noise variance, `lowers_error` the probability that it drops.
     `probability` that the effect is there; `repeated` share of the runs without one group of recordings that name it.
+    `misfit` says in words that the search for its parameters went wrong.
     """
 
     candidate: Candidate
@@ -28,6 +29,7 @@ class Named:
     lowers_error: float = 1.0
     probability: float = 1.0
     repeated: float | None = None
+    misfit: str = ""
     ties: tuple[Candidate, ...] = ()
 
     @property

@@ -36,14 +36,17 @@ def settings_of(entry: Mapping[str, Any]) -> Settings:
     return Settings() if prior is None else Settings(inertial_prior=float(prior))
 
 
-def discover_dataset(name: str, entry: Mapping[str, Any], robot: str | Path, folder: str | Path) -> Discovery:
+def discover_dataset(
+    name: str, entry: Mapping[str, Any], robot: str | Path, folder: str | Path, log: str | Path | None = None
+) -> Discovery:
     """Run discovery on one data set and write all its files into `folder`.
 
     A data set that must not be judged leaves ``refused.json`` there and no verdict.
 
     Parameters
     ----------
-    entry : of ``discover.datasets``. robot : the robot file that it names.
+    entry : of ``discover.datasets``. robot : the robot file that it names. log : file that gets what a user should
+        know: searches that went wrong, models that were put back.
 
     Raises
     ------
@@ -76,6 +79,14 @@ def discover_dataset(name: str, entry: Mapping[str, Any], robot: str | Path, fol
     if found.experiment is not None:
         _write_trajectory(folder / NEXT, found.experiment.time, found.experiment.position)
     replace_text(folder / VERDICT, complete_verdict(found, folder / NEXT).to_json())
+    if log is not None:
+        lines = [f"{name}: {words}" for words in found.content.misfits]
+        lines += [
+            f"{name}: joint {f.axis}, {f.model} model: {f.step}, for it was {f.ratio:.3g} times as wrong as the given "
+            "robot on records left out"
+            for f in found.content.fallbacks
+        ]
+        replace_text(log, "".join(f"{line}\n" for line in lines))
     return found
 
 
