@@ -24,7 +24,7 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
 from jointwear.discovery.problem import White
-from jointwear.discovery.refine import SCALED, evidence_at, free_parameters, refine, simplest
+from jointwear.discovery.refine import evidence_at, free_parameters, refine, simplest
 from jointwear.discovery.verdict import FallBack
 from jointwear.effects import State, get_effect
 from jointwear.robots.inertia import mass_direction
@@ -35,8 +35,6 @@ KEEP_FORM = 3.0
 RIGHT_NUMBERS = 0.03
 #: Relative distance within which a parameter lies on a bound.
 ON_BOUND = 1e-6
-#: The peak torque of an effect is stated for samples that are at least as fast as this [rad/s].
-JUDGED_SPEED = 0.02
 
 
 @dataclass(frozen=True)
@@ -145,9 +143,7 @@ def _whole_model(white, refined, forms, mass_terms):
     """Return the base with its likely errors, and the effects with their references placed."""
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base, error = likely_base(white, terms)
-    if error <= RIGHT_NUMBERS and any(
-        f is None and "reference" in r[1].nonlinear for f, r in zip(forms, refined, strict=True)
-    ):
+    if error <= RIGHT_NUMBERS and any(f is None and _reference(r[1]) for f, r in zip(forms, refined, strict=True)):
         others = mass_terms + [f[1] for f in forms if f is not None]
         refined = _with_references(white, base, refined, forms, others, error)
         base, error = likely_base(white, [t for _, _, t in refined] + others)
@@ -191,11 +187,18 @@ def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Nam
     return Final(outcome, fit, tuple(estimates), friction, std, inertial, friction, inertial)
 
 
+def _reference(candidate: Candidate) -> str:
+    """Return the nonlinear parameter at which the torque of a candidate vanishes, empty where it has none."""
+    name = get_effect(candidate.effect).vanishes_at
+    return name if name in candidate.nonlinear else ""
+
+
 def _with_references(white, base, refined, forms, others, error):
     """Place the reference temperatures where the numbers of the drives, known to be right, need no correction."""
     result = list(refined)
     for i, (one, candidate, term) in enumerate(refined):
-        if forms[i] is not None or "reference" not in candidate.nonlinear:
+        name = _reference(candidate)
+        if forms[i] is not None or not name:
             continue
         rest = [t for k, (_, _, t) in enumerate(result) if k != i] + others
         fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
@@ -203,14 +206,14 @@ def _with_references(white, base, refined, forms, others, error):
         low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
         margin = 0.25 * (high - low)
 
-        def at(temperature, candidate=candidate, fit=fit):
-            moved = replace(candidate, nonlinear={**candidate.nonlinear, "reference": round(float(temperature), 3)})
+        def at(temperature, candidate=candidate, fit=fit, name=name):
+            moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), 3)})
             return evidence_at(white, fit, moved), moved
 
         value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, 13)), key=lambda x: x[0])
         step = (high - low) / 16
         while step > 0.01:
-            around = [at(moved.nonlinear["reference"] + sign * step) for sign in (1, -1)]
+            around = [at(moved.nonlinear[name] + sign * step) for sign in (1, -1)]
             best = max(around, key=lambda x: x[0])
             if best[0] > value:
                 value, moved = best
@@ -304,11 +307,10 @@ def _estimate(white, fit, base, one, candidate, form, where, rng, others) -> Est
         for name in parameters:
             jacobian[name][k] = (after[name] - parameters[name]) / step
     linear = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
-    scaled = SCALED.get(candidate.effect)
-    if scaled is not None:
-        # A robot file takes no parameter beyond its bounds.
-        bounds = next(p for p in effect.parameters if p.name == scaled)
-        parameters[scaled] = float(np.clip(parameters[scaled], bounds.lower, bounds.upper))
+    # A robot file takes no parameter beyond its bounds.
+    parameters = effect.bounded(parameters)
+    scaled = effect.scaled
+    if scaled:
         linear = {scaled}
     for name in linear & set(parameters):
         std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
@@ -317,7 +319,7 @@ def _estimate(white, fit, base, one, candidate, form, where, rng, others) -> Est
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
-    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= JUDGED_SPEED)
+    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= problem.settings.judged_speed)
     peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
     if candidate.axis is None:
         # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.

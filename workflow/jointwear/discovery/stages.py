@@ -13,7 +13,7 @@ import numpy as np
 from jointwear.discovery.candidates import scan
 from jointwear.discovery.experiment import Experiment as Motion
 from jointwear.discovery.pipeline import MODELS, Discovery, discover
-from jointwear.discovery.settings import Settings
+from jointwear.discovery.settings import settings_of
 from jointwear.discovery.verdict import Experiment, Verdict
 from jointwear.effects import check_effects
 from jointwear.files import provenance
@@ -28,12 +28,6 @@ from jointwear.robots.robot import load_robot
 VERDICT, AUGMENTED, RETUNED = "verdict.json", "robot.yaml", "retuned.yaml"
 RECORDING, MODELS_FILE, WHERE, EVIDENCE = "recording.nc", "models.nc", "where.nc", "evidence.nc"
 REFUSED, NEXT = "refused.json", "next_experiment.csv"
-
-
-def settings_of(entry: Mapping[str, Any]) -> Settings:
-    """Return the settings that a data set's entry asks for."""
-    prior = entry.get("inertial_prior")
-    return Settings() if prior is None else Settings(inertial_prior=float(prior))
 
 
 def discover_dataset(
