@@ -50,7 +50,7 @@ def make_verdict(
     """
     outcome, problem = final.outcome, final.outcome.problem
     effects = sorted((_named_effect(final, e) for e in final.estimates), key=lambda e: -e.evidence_nats)
-    retuned = _retuned(final)
+    retuned = [] if outcome.white is None else _retuned(final)
     left = outcome.unexplained[:LONGEST_LIST]
     if left:
         word = "unknown"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 
-import os
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
