@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 
-import os
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
@@ -290,7 +289,7 @@ class White:
 
     def no_timing(self, axis: int) -> str:
         """Return in words why effects of timing cannot be tried on an axis; empty where they can."""
-        if os.environ.get("ALLT") or resolved_motion(self.problem.measured):
+        if resolved_motion(self.problem.measured):
             return ""
         return "the sampling does not resolve the accelerations at reversals"
 
