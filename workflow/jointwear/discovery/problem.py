@@ -290,7 +290,7 @@ class White:
 
     def no_timing(self, axis: int) -> str:
         """Return in words why effects of timing cannot be tried on an axis; empty where they can."""
-        if os.environ.get("ALLT") or resolved_motion(self.problem.measured):
+        if resolved_motion(self.problem.measured):
             return ""
         return "the sampling does not resolve the accelerations at reversals"
 
