@@ -23,9 +23,9 @@ from jointwear.discovery.fallback import Step, put_back
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
-from jointwear.discovery.problem import White
 from jointwear.discovery.refine import SCALED, evidence_at, free_parameters, refine, simplest
 from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import White
 from jointwear.effects import State, get_effect
 from jointwear.robots.inertia import mass_direction
 
@@ -262,7 +262,7 @@ def _term(white: White, candidate: Candidate, old: Term) -> Term:
     return Term(
         f"{candidate.effect} {candidate.axis}",
         {candidate.axis: white.columns(candidate.axis, columns)},
-        prior_std(white, candidate.axis, columns),
+        prior_std(white, candidate, columns),
         {candidate.axis: white.raw(candidate.axis, columns)},
     )
 

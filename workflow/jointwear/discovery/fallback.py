@@ -12,8 +12,8 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Term
-from jointwear.discovery.problem import White
 from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import White
 
 
 @dataclass(frozen=True)
