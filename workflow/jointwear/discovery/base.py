@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.problem import White
+from jointwear.discovery.whitening import White
 
 #: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free. The
 #: first stands for none: 1e-4 of the Coulomb friction of a large axis is already more than all of a small effect.

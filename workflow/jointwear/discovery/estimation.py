@@ -22,9 +22,9 @@ from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfit
 from jointwear.discovery.fallback import Step, put_back
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
-from jointwear.discovery.problem import White
 from jointwear.discovery.refine import evidence_at, refine, simplest
 from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 from jointwear.robots.inertia import mass_direction
 
@@ -213,7 +213,7 @@ def _term(white: White, candidate: Candidate, old: Term) -> Term:
     return Term(
         f"{candidate.effect} {candidate.axis}",
         {candidate.axis: white.columns(candidate.axis, columns)},
-        prior_std(white, candidate.axis, columns),
+        prior_std(white, candidate, columns),
         {candidate.axis: white.raw(candidate.axis, columns)},
     )
 

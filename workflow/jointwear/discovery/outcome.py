@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 from jointwear.discovery.candidates import Candidate, Dictionary
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.problem import Problem, White
+from jointwear.discovery.problem import Problem
+from jointwear.discovery.whitening import White
 
 
 @dataclass(frozen=True)

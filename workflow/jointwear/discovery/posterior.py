@@ -11,7 +11,7 @@ from scipy.special import expit, logsumexp
 from jointwear.discovery.candidates import Scored, scan
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.outcome import Named, Outcome
-from jointwear.discovery.problem import White
+from jointwear.discovery.whitening import White
 
 #: Rivals of one effect that are weighed with the tolerance of their form.
 BEAM = 8
