@@ -33,10 +33,17 @@ HIGHEST = 0.45
 
 @dataclass(frozen=True)
 class Cutoffs:
-    """Cut-offs [Hz] of the columns of timing of one axis and of its columns of torque itself; infinite: no filter."""
+    """Cut-offs [Hz] of the instruments of one axis; infinite where nothing is filtered.
+
+    Attributes
+    ----------
+    timing, torque : of columns of timing, and of columns of torque itself.
+    judged : where the noise of derived accelerations becomes most of the residual: errors in N m are compared below.
+    """
 
     timing: float = np.inf
     torque: float = np.inf
+    judged: float = np.inf
 
 
 def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
@@ -50,7 +57,14 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     return Cutoffs(
         cutoff_of(white, density, frequency, measured.rate),
         cutoff_of(white, density, frequency, measured.rate, 0, energy),
+        _judged(density / white.density(frequency, measured.rate), frequency),
     )
+
+
+def _judged(share: np.ndarray, frequency: np.ndarray) -> float:
+    """Return the lowest frequency [Hz] from which the noise of derived accelerations is half of the residual."""
+    above = np.flatnonzero(share > 0.5)
+    return float(frequency[above[0]]) if len(above) else np.inf
 
 
 def torque_noise(noise: DerivedNoise, mass_squares: np.ndarray, frequency: np.ndarray) -> np.ndarray:
