@@ -15,8 +15,32 @@ wildcard_constraints:
 
 rule discover:
     input:
+        expand("results/discover/{dataset}/check.html", dataset=CHOSEN_DATASETS),
         expand("results/discover/{dataset}/verdict.json", dataset=CHOSEN_DATASETS),
         expand("results/discover/{dataset}/discover.html", dataset=CHOSEN_DATASETS),
+
+
+rule check_data:
+    input:
+        expand("results/discover/{dataset}/check.html", dataset=CHOSEN_DATASETS),
+
+
+rule check_dataset:
+    input:
+        measured=dataset_measured,
+        robot=dataset_robot,
+        model=dataset_model,
+        templates=templates("check.html.j2"),
+        modules=modules_of("check_dataset"),
+    output:
+        check="results/discover/{dataset}/check.json",
+        page="results/discover/{dataset}/check.html",
+    log:
+        "results/logs/check_dataset/{dataset}.log",
+    params:
+        entry=dataset_entry,
+    script:
+        "../scripts/check_dataset.py"
 
 
 rule discover_dataset:
@@ -47,12 +71,7 @@ rule report_discovery:
         where="results/discover/{dataset}/where.nc",
         models="results/discover/{dataset}/models.nc",
         published=published_values,
-        templates=[
-            "report/discover.html.j2",
-            "report/base.html.j2",
-            "report/macros.html.j2",
-            "report/style.css",
-        ],
+        templates=templates("discover.html.j2"),
         modules=modules_of("report_discovery"),
     output:
         page="results/discover/{dataset}/discover.html",

@@ -13,16 +13,12 @@ from jointwear.discovery.candidates import LINK_MASS, Candidate, possible, prior
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Refusal
-from jointwear.discovery.refine import SCALED
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
 #: Steps tried within each record [s apart].
 STEP_EVERY = 0.5
-#: Arguments over which a robot file cannot bend the form of an effect: it holds a table, harmonics or several
-#: hysteresis loops.
-UNBENDING = ("rate of torque", "second derivative of the load")
 #: The torque of an effect whose one parameter is in its columns has the coefficient one. Where the best parameter
 #: still needs one this far off, the torque has another shape.
 OFF_SCALE = 1.5
@@ -30,15 +26,15 @@ OFF_SCALE = 1.5
 
 def follows_time(candidate: Candidate) -> bool:
     """Return whether an effect changes with time."""
-    return candidate.effect != LINK_MASS and get_effect(candidate.effect).argument.startswith("time")
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).follows_time
 
 
 def stiff(candidate: Candidate) -> bool:
     """Return whether a robot file cannot bend the form of an effect: what is written is the textbook form."""
     if candidate.effect == LINK_MASS:
         return False
-    effect = get_effect(candidate.effect)
-    return effect.needs_source or effect.argument in UNBENDING
+    bend = get_effect(candidate.effect).bend
+    return bend is not None and bend.written is None
 
 
 def missed(found: CrossValidated, evidence: float, settings: Settings) -> tuple[str, float, float] | None:
@@ -176,6 +172,6 @@ def within_bounds(white: White, before: list[Term], trial: Named) -> bool:
         return True
     b, gram = white.fit(before).gram(trial.term.blocks)
     size = b / (gram[0] + 1 / trial.term.std**2)
-    if trial.candidate.effect in SCALED and not 1 / OFF_SCALE < size[0] < OFF_SCALE:
+    if get_effect(trial.candidate.effect).scaled and not 1 / OFF_SCALE < size[0] < OFF_SCALE:
         return False
     return possible(get_effect(trial.candidate.effect), trial.candidate.nonlinear, size)

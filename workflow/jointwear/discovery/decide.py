@@ -49,7 +49,7 @@ def search(problem: Problem) -> Outcome:
     white = whiten(problem, estimate_noise(problem))
     dictionary = build_dictionary(white)
     outcome = Outcome(problem, white, white.fit(), dictionary)
-    outcome.not_tried = {(effect, axis): reason for effect, axis, reason in getattr(dictionary, "not_tried", ())}
+    outcome.not_tried = {(effect, axis): reason for effect, axis, reason in dictionary.not_tried}
     named: list[Named] = []
     refusals: list[Refusal] = []
     while sum(n.candidate.effect != LINK_MASS for n in named) < settings.most_effects:

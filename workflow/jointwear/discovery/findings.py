@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate, scan
 from jointwear.discovery.estimation import Estimate, Final
-from jointwear.discovery.identifiability import NEEDED, Visible
+from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import FRICTION, Problem
@@ -50,7 +50,7 @@ def make_verdict(
     """
     outcome, problem = final.outcome, final.outcome.problem
     effects = sorted((_named_effect(final, e) for e in final.estimates), key=lambda e: -e.evidence_nats)
-    retuned = _retuned(final)
+    retuned = [] if outcome.white is None else _retuned(final)
     left = outcome.unexplained[:LONGEST_LIST]
     if left:
         word = "unknown"
@@ -73,7 +73,7 @@ def make_verdict(
         to_the_noise=_to_the_noise(gap, problem.settings.near_the_floor),
         lost=tuple(_lost(outcome)),
         not_tried=tuple(_not_tried(outcome)),
-        not_identifiable=tuple(_not_identifiable(effects, seen)),
+        not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
         fallbacks=final.fallbacks,
         misfits=final.misfits,
         restrictions=tuple(restrictions),
@@ -134,8 +134,14 @@ def _suspects(outcome: Outcome) -> Iterable[Suspect]:
 
 
 def _not_tried(outcome: Outcome) -> Iterable[NotTried]:
+    """Yield what could not be tested, once where the reason is the same on every axis."""
+    axes: dict[tuple[str, str], list[int | None]] = {}
     for (effect, axis), reason in outcome.not_tried.items():
-        yield NotTried(effect, None if axis is None else axis + 1, reason)
+        axes.setdefault((effect, reason), []).append(axis)
+    for (effect, reason), found in axes.items():
+        everywhere = set(outcome.problem.judged) <= set(found)
+        for axis in [None] if everywhere or found == [None] else found:
+            yield NotTried(effect, None if axis is None else axis + 1, reason)
 
 
 def _named_effect(final: Final, e: Estimate) -> NamedEffect:
@@ -176,22 +182,12 @@ def _regime(final: Final, e: Estimate) -> Regime:
     effect, state = get_effect(candidate.effect), problem.train_state
     axis = candidate.axis if candidate.axis is not None else 0
     used = problem.usable[:, axis]
-    if effect.needs_source:
-        values = state.velocity[used, candidate.source]
-    elif effect.argument == "torque":
-        values = state.torque[used, axis]
-    elif effect.argument == "load":
-        values = state.load[used, axis]
-    elif effect.argument == "velocity":
-        values = state.velocity[used, axis]
-    elif effect.shape is not None:
-        values = effect.shape(state, axis, candidate.nonlinear)[1][used]
-    else:
-        values = state.position[used, axis]
+    values, unit = effect.argument_of(state, axis, candidate.source, candidate.nonlinear)
+    values = values[used]
     return Regime(
         _argument(effect.argument, candidate),
         (six_digits(values.min()), six_digits(values.max())),
-        effect.argument_unit if effect.shape or effect.needs_source else "rad",
+        unit,
     )
 
 
@@ -262,7 +258,7 @@ def _wrong_mass(final: Final) -> list[Retuned]:
     ]
 
 
-def _not_identifiable(effects: list[NamedEffect], seen: list[Visible]) -> Iterable[NotIdentifiable]:
+def _not_identifiable(effects: list[NamedEffect], seen: list[Visible], needed: float) -> Iterable[NotIdentifiable]:
     for e in effects:
         for other in e.tie_set[1:]:
             yield NotIdentifiable(
@@ -275,14 +271,14 @@ def _not_identifiable(effects: list[NamedEffect], seen: list[Visible]) -> Iterab
             best[key] = v
     for (effect, place), v in best.items():
         axis = None if place is None else place + 1
-        if v.energy < NEEDED:
+        if v.energy < needed:
             yield NotIdentifiable(
                 (effect,),
                 axis,
                 f"at 30 % of the friction it would leave {v.energy:.3g} times the noise variance, "
-                f"less than {NEEDED:.0f}",
+                f"less than {needed:.0f}",
             )
-        elif v.left < NEEDED:
+        elif v.left < needed:
             yield NotIdentifiable(
                 (effect, v.rival), axis, f"after {v.rival} only {v.left:.3g} times the noise variance is left of it"
             )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,12 @@ class Settings:
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
     not_worse : error on left-out training records, over that of the given robot, up to which a model is written.
     near_the_floor : distance of the held-out error from the noise floor up to which nothing but noise is left.
-    weak_nats : a name with less evidence must be found again in every run without one group of recordings but one.
+    visible : energy over noise variance from which this motion shows an effect: what `accept` needs after the price of
+        complexity and search.
+    judged_speed : the largest torque of an effect is stated for samples at least as fast [rad/s]: slower, friction
+        depends on more than the speed.
+    weak_nats : a name with less evidence must be found again in every run without one group of recordings.
+    groups : (name, trajectory labels) of days or sessions; the user's.
     """
 
     inertial_prior: float = 0.05
@@ -46,4 +53,16 @@ class Settings:
     mass_sigmas: float = 3.0
     not_worse: float = 1.05
     near_the_floor: float = 0.10
+    visible: float = 40.0
+    judged_speed: float = 0.025
     weak_nats: float = 100.0
+    groups: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+
+def settings_of(entry: Mapping[str, Any]) -> Settings:
+    """Return the settings that the entry of a data set asks for."""
+    given: dict[str, Any] = {}
+    if entry.get("inertial_prior") is not None:
+        given["inertial_prior"] = float(entry["inertial_prior"])
+    groups = entry.get("group") or {}
+    return Settings(**given, groups=tuple((str(name), tuple(labels)) for name, labels in groups.items()))

@@ -13,7 +13,7 @@ import numpy as np
 from jointwear.discovery.candidates import scan
 from jointwear.discovery.experiment import Experiment as Motion
 from jointwear.discovery.pipeline import MODELS, Discovery, discover
-from jointwear.discovery.settings import Settings
+from jointwear.discovery.settings import settings_of
 from jointwear.discovery.verdict import Experiment, Verdict
 from jointwear.effects import check_effects
 from jointwear.files import provenance
@@ -28,12 +28,6 @@ from jointwear.robots.robot import load_robot
 VERDICT, AUGMENTED, RETUNED = "verdict.json", "robot.yaml", "retuned.yaml"
 RECORDING, MODELS_FILE, WHERE, EVIDENCE = "recording.nc", "models.nc", "where.nc", "evidence.nc"
 REFUSED, NEXT = "refused.json", "next_experiment.csv"
-
-
-def settings_of(entry: Mapping[str, Any]) -> Settings:
-    """Return the settings that a data set's entry asks for."""
-    prior = entry.get("inertial_prior")
-    return Settings() if prior is None else Settings(inertial_prior=float(prior))
 
 
 def discover_dataset(
@@ -165,7 +159,7 @@ def _write_trajectory(path: Path, time: np.ndarray, position: np.ndarray) -> Non
 
 def _write_evidence(found: Discovery, path: Path, settings: Mapping[str, Any]) -> None:
     outcome, seen = found.final.outcome, found.map
-    scored = scan(outcome.white, outcome.dictionary, outcome.white.fit())
+    scored = [] if outcome.white is None else scan(outcome.white, outcome.dictionary, outcome.white.fit())
     scored = [s for s in scored if np.isfinite(s.evidence)]
 
     def axis_of(value: int | None) -> int:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.registered import will_be_fetched
 from jointwear.robots.robot_file import robot_sources
 
 _WRITTEN = re.compile(r"^(?:\./)?results/discover/([A-Za-z][A-Za-z0-9_]*)/robot\.yaml$")
@@ -37,7 +38,7 @@ def check_datasets(config: Mapping[str, Any]) -> None:
             if made_for in datasets:
                 _check_order(name, datasets)
                 continue
-            if not path.is_file():
+            if not path.is_file() and not will_be_fetched(path):
                 if made_for is not None:
                     raise InputError(
                         f"config: 'discover.datasets.{name}.robot' is {path}, which does not exist, and the config "
@@ -50,7 +51,7 @@ def check_datasets(config: Mapping[str, Any]) -> None:
         if written_for(entry["robot"]) in datasets:
             continue
         for path in robot_sources(entry["robot"])[1:]:
-            if not Path(path).is_file():
+            if not Path(path).is_file() and not will_be_fetched(path):
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
 
 
