@@ -14,9 +14,6 @@ from jointwear.discovery.candidates import LINK_MASS, Dictionary
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
-#: Energy over noise variance that an effect needs to be called identifiable.
-NEEDED = 60.0
-
 
 @dataclass(frozen=True)
 class Visible:

@@ -19,6 +19,7 @@ import numpy as np
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.effects import State
+from jointwear.effects.order import second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise, zero_phase_gain
 from jointwear.measurement.motion import low_pass, runs
 
@@ -27,16 +28,25 @@ from jointwear.measurement.motion import low_pass, runs
 FEIGNED = 0.5
 #: Frequencies at which spectra are compared, and cut-offs that are tried.
 FREQUENCIES, CUTOFFS = 512, 80
+#: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
+RIDGE = 1e-6
 #: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.motion.low_pass`.
 HIGHEST = 0.45
 
 
 @dataclass(frozen=True)
 class Cutoffs:
-    """Cut-offs [Hz] of the columns of timing of one axis and of its columns of torque itself; infinite: no filter."""
+    """Cut-offs [Hz] of the instruments of one axis; infinite where nothing is filtered.
+
+    Attributes
+    ----------
+    timing, torque : of columns of timing, and of columns of torque itself.
+    judged : where the noise of derived accelerations becomes most of the residual: errors in N m are compared below.
+    """
 
     timing: float = np.inf
     torque: float = np.inf
+    judged: float = np.inf
 
 
 def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
@@ -46,11 +56,32 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
         return Cutoffs()
     frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
     density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
-    energy = float(np.mean(white(problem.train_state.load[:, axis]) ** 2))
-    return Cutoffs(
-        cutoff_of(white, density, frequency, measured.rate),
-        cutoff_of(white, density, frequency, measured.rate, 0, energy),
-    )
+    rate, load = measured.rate, problem.train_state.load[:, axis]
+    torque = cutoff_of(white, density, frequency, rate, 0, float(np.mean(white(load) ** 2)))
+    # What is motion in a column of timing is seen where noise alone could do no harm.
+    timing = cutoff_of(white, density, frequency, rate)
+    if np.isfinite(timing):
+        timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
+    return Cutoffs(timing, torque, _judged(density / white.density(frequency, rate), frequency))
+
+
+def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:
+    """Return the mean square of the whitened second derivative of the load below `cutoff`, without the base part."""
+    limited = band_limited(problem.train_state, axis, cutoff, problem.measured.rate)
+    column = white(second_derivative(limited, limited.load[:, axis]))
+    inertial = problem.inertial[problem.train, axis]
+    inertial = limit(inertial, np.asarray(limited.record), cutoff, problem.measured.rate)
+    base = white(np.concatenate([problem.friction_columns(limited, axis), inertial], axis=1))
+    base = base / np.maximum(np.sqrt(np.mean(base**2, axis=0)), 1e-12)
+    gram = base.T @ base
+    gram += RIDGE * len(base) * np.eye(len(gram))
+    return float(np.mean((column - base @ np.linalg.solve(gram, base.T @ column)) ** 2))
+
+
+def _judged(share: np.ndarray, frequency: np.ndarray) -> float:
+    """Return the lowest frequency [Hz] from which the noise of derived accelerations is half of the residual."""
+    above = np.flatnonzero(share > 0.5)
+    return float(frequency[above[0]]) if len(above) else np.inf
 
 
 def torque_noise(noise: DerivedNoise, mass_squares: np.ndarray, frequency: np.ndarray) -> np.ndarray:

@@ -9,9 +9,8 @@ import numpy as np
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.whitening import White
-from jointwear.effects import Parameter, get_effect, library
+from jointwear.effects import Parameter, get_effect
 
-SCALED = {effect.identifier: effect.scaled for effect in library().values() if effect.scaled}
 #: How many values of the one parameter in which a torque is nearly linear the search may start from.
 STARTS = 16
 

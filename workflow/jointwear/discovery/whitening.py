@@ -58,13 +58,13 @@ class White:
         return self.whiteners[axis](columns)
 
     def raw(self, axis: int, columns: np.ndarray) -> np.ndarray:
-        """Return the rows of columns (N_train, k) that the whitened ones have."""
-        return columns[self.whiteners[axis].rows]
+        """Return columns (N_train, k) [N m] on the rows of the whitened ones, below what is noise of derivatives."""
+        return _raw(self.problem, self.cutoffs[axis], self.whiteners[axis], columns)
 
     def raw_targets(self) -> list[np.ndarray]:
-        """Return the discrepancy [N m] on the rows of the whitened targets."""
+        """Return the discrepancy [N m] on the rows of the whitened targets, below what is noise of derivatives."""
         train = self.problem.discrepancy[self.problem.train]
-        return [np.zeros(0) if w is None else train[w.rows, axis] for axis, w in enumerate(self.whiteners)]
+        return [np.zeros(0) if w is None else self.raw(axis, train[:, axis]) for axis, w in enumerate(self.whiteners)]
 
     def folds(self, axis: int) -> np.ndarray:
         """Return the fold of cross-validation of each whitened row of `axis`, in order of time.
@@ -87,18 +87,15 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         targets.append(white(problem.discrepancy[problem.train, axis]))
         friction = problem.friction_columns(state, axis)
         friction[:, 3:] = _limited(problem, cutoffs[axis], friction[:, 3:])
-        base.append(
-            Term(
-                f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: friction[white.rows]}
-            )
-        )
+        raw = _raw(problem, cutoffs[axis], white, friction)
+        base.append(Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}))
         smear = smear_of(problem, axis, cutoffs[axis])
         if np.any(smear):
             # What the filter does is no part of the robot: a prediction in N m has to do without it.
             nothing = np.zeros((len(white.rows), smear.shape[1]))
             base.append(Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], 3.0), {axis: nothing}))
         columns = _limited(problem, cutoffs[axis], problem.inertial[problem.train, axis])
-        raw_inertial[axis], inertial[axis] = columns[white.rows], white(columns)
+        raw_inertial[axis], inertial[axis] = _raw(problem, cutoffs[axis], white, columns), white(columns)
     rank = problem.factor.shape[1]
     gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
     values, vectors = np.linalg.eigh(gram)
@@ -112,6 +109,11 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
 
 def _limited(problem: Problem, cutoffs: Cutoffs, columns: np.ndarray) -> np.ndarray:
     return limit(columns, np.asarray(problem.train_state.record), cutoffs.torque, problem.measured.rate)
+
+
+def _raw(problem: Problem, cutoffs: Cutoffs, white: Whitener, columns: np.ndarray) -> np.ndarray:
+    record, rate = np.asarray(problem.train_state.record), problem.measured.rate
+    return limit(columns, record, cutoffs.judged, rate)[white.rows]
 
 
 def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:
