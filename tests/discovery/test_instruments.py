@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -71,16 +72,23 @@ def test_gain_is_that_of_the_filter():
         assert np.sqrt(2 * np.mean(passed**2)) == pytest.approx(zero_phase_gain(frequency / 20.0), abs=0.02)
 
 
-def test_noise_of_accelerations_is_predicted(robot, white):
-    problem = white.problem
-    frequency = np.linspace(0, RATE / 2, 513)[1:]
-    density = torque_noise(problem.measured.noise, problem.mass_squares, frequency)
-    predicted = np.sqrt(density.sum(axis=1) * frequency[0])
-    for axis in range(3):
-        used = problem.measured.usable[:, axis]
-        assert np.sqrt(np.mean(problem.discrepancy[used, axis] ** 2)) == pytest.approx(predicted[axis], rel=0.35)
-        # The noise model says how large the residual is, and what it leaves is white.
-        assert white.whiteners[axis].marginal == pytest.approx(predicted[axis], rel=0.35)
+def test_noise_of_accelerations_is_predicted(robot):
+    recording = coarse(robot)
+    exact = measure(coarse(robot, step=1e-12))
+    # A missing sample: a filter takes the place of splines, whose own error would be larger on so smooth a motion.
+    recording.position[700, 5] = np.nan
+    measured = measure(recording)
+    assert not measured.fitted
+    frequency = np.linspace(0, RATE / 2, 1025)[1:]
+    predicted = np.sqrt(measured.noise.acceleration(frequency).sum(axis=1) * frequency[0])
+    used = measured.usable & exact.usable
+    for axis in range(4):
+        error = (measured.acceleration - exact.acceleration)[used[:, axis], axis]
+        assert np.sqrt(np.mean(error**2)) == pytest.approx(predicted[axis], rel=0.25)
+
+
+def test_what_the_noise_model_leaves_is_white(white):
+    for axis in white.problem.judged:
         assert np.var(white.fit().residual[axis]) == pytest.approx(1.0, abs=0.15)
 
 
@@ -88,11 +96,11 @@ def test_cutoff_falls_with_the_noise_and_vanishes_without():
     model = Whitener(np.arange(5000), np.zeros(0), 1.0)
     frequency = np.linspace(0, RATE / 2, 513)[1:]
     found = []
-    for density in (1e-16, 1e-13, 1e-11, 1e-10):
-        noise = DerivedNoise(np.array([density]), np.array([2]), np.array([np.inf]), True)
+    for density in (1e-22, 1e-13, 1e-11, 1e-10):
+        noise = DerivedNoise(np.array([[density]]), (2,), np.array([np.inf]), True)
         found.append(cutoff_of(model, torque_noise(noise, np.eye(1), frequency)[0], frequency, RATE))
     assert found[0] == np.inf
-    assert all(a > b for a, b in zip(found[1:], found[2:], strict=False))
+    assert all(a > b for a, b in pairwise(found))
     noise = torque_noise(noise, np.eye(1), frequency)[0]
     # Columns that hold much motion are hurt less.
     assert cutoff_of(model, noise, frequency, RATE, 0, 1e4) > cutoff_of(model, noise, frequency, RATE, 0)
@@ -130,12 +138,12 @@ def test_a_late_torque_is_found_through_a_coarse_encoder(robot):
 
 
 def test_discovery_knows_no_effect_by_name():
-    names = "|".join(effects.library())
+    # A robot file has a key `payload` of its own.
+    names = "|".join(sorted(set(effects.library()) - {"payload"}))
     for path in sorted(Path("workflow/jointwear/discovery").rglob("*.py")):
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-            code = line.split("#")[0]
-            assert not re.search(rf"""["'](?:{names})["']""", code), f"{path}:{number}: {line.strip()}"
-            assert not re.search(r"\.split\(\)\s*\[", code) and "label.split" not in code, f"{path}:{number}"
+        text = path.read_text(encoding="utf-8")
+        assert not re.search(rf"\b(?:{names})\b", text), path
+        assert not re.search(r"effect\w*\s*[!=]=\s*[\"']|label\.split\(", text), path
 
 
 NEW = '''

@@ -165,7 +165,7 @@ def test_friction_under_load_may_differ_with_the_direction(state):
 def test_a_tilted_base_is_gravity_from_elsewhere(robot, gravity, about_x, about_y):
     effect = effects.get_effect("mounting_tilt")
     arm = replace(robot, gravity=np.array(gravity, dtype=float))
-    time, q, v, a = motion(arm, 0.5)
+    _, q, v, a = motion(arm, 0.5)
     pull = gravity_regressor(arm, q)
     level = Dynamics(arm).rigid_body_torque(q, v, a)
     state = effects.make_state(arm, q, v, a, level, gravity_regressor=lambda: pull)
@@ -199,7 +199,9 @@ def test_needs_are_known_and_say_what_is_missing(robot, state):
     assert "gear ratio" in missing["cogging_torque"]
     assert "temperature" in missing["torque_constant_temperature"]
     assert "order" in missing["actuation_delay"]
-    assert missing["payload"] and missing["mounting_tilt"] and missing["backlash"]
+    assert missing["payload"]
+    assert missing["mounting_tilt"]
+    assert missing["backlash"]
     assert missing["stribeck_friction"] == ""
 
 

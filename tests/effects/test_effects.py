@@ -69,7 +69,9 @@ def test_library_holds_every_effect():
     assert set(effects.library()) == IDENTIFIERS
 
 
-@pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash", "actuation_delay", "joint_flexibility", "mounting_tilt"}))
+@pytest.mark.parametrize(
+    "name", sorted(IDENTIFIERS - {"backlash", "actuation_delay", "joint_flexibility", "mounting_tilt"})
+)
 def test_torque_is_columns_times_coefficients(state, name):
     effect = effects.get_effect(name)
     source = 3 if effect.needs_source else None

@@ -115,7 +115,7 @@ def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Ste
     inertial = tuple(t for t in base if t.label == "inertial")
     steps = {}
     for axis in white.problem.judged:
-        own = tuple(t for t in base if t.label.startswith(f"friction {axis} "))
+        own = tuple(t for t in base if t.drive[:1] == (axis,))
         steps[axis] = [
             Step("friction and motor inertia as given", own),
             Step("inertia of the links as given", inertial),
@@ -194,8 +194,8 @@ def _base_of(white: White, fit: Fit, masses: list[Named]):
     friction, std = np.zeros((n, 4)), np.zeros((n, 4))
     inertial = np.zeros(10 * n)
     for term, where in zip(fit.terms, fit.slices, strict=True):
-        if term.label.startswith("friction "):
-            axis, k = map(int, term.label.split()[1:])
+        if term.drive:
+            axis, k = term.drive
             friction[axis, k] = fit.theta[where][0]
             std[axis, k] = np.sqrt(np.diag(fit.covariance)[where][0])
         elif term.label == "inertial":

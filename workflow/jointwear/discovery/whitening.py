@@ -88,7 +88,9 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         friction = problem.friction_columns(state, axis)
         friction[:, 3:] = _limited(problem, cutoffs[axis], friction[:, 3:])
         raw = _raw(problem, cutoffs[axis], white, friction)
-        base.append(Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}))
+        base.append(
+            Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}, (axis,))
+        )
         smear = smear_of(problem, axis, cutoffs[axis])
         if np.any(smear):
             # What the filter does is no part of the robot: a prediction in N m has to do without it.

@@ -231,7 +231,8 @@ def read_recording(path: str | Path) -> Recording:
     with open_dataset(path) as dataset:
         name = str(read_attribute(dataset, path, "dataset"))
         labels = [np.atleast_1d(read_attribute(dataset, path, k)) for k in ("train", "test")]
-        told = {k: getattr(dataset, k) for k in ("encoder_step", "torque_kind", "encoder_side") if k in dataset.ncattrs()}
+        known = set(dataset.ncattrs()) & {"encoder_step", "torque_kind", "encoder_side"}
+        told = {k: getattr(dataset, k) for k in known}
     try:
         train, test = (tuple(int(x) for x in given) for given in labels)
     except (TypeError, ValueError):
