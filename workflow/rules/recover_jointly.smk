@@ -1,0 +1,121 @@
+# One experiment for the whole paper: arm, payload, wear shape, reading and poses fitted to everything that it prints.
+JOINT_PARTS = 5
+JOINT_CONFIRM_PARTS = 4
+JOINT_CONTROLS = {"ours": 5, "known": 10, "shuffled": 10}
+JOINT_SHARED = {
+    "seed": config["seed"],
+    "noise": config["noise"],
+    "sampling": config["sampling"],
+    "wear_hours": config["wear"]["hours"],
+    "normal_hours": config["normal"]["test_hours"],
+    "bins": config["histogram"]["bins"],
+    "confidence": config["detection"]["confidence"],
+    "variance_share": config["detection"]["variance_share"],
+}
+JOINT_FIGURES = ["cells", "frontier", "controls"]
+STUDY_PICTURES["joint_fit"] = JOINT_FIGURES
+
+
+wildcard_constraints:
+    joint_part="[0-9]+",
+    joint_kind="|".join(JOINT_CONTROLS),
+    joint_number="[0-9]+",
+    joint_picture="|".join(JOINT_FIGURES),
+
+
+rule recover_jointly:
+    input:
+        "results/joint_fit/chapter.json",
+        "results/joint_fit/posterior.csv",
+        "results/joint_fit/robot.yaml",
+        "results/joint_fit/index.html",
+
+
+rule screen_joint_readings:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        modules=modules_of("screen_joint_readings"),
+    output:
+        "results/joint_fit/readings.nc",
+    log:
+        "results/logs/screen_joint_readings.log",
+    params:
+        settings={
+            **JOINT_SHARED,
+            "plan": {},
+            "arms": 20,
+            "fitted": 4,
+            "screened": 6,
+        },
+    script:
+        "../scripts/screen_joint_readings.py"
+
+
+rule search_joint_poses:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        chosen="results/joint_fit/readings.nc",
+        modules=modules_of("search_joint_poses"),
+    output:
+        "results/joint_fit/search/part_{joint_part}.nc",
+    log:
+        "results/logs/search_joint_poses/{joint_part}.log",
+    params:
+        part=lambda wildcards: int(wildcards.joint_part),
+        settings={**JOINT_SHARED, "plan": {}, "parts": JOINT_PARTS, "kept": 2},
+    script:
+        "../scripts/search_joint_poses.py"
+
+
+rule confirm_joint_fit:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        searched=expand(
+            "results/joint_fit/search/part_{part}.nc", part=range(JOINT_PARTS)
+        ),
+        modules=modules_of("confirm_joint_fit"),
+    output:
+        "results/joint_fit/confirmed/part_{joint_part}.nc",
+    log:
+        "results/logs/confirm_joint_fit/{joint_part}.log",
+    params:
+        part=lambda wildcards: int(wildcards.joint_part),
+        settings={
+            **JOINT_SHARED,
+            "reading": config["reading"],
+            "confirm_replicates": 100,
+            "parts": JOINT_CONFIRM_PARTS,
+        },
+    script:
+        "../scripts/confirm_joint_fit.py"
+
+
+rule control_joint_fit:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        modules=modules_of("control_joint_fit"),
+    output:
+        "results/joint_fit/controls/{joint_kind}_{joint_number}.nc",
+    log:
+        "results/logs/control_joint_fit/{joint_kind}_{joint_number}.log",
+    params:
+        kind=lambda wildcards: wildcards.joint_kind,
+        number=lambda wildcards: int(wildcards.joint_number),
+        settings={
+            **JOINT_SHARED,
+            "reading": config["reading"],
+            "fitted": 2,
+            "confirm_replicates": 40,
+            "plan": {
+                "starts": 60,
+                "keep": 12,
+                "members": 4,
+                "local": {"rounds": 30},
+            },
+        },
+    script:
+        "../scripts/control_joint_fit.py"
