@@ -1,4 +1,4 @@
-"""One experiment for the whole paper: poses of three tasks, payload, wear shape and reading fitted to all that it prints.
+"""One experiment for the whole paper: poses, payload, wear shape and reading fitted to all that it prints.
 
 `levels`, `noise_bank`, `divergence` and `detection` are a fast engine for one task; `distance` holds it against the
 paper; `pose_search` looks for poses; `experiments` puts tasks of one arm together; `confirmation` runs them again with

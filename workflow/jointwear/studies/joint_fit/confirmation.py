@@ -79,7 +79,7 @@ def full_reading(experiment: JointExperiment, base: Mapping[str, str]) -> Readin
 def torque_tables(
     robot: Robot, experiment: JointExperiment, paper: Paper, hour: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return Tables V and VI, each (2, t, c, n): at the printed hours and at hours (t, c, n), NaN the last of the run."""
+    """Return Tables V and VI, each (2, t, c, n): at the printed hours, and at `hour` (t, c, n), NaN the last."""
     arm, tables = experiment.arm, paper.tables
     own = np.where(np.isnan(hour), tables.run_hours, hour).swapaxes(1, 2)
     growths = [

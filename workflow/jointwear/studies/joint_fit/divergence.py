@@ -95,7 +95,7 @@ class Divergence:
         )
 
     def worn(self, growth: np.ndarray, hours: np.ndarray) -> np.ndarray:
-        """Return the divergence (r, h) of a run whose friction has grown by `growth` (h,); its noise is that of `hours`."""
+        """Return the divergence (r, h) of a run with friction grown by `growth` (h,) and the noise of `hours`."""
         level = self._level[:, None] + self._friction[:, None] * growth
         spread = self._spread + self._rise * growth
         samples = self._samples[..., hours]
