@@ -12,6 +12,10 @@ JOINT_SHARED = {
     "confidence": config["detection"]["confidence"],
     "variance_share": config["detection"]["variance_share"],
 }
+JOINT_KEPT = 30  # experiments that make the posterior
+JOINT_CONFIRMED = expand(
+    "results/joint_fit/confirmed/part_{part}.nc", part=range(JOINT_CONFIRM_PARTS)
+)
 JOINT_FIGURES = ["cells", "frontier", "controls"]
 STUDY_PICTURES["joint_fit"] = JOINT_FIGURES
 
@@ -119,3 +123,62 @@ rule control_joint_fit:
         },
     script:
         "../scripts/control_joint_fit.py"
+
+
+rule write_joint_posterior:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        confirmed=JOINT_CONFIRMED,
+        modules=modules_of("write_joint_posterior"),
+    output:
+        table="results/joint_fit/posterior.csv",
+        checked="results/joint_fit/checked.nc",
+        robot="results/joint_fit/robot.yaml",
+        tasks=expand("results/joint_fit/tasks/{name}.yaml", name=RECOVER_TASKS),
+    log:
+        "results/logs/write_joint_posterior.log",
+    params:
+        settings={
+            **JOINT_SHARED,
+            "reading": config["reading"],
+            "check_replicates": 100,
+            "kept": JOINT_KEPT,
+        },
+    script:
+        "../scripts/write_joint_posterior.py"
+
+
+rule summarise_joint_fit:
+    input:
+        limits="config/robots/puma560_paper.yaml",
+        published=RECOVER_TABLES,
+        screened="results/joint_fit/readings.nc",
+        confirmed=JOINT_CONFIRMED,
+        checked="results/joint_fit/checked.nc",
+        controls=[
+            f"results/joint_fit/controls/{kind}_{number}.nc"
+            for kind, count in JOINT_CONTROLS.items()
+            for number in range(count)
+        ],
+        modules=modules_of("summarise_joint_fit"),
+    output:
+        "results/joint_fit/chapter.json",
+    log:
+        "results/logs/summarise_joint_fit.log",
+    params:
+        kept=JOINT_KEPT,
+    script:
+        "../scripts/summarise_joint_fit.py"
+
+
+rule draw_joint_fit:
+    input:
+        chapter="results/joint_fit/chapter.json",
+        modules=modules_of("draw_joint_fit"),
+    output:
+        "results/joint_fit/figures/{joint_picture}.svg",
+    log:
+        "results/logs/draw_joint_fit/{joint_picture}.log",
+    script:
+        "../scripts/draw_joint_fit.py"

@@ -23,7 +23,7 @@ class Weights:
     """
 
     margin: float = 0.7
-    hour: float = 0.12
+    hour: float = 0.2
     hour_scale: float = 8.0
     hour_cap: float = 40.0
     table: float = 0.08

@@ -41,7 +41,7 @@ class Plan:
     shape_spread: float = 0.4
     starts: int = 100
     keep: int = 20
-    members: int = 6
+    members: int = 5
     local: LocalSearch = field(default_factory=LocalSearch)
     replicates: int = 12
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.studies.joint_fit.confirmation import Confirmed
 from jointwear.studies.joint_fit.detection import PcaReading
 from jointwear.studies.joint_fit.paper_fit import JointExperiment
 from jointwear.studies.joint_fit.pose_search import Arm
@@ -72,3 +73,38 @@ def read_experiments(path: str | Path) -> list[JointExperiment]:
         )
         for k in range(len(v["mass"]))
     ]
+
+
+def write_confirmed(
+    path: str | Path,
+    experiments: Sequence[JointExperiment],
+    found: Sequence[Confirmed],
+    places: Sequence[int],
+    title: str,
+    settings: Mapping[str, Any],
+) -> None:
+    """Write experiments with what they gave on new random numbers; `places` are their numbers in the search."""
+    cell, at = ("experiment", "task", "increase", "axis"), ("experiment", "reading_hour", "task", "increase", "axis")
+    each = ("experiment",)
+
+    def stacked(name: str) -> np.ndarray:
+        return np.array([getattr(f, name) for f in found])
+
+    variables = {
+        "place": Variable(each, np.array(list(places)), "number of the experiment", "1"),
+        **experiment_variables(experiments),
+        "probability": Variable(cell, stacked("probability"), "share of replicates that detect", "1"),
+        "hour": Variable(cell, stacked("hour"), "median hour of detection, NaN below half", "h"),
+        "reading_hour": Variable(("reading_hour",), np.array(["printed", "own"]), "when Tables V and VI are read"),
+        "maximum": Variable(at, stacked("maximum"), "expected largest |torque|", "N m"),
+        "variation": Variable(at, stacked("variation"), "expected coefficient of variation of |torque|", "1"),
+        "signs": Variable(("experiment", "replicate"), stacked("signs"), "pairs with the sign of Table II", "1"),
+        "kl_maximum": Variable(
+            ("experiment", "replicate"), stacked("kl_maximum"), "largest divergence of Figure 2", "1"
+        ),
+        "kept": Variable(("experiment", "task", "replicate"), stacked("kept"), "components kept", "1"),
+        "located": Variable(each, stacked("located"), "detected runs whose axis is named", "1"),
+        "alarms": Variable(each, stacked("alarms"), "alarms of a normal run", "1"),
+        "distance": Variable(each, stacked("distance"), "distance from the paper", "1"),
+    }
+    write_dataset(path, variables, provenance.attributes(title, settings))

@@ -20,7 +20,7 @@ from jointwear.studies.joint_fit.levels import Noise
 from jointwear.studies.joint_fit.paper import Prior, read_paper, shuffled_paper, synthetic_paper
 from jointwear.studies.joint_fit.paper_fit import PaperFit, Plan, choose_reading
 from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch
-from jointwear.studies.joint_fit.records import experiment_variables, read_experiments, write_experiments
+from jointwear.studies.joint_fit.records import read_experiments, write_confirmed, write_experiments
 from jointwear.studies.multiverse.settings import analysis_of, experiment_of
 
 KINDS = ("ours", "known", "shuffled")
@@ -145,30 +145,9 @@ def confirm_joint_fit(
         confirm(arm, experiments[k], paper, settings["reading"], experiment, analysis, f"joint confirmation {k}")
         for k in places
     ]
-    cell, at = ("experiment", "task", "increase", "axis"), ("experiment", "reading_hour", "task", "increase", "axis")
-    each = ("experiment",)
-
-    def stacked(name: str) -> np.ndarray:
-        return np.array([getattr(f, name) for f in found])
-
-    variables = {
-        "place": Variable(each, np.array(list(places)), "number of the experiment", "1"),
-        **experiment_variables([experiments[k] for k in places]),
-        "probability": Variable(cell, stacked("probability"), "share of replicates that detect", "1"),
-        "hour": Variable(cell, stacked("hour"), "median hour of detection, NaN below half", "h"),
-        "reading_hour": Variable(("reading_hour",), np.array(["printed", "own"]), "when Tables V and VI are read"),
-        "maximum": Variable(at, stacked("maximum"), "expected largest |torque|", "N m"),
-        "variation": Variable(at, stacked("variation"), "expected coefficient of variation of |torque|", "1"),
-        "signs": Variable(("experiment", "replicate"), stacked("signs"), "pairs with the sign of Table II", "1"),
-        "kl_maximum": Variable(
-            ("experiment", "replicate"), stacked("kl_maximum"), "largest divergence of Figure 2", "1"
-        ),
-        "kept": Variable(("experiment", "task", "replicate"), stacked("kept"), "components kept", "1"),
-        "located": Variable(each, stacked("located"), "detected runs whose axis is named", "1"),
-        "alarms": Variable(each, stacked("alarms"), "alarms of a normal run", "1"),
-        "distance": Variable(each, stacked("distance"), "distance from the paper", "1"),
-    }
-    write_dataset(output, variables, provenance.attributes("joint experiments on new random numbers", settings))
+    write_confirmed(
+        output, [experiments[k] for k in places], found, places, "joint experiments on new random numbers", settings
+    )
 
 
 def control_joint_fit(
