@@ -1,7 +1,7 @@
 # One experiment for the whole paper: arm, payload, wear shape, reading and poses fitted to everything that it prints.
-JOINT_PARTS = 5
-JOINT_CONFIRM_PARTS = 4
-JOINT_CONTROLS = {"ours": 5, "known": 10, "shuffled": 10}
+JOINT_PARTS = 2
+JOINT_CONFIRM_PARTS = 3
+JOINT_CONTROLS = {"ours": 4, "known": 10, "shuffled": 10}
 JOINT_SHARED = {
     "seed": config["seed"],
     "noise": config["noise"],
@@ -48,9 +48,9 @@ rule screen_joint_readings:
         settings={
             **JOINT_SHARED,
             "plan": {},
-            "arms": 20,
+            "arms": 12,
             "fitted": 4,
-            "screened": 6,
+            "screened": 4,
         },
     script:
         "../scripts/screen_joint_readings.py"
@@ -68,7 +68,7 @@ rule search_joint_poses:
         "results/logs/search_joint_poses/{joint_part}.log",
     params:
         part=lambda wildcards: int(wildcards.joint_part),
-        settings={**JOINT_SHARED, "plan": {}, "parts": JOINT_PARTS, "kept": 2},
+        settings={**JOINT_SHARED, "plan": {}, "parts": JOINT_PARTS, "kept": 3},
     script:
         "../scripts/search_joint_poses.py"
 
@@ -118,7 +118,8 @@ rule control_joint_fit:
                 "starts": 60,
                 "keep": 12,
                 "members": 4,
-                "local": {"rounds": 30},
+                "walk": 50,
+                "local": {"rounds": 24},
             },
         },
     script:
@@ -151,7 +152,7 @@ rule write_joint_posterior:
 
 rule summarise_joint_fit:
     input:
-        limits="config/robots/puma560_paper.yaml",
+        limits=shipped("config/robots/puma560_paper.yaml"),
         published=RECOVER_TABLES,
         screened="results/joint_fit/readings.nc",
         confirmed=JOINT_CONFIRMED,

@@ -9,34 +9,37 @@ import numpy as np
 
 from jointwear.robots.robot import Robot
 from jointwear.statistics.randomness import generator
+from jointwear.studies.joint_fit.arm_evidence import ArmEvidence, walk
 from jointwear.studies.joint_fit.detection import READINGS, Grid, PcaReading
 from jointwear.studies.joint_fit.distance import Weights
 from jointwear.studies.joint_fit.levels import Noise
 from jointwear.studies.joint_fit.noise_bank import draw_bank
 from jointwear.studies.joint_fit.paper import LAG_RUN, LAG_TASK, Paper
 from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch, TaskFit, improve
-from jointwear.studies.recovery.candidates import candidate
-from jointwear.studies.recovery.least_squares import minimise
-from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.problem import Settings
 
 
 @dataclass(frozen=True)
 class Plan:
     """Effort of a fit.
 
-    `moment` [kg m], `offset` [m]: range of the payloads from which Tables V and VI are fitted first, in `strata` of
-    the moment, with `first_starts` for every task, `first_shape` and `descent` iterations of everything together.
-    `arm_spread`, `shape_spread`: relative spread of payload and wear shape around these fits. `starts`, `keep`: of
+    `moment` [kg m], `offset` [m]: range of the payloads for which Tables V and VI are fitted first, in `strata`, with
+    `first_starts` for every task of which `first_keep` stay, and `first_shape`. `walk` steps of `step` (logarithm)
+    over arms follow, each judged after `descent` iterations.
+    `arm_spread`, `shape_spread`: relative spread of the arms that are drawn around the best. `starts`, `keep`: of
     :meth:`TaskFit.table_solutions`. `members`, `local`: how many poses of each task are searched on, and how.
     `replicates` of the random numbers that all candidates share.
     """
 
     moment: tuple[float, float] = (0.1, 0.6)
     offset: tuple[float, float] = (0.06, 0.22)
-    strata: int = 8
-    first_starts: int = 40
+    strata: int = 5
+    first_starts: int = 30
+    first_keep: int = 5
     first_shape: float = 1.0
-    descent: int = 80
+    descent: int = 12
+    walk: int = 60
+    step: float = 0.1
     arm_spread: float = 0.12
     shape_spread: float = 0.4
     starts: int = 100
@@ -110,31 +113,29 @@ class PaperFit:
         return generator(self._seed, "joint fit", self._name, stage, replicate=number)
 
     def fitted_arms(self) -> tuple[list[Arm], np.ndarray]:
-        """Return arms fitted to Tables V and VI at the printed hours, best first, and their costs.
+        """Return arms by their evidence in Tables V and VI at the printed hours, best first, and that evidence.
 
-        Poses of each task are searched for arms spread over the whole range; from the best of each arm everything
-        then descends together, payload and wear shape free.
+        Poses of each task are searched for arms spread over the whole range; they are the starts from which every
+        arm of a walk over payload and wear shape is judged.
         """
-        tables, plan, random = self.paper.tables, self.plan, self.random("tables")
-        whole = Problem(self.robot, tables, candidate("payload"), Settings())
-        # One arm from every stratum of the moment; the offset hardly matters beside it.
-        share = (np.arange(plan.strata) + random.random(plan.strata)) / plan.strata
-        moment = plan.moment[0] * (plan.moment[1] / plan.moment[0]) ** share
-        offset = random.uniform(*plan.offset, size=plan.strata)
-        points = []
-        for m, z in zip(moment, offset, strict=True):
-            arm = Arm(float(m / z), float(z), plan.first_shape)
-            parts = []
-            for t in range(len(tables.tasks)):
-                fit = self.task(t, arm)
-                parts.append([a[0] for a in fit.poses(fit.table_solutions(random, plan.first_starts, 1))])
-            start, stop, phase = (np.array([p[i] for p in parts]) for i in range(3))
-            points.append(whole.join(start, stop, phase, arm.shape, np.array([arm.mass, 0.0, 0.0, arm.offset])))
-        found = minimise(whole.residuals, whole.residuals_and_jacobian, np.array(points), plan.descent)
-        order = np.argsort(found.cost)
-        _, _, _, shape, effect = whole.split(whole.physical(found.point[order]))
-        arms = [Arm(float(e[0]), float(e[3]), float(s)) for e, s in zip(effect, shape, strict=True)]
-        return arms, found.cost[order]
+        plan, random = self.plan, self.random("tables")
+        # One arm from every stratum of moment and of offset.
+        ranges = (plan.moment, plan.offset)
+        moments, offsets = (
+            low * (high / low) ** ((random.permutation(plan.strata) + 0.5) / plan.strata) for low, high in ranges
+        )
+        first = [Arm(float(m / z), float(z), plan.first_shape) for m, z in zip(moments, offsets, strict=True)]
+        count = len(self._banks)
+        found = [
+            [self.task(t, arm).table_solutions(random, plan.first_starts, plan.first_keep) for t in range(count)]
+            for arm in first
+        ]
+        evidence = ArmEvidence(self.task, [np.concatenate([u[t] for u in found]) for t in range(count)], plan.descent)
+        start = max(first, key=evidence)
+        arms, value = walk(evidence, start, random, plan.walk, plan.step, Settings().shape_range)
+        order = np.argsort(-value, kind="stable")
+        order = order[np.sort(np.unique(value[order], return_index=True)[1])]
+        return [arms[k] for k in order], value[order]
 
     def drawn_arms(self, fitted: Sequence[Arm], count: int) -> list[Arm]:
         """Return `count` arms: the fitted ones, then draws around them."""

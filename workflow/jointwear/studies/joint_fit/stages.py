@@ -74,7 +74,7 @@ def screen_joint_readings(robot: str | Path, published: str | Path, output: str 
         _grid(settings, paper.tables.increase_percent),
         _noise(settings),
     )
-    fitted, cost = fit.fitted_arms()
+    fitted, evidence = fit.fitted_arms()
     arms = fit.drawn_arms(fitted[: settings["fitted"]], settings["arms"])
     screened = [fit.screen(arm, k) for k, arm in enumerate(arms[: settings["screened"]])]
     by = ("screened", "reading")
@@ -85,7 +85,7 @@ def screen_joint_readings(robot: str | Path, published: str | Path, output: str 
         "fitted_moment": Variable(
             ("fit",), np.array([a.moment for a in fitted]), "first moment of the payload", "kg m"
         ),
-        "fitted_cost": Variable(("fit",), cost, "cost of Tables V and VI", "1"),
+        "fitted_evidence": Variable(("fit",), evidence, "log evidence of Tables V and VI", "1"),
         **_reading_variables(),
         "cost": Variable(by, np.array([s.best(3) for s in screened]), "cost before the local search", "1"),
         "agreement": Variable(by, np.array([s.agreement() for s in screened]), "cells of Table IV that agree", "1"),
@@ -169,7 +169,7 @@ def control_joint_fit(
     elif kind == "shuffled":
         paper = shuffled_paper(paper, random)
     fit = PaperFit(arm, paper, settings["seed"], f"{kind} {number}", plan_of(settings["plan"]), grid, noise)
-    fitted, cost = fit.fitted_arms()
+    fitted, evidence = fit.fitted_arms()
     screened = [fit.screen(a, k) for k, a in enumerate(fitted[: settings["fitted"]])]
     place = choose_reading(screened)
     found = [fit.search(s, READINGS[place], place, k)[0] for k, s in enumerate(screened)]
@@ -192,7 +192,8 @@ def control_joint_fit(
         "cells": int(agreed.sum()),
         "hour_error": float(np.median(late)) if len(late) else float("nan"),
         "distance": checked.distance,
-        "moment": best.arm.moment,
+        "moment": fitted[0].moment,
+        "searched_moment": best.arm.moment,
         "shape": best.arm.shape,
         **{f"reading_{k}": str(v) for k, v in asdict(best.reading).items()},
     }
@@ -204,7 +205,7 @@ def control_joint_fit(
         }
     variables = {
         "moment": Variable(("fit",), np.array([a.moment for a in fitted]), "moment fitted to Tables V and VI", "kg m"),
-        "cost": Variable(("fit",), cost, "cost of Tables V and VI", "1"),
+        "evidence": Variable(("fit",), evidence, "log evidence of Tables V and VI", "1"),
         "searched_cost": Variable(("arm",), np.array([e.cost.sum() for e in found]), "cost of all tables", "1"),
         "probability": Variable(("task", "increase", "axis"), checked.probability, "share that detects", "1"),
     }

@@ -141,7 +141,7 @@ def readings(path: str | Path) -> dict[str, Any]:
     """Return the readings before the local search, best first, and the payloads that Tables V and VI gave."""
     with open_dataset(path) as data:
         cost, agreement = (read_variable(data, path, n).astype(float) for n in ("cost", "agreement"))
-        fitted = read_variable(data, path, "fitted_moment"), read_variable(data, path, "fitted_cost")
+        fitted = read_variable(data, path, "fitted_moment"), read_variable(data, path, "fitted_evidence")
         chosen = int(data.chosen_reading)
         arms = len(read_variable(data, path, "mass"))
     order = np.argsort(cost.mean(axis=0))
@@ -149,7 +149,7 @@ def readings(path: str | Path) -> dict[str, Any]:
         "arms": arms,
         "screened": len(cost),
         "fitted_moment": fitted[0],
-        "fitted_cost": fitted[1],
+        "fitted_evidence": fitted[1],
         "chosen": vars(READINGS[chosen]),
         "ranked": [
             {
