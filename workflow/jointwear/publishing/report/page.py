@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from jointwear import __version__
-from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json
 from jointwear.files.json_values import as_json
+from jointwear.files.provenance import check_lineage
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report import origin
 from jointwear.publishing.report.assembly import Results, assemble
@@ -39,10 +40,18 @@ def read_chapter(path: str | Path) -> Any:
     ------
     InputError : if the file is missing or not JSON.
     """
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as JSON ({error}); delete it and run again") from None
+    return read_json(path, object)
+
+
+def settings_behind(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the configuration says about every result of the reproduction, under the keys that results have."""
+    return {
+        **{key: config[key] for key in ("seed", "replicates", "sampling", "noise", "reading")},
+        **config["detection"],
+        "bins": config["histogram"]["bins"],
+        "shape": config["wear"]["shape"],
+        "wear_hours": config["wear"]["hours"],
+    }
 
 
 def write_report(
@@ -69,8 +78,9 @@ def write_report(
 
     Raises
     ------
-    InputError : naming the file, if one is missing or corrupt.
+    InputError : naming the file, if one is missing, damaged, or was made with another configuration.
     """
+    check_lineage(results.computed(), settings_behind(config))
     data = assemble(results, config)
     words = summary(data)
     source = {"version": __version__, "commit": origin.commit(root), "packages": origin.versions()}
