@@ -87,7 +87,11 @@ reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of 
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or hostile)"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or real or hostile or plants)"
+
+.PHONY: test-real
+test-real: $(PLANTS)  ## Test on logs of real robots (JOINTWEAR_DATA, or snakemake fetch_data)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m real tests/real
 
 .PHONY: test-browser
 test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium chromium-driver)

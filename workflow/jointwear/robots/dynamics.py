@@ -1,6 +1,6 @@
 """Rigid-body dynamics and friction of a robot, on Pinocchio.
 
-The only module that knows Pinocchio. Arrays have shape (..., n) for n joints: position [rad], velocity
+Pinocchio does the mechanics. Arrays have shape (..., n) for n joints: position [rad], velocity
 [rad/s], acceleration [rad/s2], torque [N m], all on the joint side.
 """
 
@@ -14,6 +14,8 @@ from jointwear.robots.robot import Link, Robot
 from jointwear.robots.urdf_file import moving_mass
 
 _BLOCK = 4096  # states
+#: Name of the frame at the tip of the arm; a URDF may have frames of any ordinary name.
+TIP = "jointwear/tip"
 #: Relative difference of the moving mass between URDF and model that is round-off.
 MASS_TOLERANCE = 1e-9
 
@@ -47,7 +49,7 @@ def build_model(robot: Robot) -> pin.Model:
             )
             model.appendBodyToJoint(joint, _pin_inertia(link), frame)
             parent, placement = joint, frame
-        model.addFrame(pin.Frame("end_effector", parent, 0, frame, pin.FrameType.OP_FRAME))
+        model.addFrame(pin.Frame(TIP, parent, 0, frame, pin.FrameType.OP_FRAME))
     if robot.payload is not None:
         model.appendBodyToJoint(model.njoints - 1, _pin_inertia(robot.payload), frame)
     model.armature = robot.armature
@@ -81,7 +83,7 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
         raise InputError(f"{robot.urdf}: Pinocchio reads {mass:g} kg of moving links, the file holds {told:g} kg")
     last = [f for f in full.frames if f.type == pin.FrameType.BODY and f.parentJoint == full.njoints - 1]
     tip = last[-1].placement if last else pin.SE3.Identity()
-    full.addFrame(pin.Frame("end_effector", full.njoints - 1, 0, tip, pin.FrameType.OP_FRAME))
+    full.addFrame(pin.Frame(TIP, full.njoints - 1, 0, tip, pin.FrameType.OP_FRAME))
     return full
 
 
@@ -98,7 +100,7 @@ class Dynamics:
         self.model = build_model(robot)
         self.data = self.model.createData()
         self._pool: pin.ModelPool | None = None
-        self._tip = self.model.getFrameId("end_effector")
+        self._tip = self.model.getFrameId(TIP)
 
     def rigid_body_torque(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, threads: int = 1
