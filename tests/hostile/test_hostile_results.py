@@ -89,7 +89,9 @@ def damage(path, how, seed, other):
     with netCDF4.Dataset(path, "a") as data:
         data.set_auto_mask(False)
         names = [n for n, v in data.variables.items() if v.dtype != str and v.dtype.kind == "f" and v.size]
-        variable = data[names[random.integers(len(names))]]
+        if how in ("nan", "infinity") and not names:
+            return  # whole numbers cannot be either
+        variable = data[names[random.integers(len(names))] if names else "lag"]
         if how in ("nan", "infinity"):
             values = variable[...]
             values.flat[random.integers(values.size)] = np.nan if how == "nan" else np.inf
