@@ -14,9 +14,10 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
-from jointwear.monitor.page import axis_summary, headline, why_unjudged, write_page
+from jointwear.monitor.page import write_page
 from jointwear.monitor.stages import accumulate_windows, baseline_windows, judge_windows, survey_logs
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms, write_state
+from jointwear.monitor.summaries import axis_summary, headline, why_unjudged
 from jointwear.monitor.temperature import temperature_share
 from jointwear.monitor.window_files import read_statistics
 
@@ -101,9 +102,10 @@ def test_the_page_says_what_an_engineer_needs(built):
     text = (folder / "monitor.html").read_text()
     assert "Friction has changed: axis 3" in text
     assert "Cannot be judged: axis 6. That is no sign of health" in text
-    assert "Axis 3 (joint_3): friction up by " in text
+    assert "<b>Axis 3 (joint_3)</b>" in text
+    assert "Coulomb friction +" in text
+    assert text.index("Check the gear and bearings") < text.index("Every axis at a glance")
     assert "cell_3, robot puma560" in text
-    assert "check the gear and bearings" in text
     assert "truncated or not a Parquet file" in text
     state = read_state(folder / "state.nc")
     assert why_unjudged(state, 5) == "at rest, or too slow to show friction"

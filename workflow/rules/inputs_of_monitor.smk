@@ -2,6 +2,7 @@
 from snakemake.exceptions import WorkflowError
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.plan import (
     READING_KEYS,
     batches_of,
@@ -14,6 +15,7 @@ from jointwear.monitor.plan import (
 )
 
 try:
+    zone_of(config["monitor"]["time_zone"])
     check_robots(config)
 except InputError as error:
     sys.exit(f"jointwear: {error}")
@@ -28,6 +30,19 @@ LOGS = {
 }
 if SILENT and not LOGS:
     sys.exit("jointwear: no robot has a log that can be reached")
+
+
+# Templates of the page of a robot.
+PAGE_TEMPLATES = [
+    f"report/{name}"
+    for name in (
+        "monitor.html.j2",
+        "robots.html.j2",
+        "base.html.j2",
+        "macros.html.j2",
+        "style.css",
+    )
+]
 
 
 # The shipped examples, of which `monitor` takes the first where the config names no robot.

@@ -69,18 +69,15 @@ rule judge_windows:
 rule report_monitoring:
     input:
         state="results/monitor/{monitored}/state.nc",
-        templates=[
-            "report/monitor.html.j2",
-            "report/base.html.j2",
-            "report/macros.html.j2",
-            "report/style.css",
-        ],
+        templates=PAGE_TEMPLATES,
         modules=modules_of("report_monitoring"),
     output:
         page="results/monitor/{monitored}/monitor.html",
         figures=directory("results/monitor/{monitored}/figures"),
     log:
         "results/logs/report_monitoring/{monitored}.log",
+    params:
+        time_zone=config["monitor"]["time_zone"],
     script:
         "../scripts/report_monitoring.py"
 
