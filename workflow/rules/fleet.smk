@@ -77,9 +77,28 @@ rule summarise_fleet:
         "results/logs/summarise_fleet.log",
     params:
         folder="results/fleet/robots",
+        outbox="results/fleet/outbox.json",
         time_zone=MONITOR["time_zone"],
         stale_after=window_seconds(MONITOR["stale_after"]) / 3600,
         # What is stale depends on the time of day: the page is as of the hour.
         hour=int(time.time() // 3600),
     script:
         "../scripts/summarise_fleet.py"
+
+
+# A target of its own: pages, dry runs and tests send nothing, and a call at which no result changes still sends what
+# could not be sent before. No output: it runs at every call.
+rule notify:
+    input:
+        rows="results/fleet/rows.json",
+        page="results/fleet/index.html",
+    log:
+        "results/logs/notify.log",
+    localrule: True
+    params:
+        channels=MONITOR["notify"],
+        outbox="results/fleet/outbox.json",
+        metrics="results/fleet/messages.prom",
+        time_zone=MONITOR["time_zone"],
+    script:
+        "../scripts/notify.py"

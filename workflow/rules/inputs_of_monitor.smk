@@ -3,6 +3,7 @@ from snakemake.exceptions import WorkflowError
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
 from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.notify.plan import check_channels
 from jointwear.monitor.plan import (
     READING_KEYS,
     batches_of,
@@ -16,6 +17,7 @@ from jointwear.monitor.plan import (
 
 try:
     zone_of(config["monitor"]["time_zone"])
+    check_channels(config["monitor"])
     check_robots(config)
 except InputError as error:
     sys.exit(f"jointwear: {error}")

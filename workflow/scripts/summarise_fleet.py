@@ -13,6 +13,7 @@ if __name__ == "__main__":
             snakemake.output.metrics,
             snakemake.output.history,
             snakemake.output.rows,
+            outbox=snakemake.params.outbox,
             time_zone=snakemake.params.time_zone,
             stale_after=snakemake.params.stale_after,
         )

@@ -69,7 +69,12 @@ def fleet_heading(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def write_fleet_page(
-    rows: Sequence[Mapping[str, Any]], output: str | Path, zone: tzinfo, now: float, link: str = "robots"
+    rows: Sequence[Mapping[str, Any]],
+    output: str | Path,
+    zone: tzinfo,
+    now: float,
+    link: str = "robots",
+    waiting: Sequence[str] = (),
 ) -> None:
     """Write the page of ranked rows.
 
@@ -77,10 +82,12 @@ def write_fleet_page(
     ----------
     rows : of :func:`~jointwear.monitor.fleet.ranking.ranked`. now : [s since 1970] that they are as of.
     link : relative path from the page to the folders of the robots.
+    waiting : channel of every message that could not be sent yet.
     """
     items = [robot_item(row, zone, link) for row in rows]
     context = {
         "heading": fleet_heading(rows),
+        "unsent": {channel: list(waiting).count(channel) for channel in sorted(set(waiting))},
         "as_of": local_time(now - now % 60, zone),
         "numbers": [(kind, BADGES[kind], sum(r["urgency"] == kind for r in rows)) for kind in ORDER],
         "waiting": [item for item in items if item["urgency"] != HEALTHY],

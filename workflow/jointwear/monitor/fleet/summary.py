@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from jointwear.files.errors import InputError
+from jointwear.files.text_files import replace_text
 from jointwear.monitor.fleet.history import join_histories
 from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import write_fleet_page
 from jointwear.monitor.fleet.ranking import STALE_AFTER_HOURS, as_of, ranked
 from jointwear.monitor.fleet.table import write_table
 from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.notify.outbox import Outbox
 
 
 def read_rows(batches: Sequence[str | Path]) -> list[dict]:
@@ -41,6 +43,7 @@ def summarise_fleet(
     history: str | Path,
     rows: str | Path,
     *,
+    outbox: str | Path | None = None,
     time_zone: str | None = None,
     stale_after: float = STALE_AFTER_HOURS,
     now: float | None = None,
@@ -51,7 +54,8 @@ def summarise_fleet(
     ----------
     batches : files of :func:`~jointwear.monitor.fleet.watch.watch_robots`. folder : of the robots.
     table, page, metrics, history, rows : files to write: CSV, HTML, text format of Prometheus, Parquet, JSON.
-    time_zone : IANA name, for the page. stale_after : silence [h] after which a robot counts as stale.
+    outbox : of `notify`; the page tells of messages that wait. time_zone : IANA name, for the page.
+    stale_after : silence [h] after which a robot counts as stale.
     now : [s since 1970] that staleness counts from, default the clock's.
     """
     now, zone = time.time() if now is None else now, zone_of(time_zone)
@@ -60,6 +64,7 @@ def summarise_fleet(
     write_metrics(found, now, metrics)
     parts = [Path(folder) / row["folder"] / "history.parquet" for row in found if row["result"] == "judged"]
     join_histories([part for part in parts if part.is_file()], history)
-    Path(rows).write_text(json.dumps({"now": now, "robots": found}, indent=1) + "\n", encoding="utf-8")
+    replace_text(rows, json.dumps({"now": now, "robots": found}, indent=1) + "\n")
     link = Path(folder).relative_to(Path(page).parent).as_posix()
-    write_fleet_page(found, page, zone, now, link)
+    waiting = Outbox.open(outbox).waiting if outbox else []
+    write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting])
