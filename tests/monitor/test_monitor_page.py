@@ -158,7 +158,7 @@ def test_an_event_of_the_axis_after_its_alarms_explains_them(built, event, level
     state = greased(read_state(folder / "state.nc"), {"events": [event]})
     found = axis_conditions(state)[WORN]
     assert found.level == level
-    assert len(found.past) == (level == "healthy")
+    assert bool(found.past) == (level == "healthy")
 
 
 def test_alarms_of_one_story_are_one_episode():

@@ -58,7 +58,7 @@ class AxisCondition:
     def check(self) -> str:
         """What to check, one line; empty where nothing calls for it."""
         if self.main is None:
-            return ""
+            return "known from an event of the config; keep watching it" if self.level == CHANGED else ""
         if self.level != CHANGED and self.main.detector == DETECTORS[0]:
             return (
                 "friction is no longer raised, and nobody has said why: enter what was done under 'events', "
