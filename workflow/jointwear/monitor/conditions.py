@@ -8,7 +8,9 @@ operating feature that is itself a log is an elasticity:
 - the warm-up state (:mod:`.warm_up`) and a wave of one day, for the hall, where no temperature of the axis itself is
   logged: :data:`WARM`, :data:`DAY`;
 - operating features (:func:`operating_features`): :data:`FEATURES`;
-- their products with temperature, or with the warm-up state: :data:`PRODUCT` times that of the feature.
+- the load at the flange (:mod:`.payload`): :data:`LOAD`;
+- a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`;
+- products of the features with temperature, or with the warm-up state: :data:`PRODUCT` times that of the feature.
 
 The sizes are those that friction of joints shows (see Bittencourt and Gunnarsson 2012 for speed, load and temperature;
 Simoni et al. 2015 for warming): wide enough to learn any joint, narrow enough that little is learnt from nothing.
@@ -24,6 +26,7 @@ from jointwear.monitor.normal_state import Posterior
 from jointwear.monitor.windows import WindowStatistics
 
 CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
+LOAD, PROGRAM = 0.3, 0.04
 #: Of the features: speed (log of its mean, log of the ratio of root mean square and mean), gravity and inertial torque
 #: (root mean square over the friction), gravity against the motion (mean over the friction).
 FEATURES = np.array([0.3, 0.3, 0.05, 0.05, 0.05])
@@ -36,13 +39,16 @@ BEYOND = 0.004
 @dataclass(frozen=True)
 class Conditions:
     """`start`, `end` (w,) [s]; `temperature` (w, n) [degC], NaN unknown; `features` (w, n, f), NaN at rest; `speed`
-    (w, n) root mean square of the moving axis [rad/s]; `shared`: one sensor serves all axes."""
+    (w, n) root mean square of the moving axis [rad/s]; `load` (w,) share of :mod:`.payload`; `regime` (w,) of
+    :mod:`.regimes`, or None."""
 
     start: np.ndarray
     end: np.ndarray
     temperature: np.ndarray
     features: np.ndarray
     speed: np.ndarray
+    load: np.ndarray
+    regime: np.ndarray | None
 
     @property
     def shared(self) -> bool:
@@ -55,8 +61,11 @@ class Conditions:
             return bool(np.all(np.abs(some - some[:, :1])[np.isfinite(some).all(axis=1)] < 1e-6))
 
 
-def operating_features(statistics: WindowStatistics, friction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the operating features (w, n, 5) and the root mean square speed (w, n); `friction` (n,) [N m] scales."""
+def operating_features(
+    statistics: WindowStatistics, friction: np.ndarray, share: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the operating features (w, n, 5) and the root mean square speed (w, n); `friction` (n,) [N m] scales,
+    `share` (w, n) by which the gravity torque differs from the model's."""
     gram = statistics.gram
     with np.errstate(invalid="ignore", divide="ignore"):
         count = np.where(statistics.count > 0, statistics.count, np.nan).astype(float)
@@ -66,9 +75,9 @@ def operating_features(statistics: WindowStatistics, friction: np.ndarray) -> tu
             [
                 np.log(mean),
                 np.log(speed / mean),
-                np.sqrt(gram[..., 3, 3] / count) / friction,
+                np.sqrt(gram[..., 3, 3] / count) * np.abs(1 + share) / friction,
                 np.sqrt(gram[..., 4, 4] / count) / friction,
-                (gram[..., 0, 3] + gram[..., 1, 3]) / count / friction,
+                (gram[..., 0, 3] + gram[..., 1, 3]) * (1 + share) / count / friction,
             ],
             axis=-1,
         )
@@ -120,5 +129,14 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     elif warm is not None:
         columns += list((centred * columns[1][:, None]).T)
         scales += list(FEATURES * PRODUCT_WARM)
+    columns.append(conditions.load - float(np.median(conditions.load[baseline])))
+    scales.append(LOAD)
+    if conditions.regime is not None:
+        names, counts = np.unique(conditions.regime[baseline & (conditions.regime >= 0)], return_counts=True)
+        for name in np.delete(names, np.argmax(counts)) if len(names) else ():
+            columns.append((conditions.regime == name).astype(float))
+            scales.append(PROGRAM)
+        columns.append(np.where(np.isin(conditions.regime, names), 0.0, np.nan))
+        scales.append(PROGRAM)
     scale = np.array(scales)
     return Design(np.stack(columns, axis=1), Posterior(np.zeros(len(scale)), np.diag(scale**2)), beyond)

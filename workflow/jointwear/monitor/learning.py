@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +12,7 @@ from jointwear.monitor.dispersion import START, Dispersion, between_shifts, shif
 from jointwear.monitor.normal_state import Fit, Posterior, fit_normal_state
 from jointwear.monitor.series import Series
 from jointwear.monitor.warm_up import DRIVES, TIMES, warm_up_state
+from jointwear.statistics.known import known_median
 
 #: Rounds in which the regression and the dispersion around it are made to agree.
 ROUNDS = 3
@@ -82,9 +82,8 @@ def learn_axes(
 
 def _relative(speed: np.ndarray, learnt: np.ndarray) -> np.ndarray:
     """Return speeds (w, n) over the median of the windows that are learnt from; 1 where unknown."""
-    with np.errstate(all="ignore"), warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        usual = np.nanmedian(np.where(learnt, speed, np.nan), axis=0)
+    with np.errstate(all="ignore"):
+        usual = known_median(np.where(learnt, speed, np.nan), axis=0)
         return np.nan_to_num(speed / usual, nan=1.0, posinf=1.0)
 
 

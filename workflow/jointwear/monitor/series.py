@@ -21,6 +21,7 @@ from jointwear.monitor.estimate import (
     prior_scale,
 )
 from jointwear.monitor.windows import WindowStatistics
+from jointwear.statistics.known import known_median
 
 #: A level below this share of the nominal one is no estimate.
 LOWEST = 0.02
@@ -51,10 +52,7 @@ def friction_series(
     ----------
     coulomb : (n, 2) nominal levels [N m], both positive. viscous : (n,) [N m s/rad]. baseline : (w,) bool.
     """
-    usable = statistics.judgeable & (statistics.count > 0)
-    sums = change_columns(
-        statistics.gram, statistics.moment, statistics.residual_square, statistics.freedom, usable, coulomb
-    )
+    sums, _ = sums_of(statistics, coulomb, baseline)
     scale = prior_scale(coulomb, viscous)
     speed = usual_speed(statistics, baseline)
     known = coulomb.sum(axis=1) > 0
@@ -76,12 +74,12 @@ def friction_series(
     value, variance = column_estimate(turned, usual.held, free, usual.variance)
     at_speed = nominal + viscous * speed / level + value
     with np.errstate(all="ignore"):
-        middle = np.nan_to_num(np.nanmedian(np.where(baseline[:, None], at_speed, np.nan), axis=0), nan=1.0)
+        middle = np.nan_to_num(known_median(np.where(baseline[:, None], at_speed, np.nan), axis=0), nan=1.0)
     middle = np.where(middle > 0, middle, 1.0)
     slope, slope_variance = column_estimate(turned, usual.held, np.ones_like(free), usual.variance, _VISCOUS)
     part = (viscous + slope) * speed / level / middle
     with np.errstate(all="ignore"):
-        of_coulomb = 1 - np.nanmedian(np.where(baseline[:, None], part, np.nan), axis=0)
+        of_coulomb = 1 - known_median(np.where(baseline[:, None], part, np.nan), axis=0)
         nominal_share = np.where(known, level / np.where(level > 0, level + viscous * speed, 1.0), 1.0)
     of_coulomb = np.where(np.isfinite(of_coulomb), of_coulomb, nominal_share)
     share = np.clip(0.5 * (of_coulomb + nominal_share), 0.1, 1.0)
@@ -94,6 +92,18 @@ def friction_series(
         share,
     )
     return found
+
+
+def sums_of(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndarray) -> tuple[Sums, np.ndarray]:
+    """Return the sums of all windows and the noise variance (n,) [N2 m2] of the baseline; `coulomb` (n, 2) [N m]."""
+    usable = statistics.judgeable & (statistics.count > 0)
+    sums = change_columns(
+        statistics.gram, statistics.moment, statistics.residual_square, statistics.freedom, usable, coulomb
+    )
+    first = _part(sums, baseline)
+    square = np.where(first.usable, first.residual_square, 0.0).sum(axis=0)
+    freedom = np.where(first.usable, first.freedom, 0).sum(axis=0)
+    return sums, np.where(freedom > 0, square / np.maximum(freedom, 1), 1.0)
 
 
 def usual_speed(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.statistics.known import known_median
+
 #: Degrees of freedom of the location, and rounds of reweighting.
 FREEDOM, ROUNDS = 3.0, 12
 #: A priori the common part is usually small (what the baseline shows) and sometimes, with this chance, of this size.
@@ -62,11 +64,7 @@ def _location(residual: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, n
     good = np.isfinite(residual) & (variance > 0) & np.isfinite(variance)
     weight = np.where(good, 1.0 / np.where(good, variance, 1.0), 0.0)
     values = np.where(good, residual, 0.0)
-    with np.errstate(all="ignore"):
-        middle = (
-            np.nanmedian(np.where(good, residual, np.nan), axis=1) if residual.shape[1] else np.zeros(len(residual))
-        )
-    middle = np.nan_to_num(middle)
+    middle = np.nan_to_num(known_median(np.where(good, residual, np.nan), axis=1))
     robust = weight
     for _ in range(ROUNDS):
         robust = weight * (FREEDOM + 1) / (FREEDOM + weight * (values - middle[:, None]) ** 2)

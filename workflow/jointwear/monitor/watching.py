@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -145,7 +146,7 @@ class _Axis:
         self.learning, self.unseen = np.zeros(w, dtype=bool), np.zeros(w, dtype=bool)
         self.segments: list[tuple[slice, Posterior]] = []
         edges = [0, *[s.window for s in starts], w]
-        for k, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        for k, (a, b) in enumerate(itertools.pairwise(edges)):
             part = slice(a, b)
             if k == 0:
                 posterior, learnt = normal.fit.posterior, baseline
@@ -166,7 +167,8 @@ class _Axis:
         self.residual[own] = normal.fit.left_out[own]
         self.predicted[own] = normal.fit.left_out_variance[own]
         with np.errstate(invalid="ignore"):
-            self.unseen = (self.predicted > UNSEEN**2) & ~own
+            beyond = (self.predicted > UNSEEN**2) | ~np.isfinite(matrix).all(axis=1)
+            self.unseen = beyond & np.isfinite(normal.series_value) & ~own
         hidden = self.unseen | self.learning
         self.residual[hidden] = np.nan
 
