@@ -24,7 +24,7 @@ def simulate_robots(seed_set: str, indices: list[int], folder: str | Path) -> No
         try:
             survey = survey_of(cell)
         except Refused as refusal:
-            refused, survey = str(refusal), survey_of(cell, checked=False)
+            refused, survey = str(refusal).rpartition(".parquet: ")[2], survey_of(cell, checked=False)
         statistics = statistics_of(cell, survey)
         write_statistics(statistics, path, "windows of a simulated robot-month", _drawn(cell), {"refused": refused})
 

@@ -43,7 +43,9 @@ def table(s: dict[str, Any]) -> str:
     lines = [
         f"stated rate {s['rate']:g} per 1,000 h, {s['robots']} robots, {s['unjudged']:.0%} of axis-windows unjudged"
     ]
-    lines.append(f"  false alarms before wear   {_rate(s['false'])}; {s['false']['alarmed']} robots alarmed")
+    lines.append(
+        f"  false alarms before wear   {_rate(s['false'])}; {s['false']['alarmed']} robots, {s['false']['axes']} axes alarmed"
+    )
     for key in ("by_scenario", "by_thermometer", "by_arm"):
         for name, value in s[key].items():
             lines.append(f"    {name:22s}   {_rate(value)}; {value['alarmed']} of {value['robots']} robots")
