@@ -24,7 +24,7 @@ from jointwear.robots.robot import Robot
 from jointwear.studies.shop_floor.arms import robot_data, robot_of
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.closed_loop import RATE, at_phase
-from jointwear.studies.shop_floor.log_files import columns_of, write_parquet
+from jointwear.studies.shop_floor.log_files import columns_of, write_log
 from jointwear.studies.shop_floor.sensing import Signals, signals_of
 
 #: Length of a window [s]; windows of the first log, whose survey decides how all are read.
@@ -50,7 +50,7 @@ def survey_of(cell: Cell, checked: bool = True) -> Survey:
         signals = [_as_modelled(s, model) for s in signals]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "first.parquet"
-        write_parquet(path, columns_of(cell, signals))
+        write_log(path, columns_of(cell, signals))
         return survey_log(str(path), layout_of({}, model.robot.joint_names), model, WINDOW)
 
 

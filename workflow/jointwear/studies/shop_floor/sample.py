@@ -44,7 +44,7 @@ def table(s: dict[str, Any]) -> str:
         f"stated rate {s['rate']:g} per 1,000 h, {s['robots']} robots, {s['unjudged']:.0%} of axis-windows unjudged"
     ]
     lines.append(
-        f"  false alarms before wear   {_rate(s['false'])}; {s['false']['alarmed']} robots, {s['false']['axes']} axes alarmed"
+        f"  false alarms before wear   {_rate(s['false'])}; {s['false']['alarmed']} robots, {s['false']['axes']} axes"
     )
     for key in ("by_scenario", "by_thermometer", "by_arm"):
         for name, value in s[key].items():

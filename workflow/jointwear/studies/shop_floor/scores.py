@@ -26,7 +26,7 @@ def poisson_rate(count: int, hours: float, confidence: float = 0.95) -> dict[str
 
 
 def false_alarms(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the rate of false alarms before any wear, with `robots`, how many of them `alarmed`, and of their `axes`."""
+    """Return the rate of false alarms before any wear; of `robots` so many `alarmed`, on `axes` axes in all."""
     rate = poisson_rate(sum(len(f["false"]) for f in facts), sum(f["quiet_hours"] for f in facts))
     axes = sum(len({axis for _, axis, _ in f["false"]}) for f in facts)
     return rate | {"robots": len(facts), "alarmed": sum(bool(f["false"]) for f in facts), "axes": axes}
