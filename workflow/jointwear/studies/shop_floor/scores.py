@@ -66,6 +66,14 @@ def forecasts(facts: Sequence[dict[str, Any]], later: float) -> dict[str, Any]:
     }
 
 
+def curve(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the share of worn axes (Coulomb) found by `days` since the onset."""
+    worn = [f for f in facts if f["worn"] and f["kind"] == "coulomb"]
+    delays = np.array([np.inf if f["delay"] is None else f["delay"] for f in worn])
+    days = np.arange(0, 14.25, 0.25)
+    return {"days": days.tolist(), "found": [float(np.mean(delays <= 24 * d)) if len(worn) else 0.0 for d in days]}
+
+
 def summary(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return all scores of the outcomes at one stated rate."""
 
