@@ -12,6 +12,7 @@ from jointwear.monitor.plan import (
     model_file,
     surveyed_log,
 )
+from jointwear.running.configuration import beside_workflow
 
 try:
     check_robots(config)
@@ -33,8 +34,10 @@ if SILENT and not LOGS:
 # The shipped examples, of which `monitor` takes the first where the config names no robot.
 SHIPPED_ROBOTS = {
     name: entry
-    for example in sorted(Path("config/examples").glob("monitor_*.yaml"))
-    for name, entry in read_yaml(str(example))["monitor"]["robots"].items()
+    for example in shipped_glob("config/examples/monitor_*.yaml")
+    for name, entry in beside_workflow(read_yaml(str(example)))["monitor"][
+        "robots"
+    ].items()
 }
 CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
 

@@ -8,6 +8,7 @@ along the program, with its mass matrix for the accelerations that differ from t
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from jointwear.robots.robot import Robot
 from jointwear.studies.shop_floor.arms import robot_data, robot_of
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.closed_loop import RATE, at_phase
-from jointwear.studies.shop_floor.log_files import columns_of, write_parquet
+from jointwear.studies.shop_floor.log_files import columns_of, write_log
 from jointwear.studies.shop_floor.sensing import Signals, signals_of
 
 #: Length of a window [s]; windows of the first log, whose survey decides how all are read.
@@ -35,30 +36,35 @@ def survey_of(cell: Cell, checked: bool = True) -> Survey:
 
     Parameters
     ----------
-    checked : whether the log is compared with the model. Without, it is read as that of an arm that fits its file, as
-        after a user has looked at it and gone on.
+    checked : whether the log is compared with the model. Without, the torque of the robot file takes the place of the
+        logged one, so that nothing contradicts the model: as after a user has looked at the refusal and gone on.
 
     Raises
     ------
     Refused : where the log seems to contradict the model.
     """
-    model = TorqueModel(nominal_robot(cell) if checked else loaded_robot(cell))
+    model = TorqueModel(nominal_robot(cell))
     moving = np.flatnonzero(~cell.still & (cell.missing < 0))[:FIRST]
+    signals = list(signals_of(cell, moving))
+    if not checked:
+        signals = [_as_modelled(s, model) for s in signals]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "first.parquet"
-        write_parquet(path, columns_of(cell, list(signals_of(cell, moving))))
+        write_log(path, columns_of(cell, signals))
         return survey_log(str(path), layout_of({}, model.robot.joint_names), model, WINDOW)
+
+
+def _as_modelled(signals: Signals, model: TorqueModel) -> Signals:
+    program, s = signals.job.program, signals.override[:, None, None]
+    path = [at_phase(x, signals.phase) for x in (program.position, program.velocity, program.acceleration)]
+    torque = model(path[0], s * path[1], s**2 * path[2]).total
+    # What no model explains stays: the survey needs it to tell how long the noise remembers.
+    return replace(signals, torque=torque + 0.02 * (signals.torque - signals.torque.mean(axis=1, keepdims=True)))
 
 
 def nominal_robot(cell: Cell) -> Robot:
     """Return the robot of the file that a user has: the arm as its maker describes it."""
     return robot_of(robot_data(cell.arm))
-
-
-def loaded_robot(cell: Cell) -> Robot:
-    """Return the arm as built, with the load of its first window."""
-    data = cell.built
-    return robot_of({**data, "payload": {**data["payload"], "mass": float(cell.month.mass[cell.logged[0]])}})
 
 
 def statistics_of(cell: Cell, survey: Survey | None = None) -> WindowStatistics:

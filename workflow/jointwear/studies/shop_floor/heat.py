@@ -2,7 +2,8 @@
 
 Two nodes per axis, oil and housing. With p the friction power over that of the usual program at 25 degC,
 
-    t_oil d(oil)/dt = housing - oil + q R p,   t_housing d(housing)/dt = room - housing + (1 - q) R p + g (next - housing),
+    t_oil d(oil)/dt = housing - oil + q R p
+    t_housing d(housing)/dt = room - housing + (1 - q) R p + g (next - housing)
 
 R [K] the rise of the axis in steady production. Steps of ten minutes.
 """

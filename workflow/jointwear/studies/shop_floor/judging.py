@@ -9,40 +9,17 @@ import numpy as np
 
 from jointwear.monitor.judge import UNJUDGED, judge, settings_of
 from jointwear.monitor.stages import baseline_windows
-from jointwear.monitor.state import stamp
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.fast_path import nominal_robot
 from jointwear.studies.shop_floor.month import BASELINE_DAYS, DAY
+from jointwear.studies.shop_floor.plant_entry import entry_of
 from jointwear.studies.shop_floor.sensing import START
 
 #: A judge: statistics, the robot's entry of the config -> alarms (records of alarms.csv, `time` in seconds) and status.
 Judge = Callable[[WindowStatistics, dict[str, Any], Cell], tuple[list[dict[str, Any]], np.ndarray]]
 #: Hours after the alarm at which the forecast is looked at again.
 LATER = 24.0
-#: Growth [%] of the limit that forecasts count down to.
-LIMIT = 20.0
-
-
-def entry_of(cell: Cell, rate: float) -> dict[str, Any]:
-    """Return the entry of the config that a user of this robot writes, without its logs and robot file."""
-    baseline = START + 86_400 * BASELINE_DAYS
-    events = [
-        {
-            "time": stamp(START + 3600 * event.hour, True),
-            "axes": [j + 1 for j in event.axes],
-            "kind": event.kind,
-            "note": "greased" if event.kind == "service" else "torque scale changed",
-        }
-        for event in cell.events
-        if event.told
-    ]
-    return {
-        "window": "1h",
-        "baseline": {"until": stamp(baseline, True)},
-        "limits": {"coulomb_increase_percent": LIMIT},
-        "false_alarms_per_1000_h": rate,
-    } | ({"events": events} if events else {})
 
 
 def product_judge(

@@ -20,7 +20,7 @@ STEP = 0.005
 
 @dataclass(frozen=True)
 class Program:
-    """A cycle on a grid of STEP: position, velocity, acceleration (m, n) [rad, s]; `carrying` (m,) share of the load."""
+    """A cycle on a grid of STEP: position and derivatives (m, n) [rad, s]; `carrying` (m,) share of the load."""
 
     position: np.ndarray
     velocity: np.ndarray

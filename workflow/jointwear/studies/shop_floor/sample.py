@@ -8,6 +8,7 @@ Window statistics are kept under `--keep` and simulated only where they are miss
 from __future__ import annotations
 
 import argparse
+import json
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -16,10 +17,8 @@ from jointwear.files.text_files import replace_text
 from jointwear.studies.shop_floor.cell import SEEDS
 from jointwear.studies.shop_floor.judging import outcome
 from jointwear.studies.shop_floor.kept import kept_robot
+from jointwear.studies.shop_floor.plan import RATES
 from jointwear.studies.shop_floor.scores import summary
-
-#: Stated rates [false alarms per 1,000 h].
-RATES = (0.3, 1.0, 3.0)
 
 
 def _rate(r: dict[str, Any]) -> str:
@@ -43,7 +42,9 @@ def table(s: dict[str, Any]) -> str:
     lines = [
         f"stated rate {s['rate']:g} per 1,000 h, {s['robots']} robots, {s['unjudged']:.0%} of axis-windows unjudged"
     ]
-    lines.append(f"  false alarms before wear   {_rate(s['false'])}; {s['false']['alarmed']} robots alarmed")
+    lines.append(
+        f"  false alarms before wear   {_rate(s['false'])}; {s['false']['alarmed']} robots, {s['false']['axes']} axes"
+    )
     for key in ("by_scenario", "by_thermometer", "by_arm"):
         for name, value in s[key].items():
             lines.append(f"    {name:22s}   {_rate(value)}; {value['alarmed']} of {value['robots']} robots")
@@ -73,10 +74,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--keep", default="results/shop_floor", help="folder of the window statistics")
     parser.add_argument("--alarms", action="store_true", help="list every alarm")
     parser.add_argument("--json", help="file for the outcomes of every robot")
+    parser.add_argument("--summary", help="file for the scores at every rate")
     given = parser.parse_args(arguments)
     facts, begin, spent = [], time.process_time(), 0.0
     for index in range(given.first, given.first + given.robots):
-        cell, statistics, refused = kept_robot(given.seeds, index, f"{given.keep}/{given.seeds}/windows")
+        cell, statistics, refused = kept_robot(given.seeds, index, given.keep)
         before = time.process_time()
         for rate in given.rates:
             facts.append(outcome(cell, statistics, rate) | {"refused": refused})
@@ -94,10 +96,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for f in refused[:5]:
         print(f"  {f['robot']} {f['scenario']}: {f['refused']}")
     print(f"{time.process_time() - begin:.0f} s of processor time, {spent:.0f} s of them judging")
-    if given.json:
-        import json
-
-        replace_text(given.json, json.dumps(facts, indent=1) + "\n")
+    for path, content in (
+        (given.json, facts),
+        (given.summary, [summary([f for f in facts if f["rate"] == rate]) for rate in given.rates]),
+    ):
+        if path:
+            replace_text(path, json.dumps(content, indent=1) + "\n")
 
 
 if __name__ == "__main__":

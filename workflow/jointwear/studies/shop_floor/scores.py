@@ -26,9 +26,10 @@ def poisson_rate(count: int, hours: float, confidence: float = 0.95) -> dict[str
 
 
 def false_alarms(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the rate of false alarms before any wear, with `robots` and how many of them `alarmed`."""
+    """Return the rate of false alarms before any wear; of `robots` so many `alarmed`, on `axes` axes in all."""
     rate = poisson_rate(sum(len(f["false"]) for f in facts), sum(f["quiet_hours"] for f in facts))
-    return rate | {"robots": len(facts), "alarmed": sum(bool(f["false"]) for f in facts)}
+    axes = sum(len({axis for _, axis, _ in f["false"]}) for f in facts)
+    return rate | {"robots": len(facts), "alarmed": sum(bool(f["false"]) for f in facts), "axes": axes}
 
 
 def _quantiles(values: Sequence[float]) -> dict[str, Any]:
@@ -63,6 +64,14 @@ def forecasts(facts: Sequence[dict[str, Any]], later: float) -> dict[str, Any]:
         "missing": len(told) - len(given),
         "early": sum(g["low"] is not None and g["true"] < g["low"] - 1 for g in given),
     }
+
+
+def curve(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the share of worn axes (Coulomb) found by `days` since the onset."""
+    worn = [f for f in facts if f["worn"] and f["kind"] == "coulomb"]
+    delays = np.array([np.inf if f["delay"] is None else f["delay"] for f in worn])
+    days = np.arange(0, 14.25, 0.25)
+    return {"days": days.tolist(), "found": [float(np.mean(delays <= 24 * d)) if len(worn) else 0.0 for d in days]}
 
 
 def summary(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
