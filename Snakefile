@@ -5,9 +5,6 @@ from snakemake.utils import min_version
 min_version("9.0")
 
 
-configfile: "config/config.yaml"
-
-
 # Used only with --software-deployment-method apptainer: the Python that requirements/run.txt is locked for.
 container: "docker://python:3.11"
 
@@ -17,7 +14,6 @@ include: "workflow/rules/trajectory.smk"
 include: "workflow/rules/simulation.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/detection.smk"
-include: "workflow/rules/location.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/inputs_of_discover.smk"
@@ -29,6 +25,7 @@ include: "workflow/rules/recover.smk"
 include: "workflow/rules/multiverse.smk"
 include: "workflow/rules/inputs_of_monitor_study.smk"
 include: "workflow/rules/monitor_study.smk"
+include: "workflow/rules/shop_floor.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/discover.smk"
 include: "workflow/rules/inputs_of_challenge.smk"

@@ -13,7 +13,8 @@ from monitor_logs import ROBOT, START, columns, make_log, model, write_parquet
 from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.condition import UNRESOLVED, axis_conditions
-from jointwear.monitor.episodes import episodes_of, events_of
+from jointwear.monitor.episodes import episodes_of
+from jointwear.monitor.events import events_of
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
 from jointwear.monitor.page import write_page

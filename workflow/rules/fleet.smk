@@ -65,7 +65,7 @@ rule watch_fleet:
 rule summarise_fleet:
     input:
         batches=expand("results/fleet/batches/{fleet_batch}.json", fleet_batch=FLEET),
-        templates=["report/fleet.html.j2", *PAGE_TEMPLATES],
+        templates=templates("fleet.html.j2", "robots.html.j2"),
         modules=modules_of("summarise_fleet"),
     output:
         table="results/fleet/fleet.csv",

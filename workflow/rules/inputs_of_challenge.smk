@@ -29,5 +29,5 @@ def peers_to_keep(wildcards):
 
 # Numbers of the other methods, where they are kept with the project.
 STORED_PEERS = [
-    path for path in ("data/benchmarks/challenge_peers.json",) if Path(path).exists()
+    str(path) for path in shipped_glob("data/benchmarks/challenge_peers.json")
 ]

@@ -6,11 +6,18 @@ from jointwear.files.documents import read_yaml
 SHOWN_DATASET = "puma560_hidden"
 SHIPPED_DATASETS = {
     name: entry
-    for example in sorted(Path("config/examples").glob("discover_*.yaml"))
+    for example in shipped_glob("config/examples/discover_*.yaml")
     for name, entry in read_yaml(str(example))["discover"]["datasets"].items()
 }
 CHOSEN_DATASETS = list(config["discover"]["datasets"]) or [SHOWN_DATASET]
-DATASETS = {**SHIPPED_DATASETS, **config["discover"]["datasets"]}
+DATASETS = {
+    name: {
+        **entry,
+        "measured": shipped(entry["measured"]),
+        "robot": shipped(entry["robot"]),
+    }
+    for name, entry in {**SHIPPED_DATASETS, **config["discover"]["datasets"]}.items()
+}
 
 
 def dataset_entry(wildcards):

@@ -14,6 +14,7 @@ from jointwear.monitor.plan import (
     model_file,
     surveyed_log,
 )
+from jointwear.running.configuration import beside_workflow
 
 try:
     zone_of(config["monitor"]["time_zone"])
@@ -35,23 +36,16 @@ if SILENT and not LOGS:
 
 
 # Templates of the page of a robot.
-PAGE_TEMPLATES = [
-    f"report/{name}"
-    for name in (
-        "monitor.html.j2",
-        "robots.html.j2",
-        "base.html.j2",
-        "macros.html.j2",
-        "style.css",
-    )
-]
+PAGE_TEMPLATES = templates("monitor.html.j2", "robots.html.j2")
 
 
 # The shipped examples, of which `monitor` takes the first where the config names no robot.
 SHIPPED_ROBOTS = {
     name: entry
-    for example in sorted(Path("config/examples").glob("monitor_*.yaml"))
-    for name, entry in read_yaml(str(example))["monitor"]["robots"].items()
+    for example in shipped_glob("config/examples/monitor_*.yaml")
+    for name, entry in beside_workflow(read_yaml(str(example)))["monitor"][
+        "robots"
+    ].items()
 }
 CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
 

@@ -90,7 +90,7 @@ MONITOR_EXAMPLE = expand(
 
 rule make_monitor_example:
     input:
-        robot="config/robots/puma560.yaml",
+        robot=shipped("config/robots/puma560.yaml"),
         modules=modules_of("make_monitor_example"),
     output:
         MONITOR_EXAMPLE,

@@ -11,21 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from jointwear.measurement.timestamps import utc_seconds
-
-
-@dataclass(frozen=True)
-class Event:
-    """What was done to a robot at `time` [s, the clock of the logs]; `axes` 1-based, empty for all."""
-
-    time: float
-    axes: tuple[int, ...]
-    kind: str
-    note: str
-
-    def concerns(self, axis: int | None) -> bool:
-        """Whether the event is about an axis; one about some axes does not explain a finding on the whole robot."""
-        return not self.axes or axis in self.axes
+from jointwear.monitor.events import Event
 
 
 @dataclass(frozen=True)
@@ -65,20 +51,9 @@ class Episode:
         return f"{self.axis or 'all'}|{self.quantity}|{self.detector}|{began}"
 
 
-def events_of(entry: Mapping[str, Any]) -> list[Event]:
-    """Return the events of a robot's entry in order of time."""
-    events = []
-    for given in entry.get("events") or ():
-        time = given["time"]
-        events.append(
-            Event(
-                time=utc_seconds(time) if isinstance(time, str) else float(time),
-                axes=tuple(int(a) for a in given.get("axes") or ()),
-                kind=str(given.get("kind", "service")),
-                note=str(given.get("note", "")),
-            )
-        )
-    return sorted(events, key=lambda e: e.time)
+def _concerns(event: Event, axis: int | None) -> bool:
+    """Whether an event is about a 1-based axis; one about some axes does not explain a finding on the whole robot."""
+    return not event.axes if axis is None else event.concerns(axis - 1)
 
 
 def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) -> list[Episode]:
@@ -87,7 +62,7 @@ def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) ->
     around: dict[tuple, tuple[Event | None, Event | None]] = {}
     for alarm in sorted(alarms, key=lambda a: a["time"]):
         axis = alarm["axis"] or None
-        own = [e for e in events if e.concerns(axis)]
+        own = [e for e in events if _concerns(e, axis)]
         end = next((e for e in own if e.time >= alarm["time"]), None)
         begin = next((e for e in reversed(own) if e.time < alarm["time"]), None)
         key = (axis, alarm["quantity"], alarm["detector"], None if end is None else end.time)
