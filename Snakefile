@@ -10,6 +10,7 @@ container: "docker://python:3.11"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/registry.smk"
 include: "workflow/rules/trajectory.smk"
 include: "workflow/rules/simulation.smk"
 include: "workflow/rules/features.smk"

@@ -9,6 +9,12 @@ SHIPPED_DATASETS = {
     for example in shipped_glob("config/examples/discover_*.yaml")
     for name, entry in read_yaml(str(example))["discover"]["datasets"].items()
 }
+# Those that need nothing from elsewhere; `everything` takes them all where the registered data are at hand.
+OWN_DATASETS = [
+    name
+    for name, entry in SHIPPED_DATASETS.items()
+    if Path(shipped(entry["measured"])).is_file()
+]
 CHOSEN_DATASETS = list(config["discover"]["datasets"]) or [SHOWN_DATASET]
 DATASETS = {
     name: {
@@ -36,6 +42,7 @@ def dataset_model(wildcards):
 
 
 def published_values(wildcards):
-    """What others found for a data set: published.yaml beside the measured file, if there is one."""
-    path = Path(DATASETS[wildcards.dataset]["measured"]).with_name("published.yaml")
+    """What others found on the robot of a registered data set, if that is known."""
+    name = Path(DATASETS[wildcards.dataset]["measured"]).parent.name
+    path = Path(shipped(f"data/published/{name}.yaml"))
     return [str(path)] if path.exists() else []

@@ -14,6 +14,7 @@ from jointwear.monitor.plan import (
     model_file,
     surveyed_log,
 )
+from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
 
 try:
@@ -47,6 +48,12 @@ SHIPPED_ROBOTS = {
         "robots"
     ].items()
 }
+# Those whose logs are here: the registered ones only once they have been fetched.
+OWN_ROBOTS = [
+    name
+    for name, entry in SHIPPED_ROBOTS.items()
+    if not any(will_be_fetched(pattern) for pattern in entry["logs"])
+]
 CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
 
 
