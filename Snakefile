@@ -33,6 +33,7 @@ include: "workflow/rules/inputs_of_challenge.smk"
 include: "workflow/rules/challenge.smk"
 include: "workflow/rules/inputs_of_monitor.smk"
 include: "workflow/rules/monitor.smk"
+include: "workflow/rules/learn_normal.smk"
 include: "workflow/rules/fleet.smk"
 
 

@@ -68,10 +68,14 @@ def logs_of(name):
     return batches_of(find_logs(entry["logs"]), entry)
 
 
+def given_entry(wildcards):
+    """The entry of a robot as it is given."""
+    return {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}[wildcards.monitored]
+
+
 def monitored_entry(wildcards):
     """The entry of a robot, with the robot file that was learnt from its own logs where there is one."""
-    entries = {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}
-    entry = entries[wildcards.monitored]
+    entry = given_entry(wildcards)
     return {**entry, "robot": model_file(wildcards.monitored, entry)}
 
 
