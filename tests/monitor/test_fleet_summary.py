@@ -159,3 +159,16 @@ def test_times_are_local_and_say_so():
     assert local_time(1_774_742_400.0, berlin) == "2026-03-29 01:00 CET"
     with pytest.raises(InputError, match="did you mean 'Europe/Berlin'"):
         zone_of("Europe/Berln")
+
+
+def test_the_board_asks_for_metrics_that_there_are(built, root):
+    board = json.loads((root / "config/examples/grafana_fleet.json").read_text())
+    asked = {
+        name
+        for panel in board["panels"]
+        for target in panel["targets"]
+        for name in re.findall(r"jointwear_\w+", target["expr"])
+    }
+    there = set(re.findall(r"^# TYPE (\w+)", (built / "metrics.prom").read_text(), re.MULTILINE))
+    assert asked - {"jointwear_messages_waiting"} <= there
+    assert len(asked) >= 8
