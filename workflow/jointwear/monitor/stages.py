@@ -7,11 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of
-from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.judge import judge, settings_of
