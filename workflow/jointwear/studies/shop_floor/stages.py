@@ -1,0 +1,46 @@
+"""The stages of ``snakemake shop_floor``, one function each: files in, files out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from jointwear.files.text_files import replace_text
+from jointwear.studies.shop_floor.judging import outcome
+from jointwear.studies.shop_floor.kept import kept_robot, simulate_robots
+from jointwear.studies.shop_floor.plan import RATES, robots_of
+from jointwear.studies.shop_floor.scores import curve, summary
+
+
+def simulate_batch(seed_set: str, batch: str, output: str | Path) -> None:
+    """Simulate the robots of a batch into a folder of window statistics."""
+    simulate_robots(seed_set, robots_of(batch), output)
+
+
+def judge_batch(seed_set: str, batch: str, windows: str | Path, output: str | Path) -> None:
+    """Judge the robots of a batch at every stated rate; `windows` is the folder of :func:`simulate_batch`."""
+    folder = Path(windows).parents[2]
+    facts = []
+    for index in robots_of(batch):
+        cell, statistics, refused = kept_robot(seed_set, index, folder)
+        facts += [outcome(cell, statistics, rate) | {"refused": refused} for rate in RATES]
+    replace_text(output, json.dumps(facts, indent=1) + "\n")
+
+
+def summarise(outcomes: Sequence[str | Path], before: str | Path, output: str | Path) -> None:
+    """Put the numbers of the chapter together.
+
+    Parameters
+    ----------
+    outcomes : files of :func:`judge_batch`. before : scores of the judge that this one took the place of, as written
+        by ``sample --summary``.
+    """
+    facts = [fact for path in outcomes for fact in json.loads(Path(path).read_text(encoding="utf-8"))]
+    chapter = {
+        "rates": [summary([f for f in facts if f["rate"] == rate]) for rate in RATES],
+        "curves": [{"rate": rate, **curve([f for f in facts if f["rate"] == rate])} for rate in RATES],
+        "refused": sum(bool(f["refused"]) for f in facts if f["rate"] == RATES[0]),
+        "before": json.loads(Path(before).read_text(encoding="utf-8")),
+    }
+    replace_text(output, json.dumps(chapter, indent=1) + "\n")

@@ -1,0 +1,8 @@
+"""Put the numbers of the shop floor together for the report."""
+
+from jointwear.running.script import reported
+from jointwear.studies.shop_floor.stages import summarise
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        summarise(snakemake.input.outcomes, snakemake.input.before, snakemake.output[0])
