@@ -17,7 +17,6 @@ rule monitor:
 
 rule survey_logs:
     input:
-        log=first_log_files,
         robot=monitored_robot,
         model=monitored_model,
         modules=modules_of("survey_logs"),

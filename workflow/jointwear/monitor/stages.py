@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,17 +9,16 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
-from jointwear.files.storage import open_dataset
 from jointwear.measurement.formats import layout_of
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import window_seconds
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import read_survey, survey_log
-from jointwear.monitor.window_files import read_statistics, write_statistics
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
 
@@ -51,27 +49,8 @@ def accumulate_windows(
     for log in logs:
         done = log_statistics(log, layout, model, found, length)
         pieces.append(Piece(log, done.statistics, done.first, done.last, done.refused))
-    whole = assemble(pieces)
-    more = {
-        "logs": json.dumps([p.log for p in pieces]),
-        "refused": json.dumps([list(p.refused) for p in pieces]),
-        "first": np.array([p.first for p in whole.pieces]),
-        "last": np.array([p.last for p in whole.pieces]),
-    }
-    write_statistics(whole.statistics, output, "statistics of the windows of a log", dict(entry), more)
+    write_pieces(pieces, output, entry)
     return [line for piece in pieces for line in piece.refused]
-
-
-def read_piece(path: str | Path) -> Piece:
-    """Read what :func:`accumulate_windows` wrote as one piece."""
-    statistics = read_statistics(path)
-    with open_dataset(path) as dataset:
-        logs, refused = json.loads(dataset.logs), json.loads(dataset.refused)
-        first, last = np.atleast_1d(dataset.first), np.atleast_1d(dataset.last)
-    told = tuple(line for lines in refused for line in lines)
-    with np.errstate(all="ignore"):
-        edges = (np.fmin.reduce(first), np.fmax.reduce(last))
-    return Piece(" + ".join(logs), statistics, float(edges[0]), float(edges[1]), told)
 
 
 def baseline_windows(statistics: WindowStatistics, baseline: Mapping[str, Any]) -> int:
@@ -120,8 +99,21 @@ def judge_windows(
     ------
     InputError : if no log could be used, or the baseline is too short.
     """
+    pieces = [piece for path in windows for piece in read_pieces(path)]
+    judge_pieces(pieces, robot, entry, state, alarms, name)
+
+
+def judge_pieces(
+    pieces: Sequence[Piece],
+    robot: str | Path,
+    entry: Mapping[str, Any],
+    state: str | Path,
+    alarms: str | Path,
+    name: str | None = None,
+) -> None:
+    """Judge the statistics of logs, in the order of the logs; see :func:`judge_windows`."""
     arm = load_robot(robot)
-    whole = assemble([read_piece(path) for path in windows])
+    whole = assemble(pieces)
     if not whole.statistics.windows:
         reasons = [line for p in whole.pieces for line in p.refused]
         raise InputError(f"no log could be used: {reasons[0] if reasons else 'they hold no samples'}")
