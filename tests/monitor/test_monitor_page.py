@@ -12,6 +12,7 @@ from monitor_logs import ROBOT, START, columns, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
+from jointwear.monitor.baseline import choose_baseline
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
 from jointwear.monitor.page import axis_summary, headline, why_unjudged, write_page
@@ -139,8 +140,13 @@ def test_baselines(built):
     assert baseline_windows(statistics, {"windows": 200}) == HOURS
     assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00Z"}) == 24
     assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00"}) == 24
-    with pytest.raises(InputError, match="leaves 2 windows; at least 8"):
-        baseline_windows(statistics, {"until": "2026-01-01T02:30:00Z"})
+    short = choose_baseline(statistics, {"until": "2026-01-01T02:30:00Z"})
+    assert short.count > 8
+    assert "too few to know what is normal; it goes on until 2026-01-01T" in short.words
+    waiting = choose_baseline(statistics, {"windows": 200})
+    assert not waiting.complete
+    assert "nothing is judged until 140 more have come" in waiting.words
+    assert choose_baseline(statistics, {"from": "2026-01-01T10:00:00Z", "windows": 20}).mask.nonzero()[0][0] == 10
     with pytest.raises(InputError, match="the logs have no dates"):
         baseline_windows(replace(statistics, dated=False), {"until": "2026-01-02"})
 

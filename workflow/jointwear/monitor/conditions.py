@@ -26,10 +26,10 @@ from jointwear.monitor.normal_state import Posterior
 from jointwear.monitor.windows import WindowStatistics
 
 CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
-LOAD, PROGRAM = 0.3, 0.04
+LOAD, PROGRAM = 0.2, 0.05
 #: Of the features: speed (log of its mean, log of the ratio of root mean square and mean), gravity and inertial torque
 #: (root mean square over the friction), gravity against the motion (mean over the friction).
-FEATURES = np.array([0.3, 0.3, 0.05, 0.05, 0.05])
+FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
 #: Change of a feature's coefficient per K, as a share of its own prior; per unit of the warm-up state.
 PRODUCT, PRODUCT_WARM = 0.02, 0.4
 #: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond.

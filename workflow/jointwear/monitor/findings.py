@@ -34,7 +34,8 @@ def _services(statistics: WindowStatistics, level: Watch) -> list[dict[str, Any]
                 time = float(statistics.start[start.window])
                 words = (
                     f"Friction of axis {j + 1} fell at {moment_words(statistics, time)}: was it serviced or greased? "
-                    "It is learnt anew from there; enter the service under 'events' to confirm it, or look for another cause."
+                    "It is learnt anew from there; enter the service under 'events' to confirm it, or look for "
+                    "another cause."
                 )
                 result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
     return result

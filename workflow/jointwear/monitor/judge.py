@@ -68,7 +68,8 @@ class Judgement:
     [N m], the growth of friction that counts as Coulomb friction; `coulomb_percent` [%] of the level in the normal
     period; `viscous` [N m s/rad] where the motion shows it. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`,
     :data:`UNJUDGED`. `alarms` : records with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3):
-    forecast at the last judged window, median, low and high; NaN where none is due, infinite where open. `findings` :
+    forecast at the last judged window, median, low and high; NaN where none is due, infinite where open.
+    `reason` (w, n): why not judged, :class:`~jointwear.monitor.records.Reason`. `findings` :
     what is no alarm but must be told: `time` [s], `axes` (1-based), `kind`, `words`.
     """
 
@@ -78,6 +79,7 @@ class Judgement:
     alarms: list[dict[str, Any]]
     units: dict[str, str]
     hours_to_limit: np.ndarray
+    reason: np.ndarray
     findings: list[dict[str, Any]] = field(default_factory=list)
 
 
@@ -118,6 +120,7 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
         alarms=alarms,
         units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad"},
         hours_to_limit=teller.hours_to_limit(),
+        reason=teller.reasons(),
         findings=findings_of(statistics, shift, first, level),
     )
 

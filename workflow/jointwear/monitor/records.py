@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,18 @@ _Q80 = 1.2815515655446004
 REPEAT_HOURS, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 0.02, 168.0
 #: Viscous friction is named where it makes up at least this share of the growth, this many standard deviations clear.
 VISCOUS_PART, VISCOUS_CLEAR = 0.5, 2.0
+
+
+class Reason(IntEnum):
+    """Why an axis is not judged in a window; 0 where it is, or where what was read says why (`flags`)."""
+
+    NONE = 0
+    BASELINE = 1
+    LEARNING = 2
+    CONDITIONS = 3
+    COARSE = 4
+
+
 _NOTHING = Forecast(np.nan, np.nan, np.nan)
 
 
@@ -63,7 +76,7 @@ class Teller:
 
     def _hide_coarse(self) -> None:
         """An axis whose limit would hardly show is not judged: two shifts at the limit must stand out clearly."""
-        level = self._level
+        level, self._coarse = self._level, []
         for j, axis in enumerate(level.axes):
             if axis is None:
                 continue
@@ -71,6 +84,7 @@ class Teller:
             least = level.threshold[j] * np.sqrt(axis.dispersion.between**2 / 2 + normal)
             if (np.expm1(least) + 0.01) * axis.to_coulomb > self._limit:
                 level.residual[:, j] = np.nan
+                self._coarse.append(j)
                 self._alarm[:, j] = False
 
     def _spaced(self) -> np.ndarray:
@@ -120,6 +134,20 @@ class Teller:
         total = np.expm1(mean) * (1.0 if level.axes[j].source == "friction" else self._series["friction"].share[j])
         clear = np.isfinite(part) and part > VISCOUS_CLEAR * spread and part > VISCOUS_PART * total
         return (VISCOUS if clear and level.axes[j].source == "friction" else COULOMB), float(mean), float(error)
+
+    def reasons(self) -> np.ndarray:
+        """Return why each window (w, n) is not judged, of :class:`Reason`."""
+        result = np.zeros(self.status.shape, dtype=np.int32)
+        moved = self._s.count > 0
+        for j, axis in enumerate(self._level.axes):
+            hidden = ~np.isfinite(self._level.residual[:, j]) & moved[:, j]
+            if axis is None:
+                result[hidden, j] = Reason.BASELINE
+                continue
+            result[hidden, j] = Reason.COARSE if j in self._coarse else Reason.NONE
+            result[hidden & self._level.unseen[:, j], j] = Reason.CONDITIONS
+            result[hidden & self._level.learning[:, j], j] = Reason.LEARNING
+        return result
 
     def records(self) -> list[dict[str, Any]]:
         """Return the rows of alarms.csv."""

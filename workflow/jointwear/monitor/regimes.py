@@ -13,8 +13,8 @@ import numpy as np
 
 from jointwear.monitor.windows import WindowStatistics
 
-#: Root mean square difference of signatures (logs) that still is one program, and beyond which a window is unseen.
-ALIKE, UNSEEN = 0.06, 0.12
+#: Largest difference of signatures (logs) that still is one program, and beyond which a window is unseen.
+ALIKE, UNSEEN = 0.15, 0.3
 #: Fewest windows of a regime; share of the baseline's windows that regimes must hold.
 FEWEST, COVERED = 4, 0.7
 #: Gravity torques below this share of the friction count as none.
@@ -76,4 +76,4 @@ def _distances(one: np.ndarray, centres: list[np.ndarray]) -> np.ndarray:
     step = np.stack(centres) - one
     other = np.isfinite(np.stack(centres)) != np.isfinite(one)
     step = np.where(other, 1.0, np.nan_to_num(step))
-    return np.sqrt(np.mean(step**2, axis=1))
+    return np.abs(step).max(axis=1)

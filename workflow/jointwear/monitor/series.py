@@ -25,6 +25,9 @@ from jointwear.statistics.known import known_median
 
 #: A level below this share of the nominal one is no estimate.
 LOWEST = 0.02
+#: Noise (standard deviation over the median of the baseline) above which a window is no ordinary one: samples that do
+#: not belong together, another robot, another unit.
+LOUDEST = 4.0
 #: Standard deviation of a log level above which a window shows nothing.
 COARSEST = 0.25
 _VISCOUS = COLUMNS.index("viscous")
@@ -96,7 +99,7 @@ def friction_series(
 
 def sums_of(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndarray) -> tuple[Sums, np.ndarray]:
     """Return the sums of all windows and the noise variance (n,) [N2 m2] of the baseline; `coulomb` (n, 2) [N m]."""
-    usable = statistics.judgeable & (statistics.count > 0)
+    usable = statistics.judgeable & (statistics.count > 0) & ~loud_windows(statistics, baseline)
     sums = change_columns(
         statistics.gram, statistics.moment, statistics.residual_square, statistics.freedom, usable, coulomb
     )
@@ -104,6 +107,14 @@ def sums_of(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndar
     square = np.where(first.usable, first.residual_square, 0.0).sum(axis=0)
     freedom = np.where(first.usable, first.freedom, 0).sum(axis=0)
     return sums, np.where(freedom > 0, square / np.maximum(freedom, 1), 1.0)
+
+
+def loud_windows(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
+    """Return where (w, n) the noise of an axis is :data:`LOUDEST` times the usual one of the baseline or more."""
+    noise = np.sqrt(statistics.noise_variance)
+    usual = known_median(np.where(baseline[:, None], noise, np.nan), axis=0)
+    with np.errstate(invalid="ignore"):
+        return noise > LOUDEST * usual
 
 
 def usual_speed(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.assembly import Piece, assemble
+from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
@@ -54,30 +56,8 @@ def accumulate_windows(
 
 
 def baseline_windows(statistics: WindowStatistics, baseline: Mapping[str, Any]) -> int:
-    """Return how many windows, from the first, are the baseline.
-
-    Raises
-    ------
-    InputError : if that is fewer than :data:`FEWEST_BASELINE`, or a date is given for logs without.
-    """
-    if "until" in baseline:
-        until = baseline["until"]
-        if isinstance(until, str):
-            if not statistics.dated:
-                raise InputError(
-                    f"config: 'baseline.until' is {until}, but the logs have no dates; give seconds of "
-                    "the log's clock, or 'windows'"
-                )
-            until = utc_seconds(until)
-        count = int(np.sum(statistics.end <= float(until)))
-        given = f"'baseline.until' leaves {count} windows"
-    else:
-        asked = int(baseline["windows"])
-        count = min(asked, statistics.windows)
-        given = f"'baseline.windows' is {asked}, the logs fill {statistics.windows} windows"
-    if count < FEWEST_BASELINE:
-        raise InputError(f"config: {given}; at least {FEWEST_BASELINE} are needed to know what is normal")
-    return count
+    """Return how many windows, from the first, end with the baseline; see :mod:`jointwear.monitor.baseline`."""
+    return choose_baseline(statistics, baseline).count
 
 
 def judge_windows(
@@ -117,7 +97,14 @@ def judge_pieces(
     if not whole.statistics.windows:
         reasons = [line for p in whole.pieces for line in p.refused]
         raise InputError(f"no log could be used: {reasons[0] if reasons else 'they hold no samples'}")
-    baseline = baseline_windows(whole.statistics, entry["baseline"])
-    judgement = judge(whole.statistics, baseline, settings_of(arm, entry))
-    write_state(state, judgement, whole, baseline, arm, entry, name or arm.name)
+    kept = Path(state).parent / "baseline.nc"
+    statistics, baseline = with_kept_baseline(whole.statistics, entry["baseline"], kept)
+    keep_baseline(statistics, baseline, entry["baseline"], kept)
+    whole = replace(whole, statistics=statistics)
+    judgement = judge(statistics, baseline.mask, settings_of(arm, entry))
+    if baseline.words:
+        begin = float(statistics.start[0])
+        told = {"time": begin, "axes": [], "kind": "baseline", "words": baseline.words}
+        judgement = replace(judgement, findings=[told, *judgement.findings])
+    write_state(state, judgement, whole, baseline.count, arm, entry, name or arm.name)
     write_alarms(alarms, judgement.alarms, whole.statistics.dated)
