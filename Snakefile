@@ -10,6 +10,7 @@ container: "docker://python:3.11"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/registry.smk"
 include: "workflow/rules/trajectory.smk"
 include: "workflow/rules/simulation.smk"
 include: "workflow/rules/features.smk"
@@ -32,6 +33,7 @@ include: "workflow/rules/inputs_of_challenge.smk"
 include: "workflow/rules/challenge.smk"
 include: "workflow/rules/inputs_of_monitor.smk"
 include: "workflow/rules/monitor.smk"
+include: "workflow/rules/learn_normal.smk"
 include: "workflow/rules/fleet.smk"
 
 

@@ -146,6 +146,17 @@ def test_a_folder_that_cannot_be_reached_concerns_its_robot_alone(project, monke
     assert "there is no folder nowhere; the other robots go on" in done.stderr
 
 
+def test_a_fleet_is_planned_though_a_folder_is_lost(project):
+    config = project.config()
+    config["monitor"] = {"robots": {"arm": ENTRY, "gone": ENTRY | {"logs": ["nowhere/*.csv"]}}}
+    project.write_config(config)
+    jobs = project.planned("notify")
+    learning = project.planned("learn_normal")
+    monitored(project)
+    assert jobs == {"watch_fleet": 1, "summarise_fleet": 1, "notify": 1}
+    assert learning == {"learn_robot": 1, "learn_normal": 1}
+
+
 def test_the_survey_stays_with_its_log(project):
     """A file that sorts before all others costs its own windows."""
     before = project.folder / "logs/a_first.parquet"

@@ -1,6 +1,7 @@
 # What the rules of discover.smk take from the entry of their data set.
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.running.datasets import written_for
 
 # The data set that the report shows; `discover` takes it too where the config names none.
 SHOWN_DATASET = "puma560_hidden"
@@ -9,6 +10,12 @@ SHIPPED_DATASETS = {
     for example in shipped_glob("config/examples/discover_*.yaml")
     for name, entry in read_yaml(str(example))["discover"]["datasets"].items()
 }
+# Those that need nothing from elsewhere; `everything` takes them all where the registered data are at hand.
+OWN_DATASETS = [
+    name
+    for name, entry in SHIPPED_DATASETS.items()
+    if Path(shipped(entry["measured"])).is_file()
+]
 CHOSEN_DATASETS = list(config["discover"]["datasets"]) or [SHOWN_DATASET]
 DATASETS = {
     name: {
@@ -25,17 +32,24 @@ def dataset_entry(wildcards):
     return dict(DATASETS[wildcards.dataset])
 
 
+def dataset_measured(wildcards):
+    """Measured file of a data set."""
+    return DATASETS[wildcards.dataset]["measured"]
+
+
 def dataset_robot(wildcards):
-    """Robot file of a data set."""
+    """Robot file of a data set; that of another data set of the config is made first."""
     return DATASETS[wildcards.dataset]["robot"]
 
 
 def dataset_model(wildcards):
-    """All files that the robot of a data set is made of."""
-    return robot_sources(DATASETS[wildcards.dataset]["robot"])
+    """All files that the robot of a data set is made of; one that discovery writes stands for its URDF."""
+    robot = DATASETS[wildcards.dataset]["robot"]
+    return [robot] if written_for(robot) in DATASETS else robot_sources(robot)
 
 
 def published_values(wildcards):
-    """What others found for a data set: published.yaml beside the measured file, if there is one."""
-    path = Path(DATASETS[wildcards.dataset]["measured"]).with_name("published.yaml")
+    """What others found on the robot of a registered data set, if that is known."""
+    name = Path(DATASETS[wildcards.dataset]["measured"]).parent.name
+    path = Path(shipped(f"data/published/{name}.yaml"))
     return [str(path)] if path.exists() else []

@@ -2,6 +2,8 @@
 from snakemake.exceptions import WorkflowError
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.notify.plan import check_channels
 from jointwear.monitor.plan import (
     READING_KEYS,
     batches_of,
@@ -12,9 +14,12 @@ from jointwear.monitor.plan import (
     model_file,
     surveyed_log,
 )
+from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
 
 try:
+    zone_of(config["monitor"]["time_zone"])
+    check_channels(config["monitor"])
     check_robots(config)
 except InputError as error:
     sys.exit(f"jointwear: {error}")
@@ -31,6 +36,10 @@ if SILENT and not LOGS:
     sys.exit("jointwear: no robot has a log that can be reached")
 
 
+# Templates of the page of a robot.
+PAGE_TEMPLATES = templates("monitor.html.j2", "robots.html.j2")
+
+
 # The shipped examples, of which `monitor` takes the first where the config names no robot.
 SHIPPED_ROBOTS = {
     name: entry
@@ -39,6 +48,12 @@ SHIPPED_ROBOTS = {
         "robots"
     ].items()
 }
+# Those whose logs are here: the registered ones only once they have been fetched.
+OWN_ROBOTS = [
+    name
+    for name, entry in SHIPPED_ROBOTS.items()
+    if not any(will_be_fetched(pattern) for pattern in entry["logs"])
+]
 CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
 
 
@@ -53,10 +68,14 @@ def logs_of(name):
     return batches_of(find_logs(entry["logs"]), entry)
 
 
+def given_entry(wildcards):
+    """The entry of a robot as it is given."""
+    return {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}[wildcards.monitored]
+
+
 def monitored_entry(wildcards):
     """The entry of a robot, with the robot file that was learnt from its own logs where there is one."""
-    entries = {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}
-    entry = entries[wildcards.monitored]
+    entry = given_entry(wildcards)
     return {**entry, "robot": model_file(wildcards.monitored, entry)}
 
 

@@ -34,6 +34,11 @@ class Whitener:
         result /= self.sigma
         return result
 
+    def density(self, frequency: np.ndarray, rate: float) -> np.ndarray:
+        """Return the density (k,) [(N m)^2/Hz, one-sided] of the noise at frequencies (k,) [Hz]."""
+        angle = 2 * np.pi * np.outer(frequency, np.arange(1, len(self.lags) + 1)) / rate
+        return 2 * self.sigma**2 / (rate * np.abs(1 - np.exp(-1j * angle) @ self.lags) ** 2)
+
     @property
     def marginal(self) -> float:
         """Standard deviation of the noise itself [N m]."""

@@ -17,7 +17,7 @@ from jointwear.publishing.report.rendering import render_page
 
 _WORDS = {
     "none": "Nothing is missing",
-    "retuned": "Numbers are wrong, no effect is missing",
+    "retuned": "Parameters are wrong, no effect is missing",
     "effects": "The model lacks an effect",
     "unknown": "Part of the disagreement has no name",
 }
@@ -35,15 +35,20 @@ def lead(content: dict[str, Any]) -> list[str]:
     named = [name(e) for e in content["effects"]]
     sentences = []
     if content["verdict"] == "none":
-        sentences.append("Within the noise the nominal model explains the measured torque; no number needs to change.")
+        sentences.append("No effect is missing and no parameter needs to change.")
     elif content["verdict"] == "retuned":
-        sentences.append("New numbers for terms that the model has explain the measured torque; no effect is missing.")
+        sentences.append("No effect is missing; parameters of terms that the model has are wrong.")
     elif content["verdict"] == "effects":
-        sentences.append(f"The model lacks {'; '.join(named)}. With that, nothing beyond the noise is left.")
+        sentences.append(f"The model lacks {'; '.join(named)}.")
     elif named:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
     else:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
+    if content["verdict"] != "unknown":
+        sentences.append(_what_is_left(content))
+    if content["suspects"]:
+        suspects = "; ".join(name(e) for e in content["suspects"])
+        sentences.append(f"Suspects on joints that stay unexplained: {suspects}.")
     closed = _closed(content["gap"])
     if closed is not None:
         alone, augmented = (
@@ -54,6 +59,21 @@ def lead(content: dict[str, Any]) -> list[str]:
             f"the augmented model {augmented}."
         )
     return sentences
+
+
+def _what_is_left(content: dict[str, Any]) -> str:
+    """Say whether the held-out error is down to the noise, and where it is not."""
+    if content["to_the_noise"]:
+        return "On held-out motion nothing beyond the noise is left."
+    gap = content["gap"]
+    above = [
+        f"{a / f:.2g} times on joint {j}"
+        for j, (a, f) in enumerate(zip(gap["augmented"], gap["noise_floor"], strict=True), start=1)
+        if a is not None and f and a > 1.1 * f
+    ]
+    if not above:
+        return "The held-out error could not be compared with the noise."
+    return f"The error on held-out motion stays above the noise: {', '.join(above)}."
 
 
 def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
@@ -71,7 +91,7 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
 
 
 def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return one row a joint: what was named, corrected and left, and the part of the gap that each model leaves."""
+    """Return one row per joint: what was named, corrected and left, and the part of the gap that each model leaves."""
     effects, gap = library(), content["gap"]
     whole = [effects[e["effect"]].phrase for e in content["effects"] if e["axis"] is None]
     rows = []

@@ -3,26 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cache, cached_property
 
+import os
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from jointwear.discovery.instruments import FREQUENCIES, band_limited, cutoff_of, torque_noise
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, corrected, estimate, whitenable
-from jointwear.discovery.reversals import leave_out_reversals
+from jointwear.discovery.reversals import leave_out_reversals, resolved_motion
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.structure import axis_bases
-from jointwear.effects import State, effect_torque, library, make_state
+from jointwear.effects import Effect, State, effect_torque, library, make_state
 from jointwear.measurement.motion import Measured, low_pass, measure, runs
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import inertial_regressor, mass_direction, prior_factor, to_joint_frame
+from jointwear.robots.inertia import (
+    gravity_regressor,
+    inertial_regressor,
+    mass_direction,
+    prior_factor,
+    to_joint_frame,
+)
 from jointwear.robots.robot import Robot
 
 #: Fewest usable samples of an axis that a verdict is based on.
 FEWEST_SAMPLES = 60
+#: Poses over which the mass matrix is averaged.
+POSES = 200
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
@@ -73,6 +83,12 @@ class Problem:
         return fold
 
     @cached_property
+    def mass_squares(self) -> np.ndarray:
+        """(n, n) mean square over the training poses of the derivative of torque j by acceleration k [kg2 m4]."""
+        poses = self.state.position[self.train]
+        return np.mean(self.dynamics.mass_matrix(poses[:: max(1, len(poses) // POSES)]) ** 2, axis=0)
+
+    @cached_property
     def usable(self) -> np.ndarray:
         """(N_train, n) training samples that can be judged."""
         return self.measured.usable[self.train]
@@ -119,6 +135,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         temperature=measured.temperature,
         record=measured.trajectory,
         tip_regressor=lambda: last,
+        gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
     )
     nominal = state.torque + effect_torque(robot, state)
     train = np.isin(measured.trajectory, recording.train)
@@ -130,7 +147,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         dynamics=dynamics,
         settings=settings,
         measured=measured,
-        state=replace(state, tip_regressor=state.tip_regressor),
+        state=state,
         train=train,
         test=np.isin(measured.trajectory, recording.test),
         discrepancy=measured.torque - nominal,
@@ -249,13 +266,33 @@ def _remover(columns: np.ndarray, used: np.ndarray, white: Whitener | None) -> C
 
 @dataclass(frozen=True)
 class White:
-    """The problem after whitening: targets and base terms, for the training samples."""
+    """The problem after whitening: targets and base terms, for the training samples.
+
+    `cutoffs` (n,) [Hz] of the instruments of each axis, infinite for none.
+    """
 
     problem: Problem
     whiteners: list[Whitener | None]
     targets: list[np.ndarray]
     base: list[Term]
     directions: np.ndarray
+    cutoffs: np.ndarray
+    _limited: dict[int, State] = field(default_factory=dict, repr=False)
+
+    def state_of(self, effect: Effect, axis: int | None) -> State:
+        """Return the training samples that the columns of an effect are made from: instruments for one of timing."""
+        if not effect.timing or axis is None:
+            return self.problem.train_state
+        if axis not in self._limited:
+            problem = self.problem
+            self._limited[axis] = band_limited(problem.train_state, axis, self.cutoffs[axis], problem.measured.rate)
+        return self._limited[axis]
+
+    def no_timing(self, axis: int) -> str:
+        """Return in words why effects of timing cannot be tried on an axis; empty where they can."""
+        if os.environ.get("ALLT") or resolved_motion(self.problem.measured):
+            return ""
+        return "the sampling does not resolve the accelerations at reversals"
 
     def fit(self, extra: list[Term] = ()) -> Fit:
         """Return the posterior of the base regression with `extra` terms."""
@@ -313,7 +350,21 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         blocks = {axis: x @ directions for axis, x in inertial.items()}
         raw = {axis: x @ directions for axis, x in raw_inertial.items()}
         base.append(Term("inertial", blocks, np.ones(directions.shape[1]), raw))
-    return White(problem, whiteners, targets, base, directions)
+    return White(problem, whiteners, targets, base, directions, instrument_cutoffs(problem, whiteners))
+
+
+def instrument_cutoffs(problem: Problem, whiteners: list[Whitener | None]) -> np.ndarray:
+    """Return the cut-offs (n,) [Hz] of the instruments of all axes, infinite where none is needed."""
+    result = np.full(problem.robot.joints, np.inf)
+    measured = problem.measured
+    if measured.noise is None:
+        return result
+    frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
+    density = torque_noise(measured.noise, problem.mass_squares, frequency)
+    for axis, white in enumerate(whiteners):
+        if white is not None:
+            result[axis] = cutoff_of(white, density[axis], frequency, measured.rate)
+    return result
 
 
 def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:

@@ -10,13 +10,13 @@ def advice(quantity: str, change: float | None) -> str:
         return "the distribution of the torque changed; compare with what the model-based detector says of this axis"
     if "backlash" in quantity:
         return (
-            "check the gear for play: clamp the flange, turn the motor by hand both ways, look at belt and coupling"
+            "check the gear for play with the flange clamped, and belt and coupling"
             if grew
             else "play became smaller: a gear that was replaced or adjusted; tell it as an event of kind service"
         )
     if "viscous" in quantity:
         return (
-            "check the lubricant: level, age and kind; a cold drive shows the same, so compare at equal temperature"
+            "check level, age and kind of the lubricant; a cold drive shows the same: compare at equal temperature"
             if grew
             else "the drive runs warmer or was greased anew; if neither, check the lubricant for the right kind"
         )
@@ -25,8 +25,7 @@ def advice(quantity: str, change: float | None) -> str:
     if "offset" in quantity or "asymmetr" in quantity:
         return "check the load at the flange, the balance of the axis and the zero of the torque or current sensor"
     return (
-        "check the gear and bearings for wear and play, lubrication, belt tension, and a brake that drags; "
-        "listen for noise and compare the motor current by hand at slow constant speed both ways"
+        "check the gear and bearings, the lubricant, belt tension, and whether a brake drags"
         if grew
         else "friction fell: running-in, new grease or a warmer drive; if none of these, check preload and belt tension"
     )

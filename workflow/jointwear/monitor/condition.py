@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.advice import advice
-from jointwear.monitor.episodes import Episode, episodes_of, events_of
+from jointwear.monitor.episodes import Episode, episodes_of
+from jointwear.monitor.events import events_of
 from jointwear.monitor.judge import CHANGED, DEFAULT_LIMIT, DETECTORS, HEALTHY, UNJUDGED
 from jointwear.monitor.state import State
 
@@ -58,7 +59,7 @@ class AxisCondition:
     def check(self) -> str:
         """What to check, one line; empty where nothing calls for it."""
         if self.main is None:
-            return ""
+            return "known from an event of the config; keep watching it" if self.level == CHANGED else ""
         if self.level != CHANGED and self.main.detector == DETECTORS[0]:
             return (
                 "friction is no longer raised, and nobody has said why: enter what was done under 'events', "
@@ -128,10 +129,10 @@ def latest(state: State, name: str, j: int) -> tuple[float, float]:
 
 def _outlook(state: State, j: int, episodes: tuple[Episode, ...]) -> Outlook | None:
     """The forecast as of the newest window: that of the state, or the one of the newest alarm less the time since."""
+    stored = getattr(state, "hours_to_limit", None)
+    if stored is not None:
+        return None if np.isnan(stored[j]).all() else Outlook(*(float(h) for h in stored[j]))
     names = ("hours_to_limit", "hours_to_limit_low", "hours_to_limit_high")
-    stored = [getattr(state, name, None) for name in names]
-    if all(s is not None for s in stored) and not np.isnan(stored[1][j]):
-        return Outlook(*(float(s[j]) for s in stored))
     told = [a for e in episodes for a in e.alarms if a["hours_to_limit_low"] is not None]
     if not told:
         return None

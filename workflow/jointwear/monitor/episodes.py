@@ -11,21 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from jointwear.measurement.timestamps import utc_seconds
-
-
-@dataclass(frozen=True)
-class Event:
-    """What was done to a robot at `time` [s, the clock of the logs]; `axes` 1-based, empty for all."""
-
-    time: float
-    axes: tuple[int, ...]
-    kind: str
-    note: str
-
-    def concerns(self, axis: int | None) -> bool:
-        """Whether the event is about an axis; one about some axes does not explain a finding on the whole robot."""
-        return not self.axes or axis in self.axes
+from jointwear.monitor.events import Event
 
 
 @dataclass(frozen=True)
@@ -33,7 +19,7 @@ class Episode:
     """Alarms of one quantity, axis and detector between two events.
 
     `axis` 1-based, None for the whole robot; `alarms` in order of time, records as in alarms.csv with `time` in
-    seconds; `resolved` by the event that followed, or None.
+    seconds; `resolved` by the event that followed, or None; `before`: the event that it began after, or None.
     """
 
     axis: int | None
@@ -41,6 +27,7 @@ class Episode:
     detector: str
     alarms: tuple[Mapping[str, Any], ...]
     resolved: Event | None
+    before: Event | None = None
 
     @property
     def first(self) -> float:
@@ -59,36 +46,27 @@ class Episode:
 
     @property
     def key(self) -> str:
-        """A name that stays the same as long as the episode lasts."""
-        return f"{self.axis or 'all'}|{self.quantity}|{self.detector}|{self.first:.0f}"
+        """A name that stays the same as long as the episode lasts, whatever the times of its alarms become."""
+        began = "" if self.before is None else f"{self.before.time:.0f}"
+        return f"{self.axis or 'all'}|{self.quantity}|{self.detector}|{began}"
 
 
-def events_of(entry: Mapping[str, Any]) -> list[Event]:
-    """Return the events of a robot's entry in order of time."""
-    events = []
-    for given in entry.get("events") or ():
-        time = given["time"]
-        events.append(
-            Event(
-                time=utc_seconds(time) if isinstance(time, str) else float(time),
-                axes=tuple(int(a) for a in given.get("axes") or ()),
-                kind=str(given.get("kind", "service")),
-                note=str(given.get("note", "")),
-            )
-        )
-    return sorted(events, key=lambda e: e.time)
+def _concerns(event: Event, axis: int | None) -> bool:
+    """Whether an event is about a 1-based axis; one about some axes does not explain a finding on the whole robot."""
+    return not event.axes if axis is None else event.concerns(axis - 1)
 
 
 def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) -> list[Episode]:
     """Return the episodes, unresolved ones first, of these the newest first."""
     stories: dict[tuple, list[Mapping[str, Any]]] = {}
-    closed: dict[tuple, Event | None] = {}
+    around: dict[tuple, tuple[Event | None, Event | None]] = {}
     for alarm in sorted(alarms, key=lambda a: a["time"]):
         axis = alarm["axis"] or None
-        later = [e for e in events if e.concerns(axis) and e.time >= alarm["time"]]
-        end = later[0] if later else None
+        own = [e for e in events if _concerns(e, axis)]
+        end = next((e for e in own if e.time >= alarm["time"]), None)
+        begin = next((e for e in reversed(own) if e.time < alarm["time"]), None)
         key = (axis, alarm["quantity"], alarm["detector"], None if end is None else end.time)
         stories.setdefault(key, []).append(alarm)
-        closed[key] = end
-    found = [Episode(*key[:3], tuple(rows), closed[key]) for key, rows in stories.items()]
+        around[key] = (end, begin)
+    found = [Episode(*key[:3], tuple(rows), *around[key]) for key, rows in stories.items()]
     return sorted(found, key=lambda e: (e.resolved is not None, -e.last, e.axis or 0))

@@ -20,6 +20,7 @@ from jointwear.monitor.findings import findings_of
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
 from jointwear.monitor.regimes import find_regimes, signatures
+from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
 from jointwear.monitor.series import Series, friction_series, sums_of, usual_speed
 from jointwear.monitor.shifts import shift_labels
 from jointwear.monitor.watching import Watch, watch
@@ -28,6 +29,8 @@ from jointwear.robots.robot import Robot
 
 #: Limit [%] that counts where the user sets none.
 DEFAULT_LIMIT = 20.0
+#: Rounds in which changed scales of the torque are looked for.
+MOST_STEPS = 3
 #: Share of the allowance of the charts for viscous friction alone, where the level that is judged leaves it out.
 VISCOUS_SHARE = 0.2
 
@@ -104,10 +107,29 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
     rate = settings.false_alarms_per_1000_h / 1000 * hours
     events = event_windows(settings.events, statistics.start, statistics.axes)
     levels = ("coulomb", "friction")
-    level = watch(
-        [series[name] for name in levels], levels, conditions, first, shift, (1 - VISCOUS_SHARE) * rate, events
-    )
-    viscous = watch([series["viscous"]], ["viscous"], conditions, first, shift, VISCOUS_SHARE * rate, events)
+    candidates = [series[name] for name in levels]
+    level = watch(candidates, levels, conditions, first, shift, (1 - VISCOUS_SHARE) * rate, events)
+    scale_of = scale_series(sums, noise)
+    scaled = watch([scale_of], ["scale"], conditions, first, shift, rate, events, services=False)
+    steps: list[ScaleStep] = []
+    found: list[list[int]] = [[] for _ in range(statistics.axes)]
+    for _ in range(MOST_STEPS):
+        fresh = [
+            s
+            for s in scale_steps(level, scaled, shift)
+            if (s.axis, s.window) not in {(t.axis, t.window) for t in steps}
+        ]
+        if not fresh:
+            break
+        steps += fresh
+        found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
+        level = watch(
+            candidates, levels, conditions, first, shift, (1 - VISCOUS_SHARE) * rate, events, found, level.axes
+        )
+        scaled = watch(
+            [scale_of], ["scale"], conditions, first, shift, rate, events, found, scaled.axes, services=False
+        )
+    viscous = watch([series["viscous"]], ["viscous"], conditions, first, shift, VISCOUS_SHARE * rate, events, found)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
@@ -121,7 +143,7 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
         units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad"},
         hours_to_limit=teller.hours_to_limit(),
         reason=teller.reasons(),
-        findings=findings_of(statistics, shift, first, level),
+        findings=findings_of(statistics, shift, first, level, steps, teller.status == CHANGED),
     )
 
 

@@ -7,11 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of
-from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.judge import judge, settings_of
@@ -40,10 +37,8 @@ def survey_logs(log: str, robot: str | Path, entry: Mapping[str, Any], output: s
     survey_log(log, layout, model, window_seconds(entry.get("window", "1h")), entry.get("dead_band")).write(output)
 
 
-def accumulate_windows(
-    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], output: str | Path
-) -> list[str]:
-    """Turn a batch of logs into window statistics; return what was refused, which is told in the file too."""
+def log_pieces(logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any]) -> list[Piece]:
+    """Return the statistics of logs, each a piece of its own; a log that is refused is a piece that says so."""
     model = TorqueModel(load_robot(robot))
     layout, found = layout_of(entry, model.robot.joint_names), read_survey(survey)
     length = window_seconds(entry.get("window", "1h"))
@@ -51,6 +46,14 @@ def accumulate_windows(
     for log in logs:
         done = log_statistics(log, layout, model, found, length)
         pieces.append(Piece(log, done.statistics, done.first, done.last, done.refused))
+    return pieces
+
+
+def accumulate_windows(
+    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], output: str | Path
+) -> list[str]:
+    """Turn a batch of logs into window statistics; return what was refused, which is told in the file too."""
+    pieces = log_pieces(logs, survey, robot, entry)
     write_pieces(pieces, output, entry)
     return [line for piece in pieces for line in piece.refused]
 

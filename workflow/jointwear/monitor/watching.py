@@ -68,6 +68,9 @@ def watch(
     shift: np.ndarray,
     rate: float,
     events: Sequence[Sequence[int]] = (),
+    proposed: Sequence[Sequence[int]] = (),
+    learnt: list[AxisNormal | None] | None = None,
+    services: bool = True,
 ) -> Watch:
     """Watch one quantity.
 
@@ -76,17 +79,22 @@ def watch(
     series, names : candidates for it, :func:`jointwear.monitor.learning.learn_axes`. baseline : (w,) bool.
     shift : (w,) labels. rate : false alarms a window that all axes together may have.
     events : per axis, windows at which the config says that something was done to it.
+    proposed : the same, found in the logs themselves. learnt : normal states that are known already.
+    services : whether falls propose services.
     """
     w, n = series[0].value.shape
-    events = events or [[]] * n
-    axes = learn_axes(series, names, conditions, _first_part(baseline, events, n), shift)
+    events, proposed = events or [[]] * n, proposed or [[]] * n
+    axes = learnt or learn_axes(series, names, conditions, _first_part(baseline, events, n), shift)
     judged = [j for j in range(n) if axes[j] is not None]
     fields = {name: np.full((w, n), np.nan) for name in ("residual", "std", "noise", "mean", "mean_std")}
     growth, fall = np.full((w, n), -np.inf), np.full((w, n), -np.inf)
     shifts = np.zeros((w, n), dtype=int)
     alarm, learning, unseen = (np.zeros((w, n), dtype=bool) for _ in range(3))
     threshold = np.full(n, np.inf)
-    starts: list[list[Start]] = [[Start(k, False) for k in sorted(e)] for e in events]
+    starts: list[list[Start]] = [
+        sorted([Start(k, False) for k in e] + [Start(k, True) for k in set(p) - set(e)], key=lambda s: s.window)
+        for e, p in zip(events, proposed, strict=True)
+    ]
     for j in judged:
         threshold[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * rate / len(judged))
     falls = np.array([t if np.isfinite(t) else np.inf for t in threshold])
@@ -103,7 +111,7 @@ def watch(
             evidence = state.judge(shared.value[:, j], shared.variance[:, j])
             hit = np.flatnonzero(evidence.fall > falls[j])
             hit = hit[~baseline[hit]]
-            if len(hit):
+            if services and len(hit):
                 begin = _begin_of_change(hit[0], int(evidence.shifts[hit[0]]), shift)
                 later = [s for s in starts[j] if s.window > hit[0]]
                 kept = [s for s in starts[j] if s.window <= hit[0]]

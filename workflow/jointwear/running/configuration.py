@@ -14,11 +14,14 @@ from typing import Any
 
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.registered import is_registered, locate
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
 from jointwear.running.shipped import ROOT, shipped, shipped_glob
 
+#: Keys of `monitor` that a config may leave out.
+MONITOR_DEFAULTS: dict[str, Any] = {"robots": {}, "time_zone": "UTC", "stale_after": "72h", "notify": []}
 #: The experiment that comes with the workflow, and the user's own in the working directory.
 CONFIG = "config/config.yaml"
 _NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
@@ -89,7 +92,7 @@ def beside_workflow(config: Mapping[str, Any]) -> Mapping[str, Any]:
             return entry
         entry = {k: shipped(v) if k in ("robot", "measured") and isinstance(v, str) else v for k, v in entry.items()}
         if isinstance(entry.get("logs"), list):
-            entry["logs"] = [p if glob(p, recursive=True) else _beside(p) for p in entry["logs"]]
+            entry["logs"] = [_log_pattern(p) for p in entry["logs"]]
         return entry
 
     def entries_of(entries: Any) -> Any:
@@ -105,8 +108,14 @@ def beside_workflow(config: Mapping[str, Any]) -> Mapping[str, Any]:
     return entry_of(result)
 
 
-def _beside(pattern: str) -> str:
-    return str(ROOT / pattern) if glob(str(ROOT / pattern), recursive=True) else pattern
+def _log_pattern(pattern: Any) -> Any:
+    if not isinstance(pattern, str):
+        return pattern
+    if is_registered(pattern):
+        return str(locate(pattern))
+    if not glob(pattern, recursive=True) and glob(str(ROOT / pattern), recursive=True):
+        return str(ROOT / pattern)
+    return pattern
 
 
 def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict[str, Any]:
@@ -129,7 +138,7 @@ def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict
     config = normalise_numbers(config, schema)
     config["reading"] = {a.name: config["reading"].get(a.name, a.default) for a in readings.ambiguities().values()}
     config.setdefault("discover", {}).setdefault("datasets", {})
-    config.setdefault("monitor", {}).setdefault("robots", {})
+    config["monitor"] = {**MONITOR_DEFAULTS, **config.get("monitor", {})}
     config = dict(beside_workflow(config))
     if config["report"]["replicate"] > config["replicates"]:
         raise InputError(

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from jointwear.files.registered import locate
+
 #: Top folder of the project that this library belongs to.
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -16,9 +18,14 @@ ROOT = Path(__file__).resolve().parents[3]
 def shipped(path: str | Path, root: Path = ROOT) -> str:
     """Return `path` where it exists from the working directory, else the file of that name beside the workflow.
 
-    A path that exists in neither place is returned as it is, so that an error names what the user wrote.
+    A reference to the registry of published data is followed (:func:`jointwear.files.registered.locate`). A path that
+    exists in neither place is returned as it is, so that an error names what the user wrote.
+
+    Raises
+    ------
+    InputError : if the registry has no such file.
     """
-    path = Path(path)
+    path = locate(str(path))
     if path.exists() or not (root / path).exists():
         return str(path)
     return str(root / path)
