@@ -13,10 +13,25 @@ from jointwear.measurement.recording import Recording
 from jointwear.studies.challenge.judge import accepted_names, error_norm, judge
 from jointwear.studies.challenge.scoring import peak_covered
 from jointwear.studies.challenge.solve import MODELS, solve
-from jointwear.studies.world.case import INERTIAL_PRIOR, WorldCase
+from jointwear.studies.world.case import WorldCase
+from jointwear.studies.world.setting import INERTIAL_PRIOR
 
 #: The augmented model is worse than the given one where its error on an axis is larger by more than this share.
 WORSE = 0.05
+#: What a row keeps of the circumstances of a case.
+CIRCUMSTANCES = (
+    "arm",
+    "rate",
+    "bits",
+    "link_side",
+    "torque_kind",
+    "controller",
+    "motion",
+    "velocity",
+    "inertial_error",
+)
+#: A gap is judged where the given model's error exceeds the floor by this share.
+CLOSABLE = 0.02
 #: Half width of a 95 % interval in standard deviations.
 _TWO_SIDED = 1.96
 #: Names that a disturbance outside the library may rightly get: a soft obstacle and a bent tooth are springs in q.
@@ -39,38 +54,22 @@ def answer(case: WorldCase, settings: Settings | None = None) -> dict[str, Any]:
     settings = settings or Settings(inertial_prior=INERTIAL_PRIOR)
     recording = with_words(case.recording, case.told)
     verdict, torque, seconds = solve(recording, case.robot, settings)
-    return judged(case.facts, verdict, torque, case.torque, case.measured, seconds)
+    return judged(case, verdict, torque, seconds)
 
 
-def judged(
-    facts: Mapping[str, Any],
-    verdict: Mapping[str, Any],
-    predicted: np.ndarray,
-    truth: np.ndarray,
-    measured: np.ndarray,
-    seconds: float | None,
-) -> dict[str, Any]:
-    """Judge a verdict; `predicted` (3, k, n) of nominal, retuned and augmented, `truth` and `measured` (k, n) [N m]."""
-    errors = None
+def judged(case: WorldCase, verdict: Mapping[str, Any], predicted: np.ndarray, seconds: float | None) -> dict[str, Any]:
+    """Judge a verdict; `predicted` (3, k, n) is the torque of nominal, retuned and augmented model [N m]."""
+    facts, errors = case.facts, None
     if np.isfinite(predicted).any():
-        errors = {m: error_norm(p, truth) for m, p in zip(MODELS, predicted, strict=True)}
+        errors = {m: error_norm(p, case.torque) for m, p in zip(MODELS, predicted, strict=True)}
     row = judge(facts, verdict, errors, seconds)
-    for key in (
-        "arm",
-        "rate",
-        "bits",
-        "link_side",
-        "torque_kind",
-        "controller",
-        "motion",
-        "velocity",
-        "inertial_error",
-    ):
+    if errors:
+        row["gap_closed"] = gap_closed(errors, error_norm(predicted[0], case.given))
+        row["worse"] = _worse(predicted, case.measured)
+        row["worse_than_truth"] = _worse(predicted, case.torque)
+    for key in CIRCUMSTANCES:
         row[key] = facts[key]
     named = verdict.get("effects", [])
-    if errors:
-        row["worse"] = _worse(predicted, measured)
-        row["worse_than_truth"] = _worse(predicted, truth)
     row["refused"] = verdict.get("refused")
     for name, entry in zip(row["names"], named, strict=True):
         name["probability"] = entry.get("probability")
@@ -89,6 +88,17 @@ def judged(
     row["unexplained"] = [u.get("axis") for u in verdict.get("unexplained", [])]
     row["suspects"] = [[s.get("effect"), s.get("axis")] for s in verdict.get("suspects", [])]
     return row
+
+
+def gap_closed(errors: Mapping[str, float], floor: float) -> float | None:
+    """Return 1 - (augmented - floor) / (nominal - floor); None where the given model is as good as the motion allows.
+
+    The floor is what derived velocities and accelerations cost: the error of the given model on the logged motion
+    against itself on the true motion. No model that is fed with the logged motion gets below it.
+    """
+    if errors["nominal"] < floor * (1 + CLOSABLE):
+        return None
+    return 1 - (errors["augmented"] - floor) / (errors["nominal"] - floor)
 
 
 def _worse(predicted: np.ndarray, target: np.ndarray) -> list[int]:

@@ -8,7 +8,10 @@ from pathlib import Path
 from jointwear.files.errors import InputError
 
 _ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
-_HINT = "make test-plants installs it (requirements/plants.txt)"
+_MISSING = (
+    "challenge: tier 'world' needs the package '{}', which is not installed; 'make plants' installs it "
+    "(requirements/plants.txt)"
+)
 
 
 def mujoco():
@@ -21,9 +24,7 @@ def mujoco():
     try:
         import mujoco
     except ImportError:
-        raise InputError(
-            f"challenge: tier 'world' needs the package 'mujoco', which is not installed; {_HINT}"
-        ) from None
+        raise InputError(_MISSING.format("mujoco")) from None
     return mujoco
 
 
@@ -37,7 +38,5 @@ def robots_folder() -> Path:
     try:
         distribution = importlib.metadata.distribution("example-robot-data")
     except importlib.metadata.PackageNotFoundError:
-        raise InputError(
-            f"challenge: tier 'world' needs the package 'example-robot-data', which is not installed; {_HINT}"
-        ) from None
+        raise InputError(_MISSING.format("example-robot-data")) from None
     return Path(str(distribution.locate_file(_ROBOTS)))

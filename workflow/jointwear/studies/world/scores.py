@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -108,7 +109,7 @@ def reliability(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Return for bins of the probability: how many names were given, how many right, how many expected to be right."""
     names = [n for r in rows for n in r["names"] if n.get("probability") is not None]
     result = []
-    for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:], strict=True):
+    for low, high in pairwise(PROBABILITY_EDGES):
         last = high == PROBABILITY_EDGES[-1]
         inside = [n for n in names if low <= n["probability"] < high or (last and n["probability"] >= high)]
         if inside:
