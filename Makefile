@@ -83,7 +83,7 @@ environment: $(RUN)  ## Build .venv (what a run needs)
 .PHONY: reproduce
 reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of the report
 	@$(SNAKEMAKE)
-	@echo "report: $(REPORT)"
+	@echo "report: $(CURDIR)/$(REPORT)"
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)

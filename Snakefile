@@ -5,19 +5,16 @@ from snakemake.utils import min_version
 min_version("9.0")
 
 
-configfile: "config/config.yaml"
-
-
 # Used only with --software-deployment-method apptainer: the Python that requirements/run.txt is locked for.
 container: "docker://python:3.11"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/registry.smk"
 include: "workflow/rules/trajectory.smk"
 include: "workflow/rules/simulation.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/detection.smk"
-include: "workflow/rules/location.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/inputs_of_discover.smk"

@@ -33,7 +33,8 @@ class Project:
 
     def planned(self, *arguments: str) -> dict[str, int]:
         """Rules that a run would execute now, with their number of jobs."""
-        done = self.snakemake("--dry-run", *arguments)
+        # The plain logger: its table of jobs is made for programs, that of the default profile for people.
+        done = self.snakemake("--dry-run", "--workflow-profile", "none", *arguments)
         table = re.search(r"Job stats:\njob +count\n-+ +-+\n(.*?)\ntotal", done.stdout + done.stderr, re.DOTALL)
         if table is None:
             assert "Nothing to be done" in done.stdout + done.stderr

@@ -24,8 +24,9 @@ from jointwear.reproduction.features import write_features, write_reference
 from jointwear.reproduction.grid import cell_of
 from jointwear.reproduction.location import write_location
 from jointwear.reproduction.normal_model import write_normal_model
-from jointwear.reproduction.simulation import simulate_run, simulate_worn_run
+from jointwear.reproduction.simulation import simulate_run
 from jointwear.reproduction.tables import write_tables
+from jointwear.reproduction.worn_run import simulate_worn_run
 from jointwear.running.configuration import prepare, reading_of
 
 ROOT = Path(__file__).resolve().parent.parent

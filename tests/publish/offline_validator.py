@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import json
+from importlib.util import find_spec
 from pathlib import Path
 
 import requests
@@ -14,9 +16,21 @@ CONTEXT = "https://w3id.org/ro/crate/1.1/context"
 KIND = "application/ld+json"
 
 
-def fill_cache(cache: Path, document: Path) -> None:
-    """Store a document as the answer that the validator would get for the context of RO-Crate 1.1."""
-    body = document.read_bytes()
+#: Terms that version 1.1 of the context has under other addresses than the newer one that `rocrate` ships.
+AS_IN_1_1 = {
+    "ComputationalWorkflow": "https://bioschemas.org/ComputationalWorkflow",
+    "FormalParameter": "https://bioschemas.org/FormalParameter",
+    "input": "https://bioschemas.org/ComputationalWorkflow#input",
+    "output": "https://bioschemas.org/ComputationalWorkflow#output",
+}
+
+
+def fill_cache(cache: Path) -> None:
+    """Store the context that `rocrate` ships as the answer that the validator would get for that of RO-Crate 1.1."""
+    shipped = Path(find_spec("rocrate").submodule_search_locations[0]) / "data/ro-crate.jsonld"
+    document = json.loads(shipped.read_text(encoding="utf-8"))
+    document["@context"].update(AS_IN_1_1)
+    body = json.dumps(document).encode()
     answer = requests.Response()
     answer.status_code, answer.url, answer.headers["Content-Type"] = 200, CONTEXT, KIND
     answer._content = body

@@ -101,7 +101,7 @@ def test_pages_that_are_built_later_are_taken_in(published, tmp_path):
     (root / "results/monitor/arm_7").mkdir(parents=True)
     (root / "results/monitor/arm_7/monitor.html").write_text("<!doctype html><title>arm</title>")
     (root / "data/benchmarks").mkdir(parents=True, exist_ok=True)
-    times = [{"command": EDITS[0]["command"], "seconds": 4.2, "jobs": 3, "rules": ["draw_figure_1"]}]
+    times = [{"command": EDITS[0]["command"], "seconds": 4.2, "jobs": 3, "rules": ["draw_figures"]}]
     (root / "data/benchmarks/results.json").write_text(json.dumps({"reruns": {"edits": times}}))
     write_site(tmp_path / "site", edits=EDITS, root=root)
     assert "results/monitor/arm_7/monitor.html" in (tmp_path / "site/index.html").read_text()

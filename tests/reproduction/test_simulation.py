@@ -6,8 +6,9 @@ import pytest
 from jointwear.files.storage import read_variables
 from jointwear.reproduction import readings
 from jointwear.reproduction.grid import Cell, by_cell, cell_of
-from jointwear.reproduction.simulation import Noise, RepeatedTask, coulomb_levels, simulate_run, simulate_worn_run
+from jointwear.reproduction.simulation import Noise, RepeatedTask
 from jointwear.reproduction.wear import Wear
+from jointwear.reproduction.worn_run import coulomb_levels, simulate_worn_run
 from jointwear.robots.trajectory import load_task
 from jointwear.statistics.randomness import generator
 
@@ -141,15 +142,12 @@ def test_torque_limits_are_reported(root, tmp_path, settings):
 
 def test_an_axis_that_the_robot_lacks_is_refused(root, tmp_path, settings):
     with pytest.raises(ValueError, match="axis 7 cannot wear"):
-        simulate_run(
+        simulate_worn_run(
             root / ROBOT,
             root / "config/tasks/T1.yaml",
             tmp_path / "x.nc",
-            key=("wear",),
-            hours=12,
-            settings=settings,
-            axis=7,
-            increase_percent=10.0,
+            cell=Cell("T1", 10.0, 7),
+            settings={**settings, "shape": 1.0, "wear_hours": 12},
         )
     assert not list(tmp_path.iterdir())
 

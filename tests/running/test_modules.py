@@ -14,7 +14,7 @@ def names(root, script):
 
 
 def test_modules_are_those_that_python_loads(root):
-    for script in ("simulate_wear", "compute_features", "detect_wear", "locate_wear", "fit_normal_model"):
+    for script in ("simulate_wear", "compute_features", "diagnose_run", "fit_normal_model"):
         source = (root / f"workflow/scripts/{script}.py").read_text().split("if __name__")[0]
         listing = "(m.__file__ for n, m in sys.modules.items() if n.startswith('jointwear'))"
         code = f"{source}\nimport sys\nprint('\\n'.join({listing}))"
@@ -32,8 +32,8 @@ def test_modules_are_those_that_python_loads(root):
 def test_a_stage_does_not_depend_on_what_it_does_not_use(root):
     assert "reproduction/detection.py" not in names(root, "simulate_wear")
     assert "reproduction/readings/onset_rule.py" not in names(root, "compute_features")
-    assert "robots/dynamics.py" not in names(root, "detect_wear")
-    assert "reproduction/normal_model.py" not in names(root, "detect_wear")
+    assert "robots/dynamics.py" not in names(root, "diagnose_run")
+    assert "reproduction/normal_model.py" not in names(root, "diagnose_run")
 
 
 def test_scoring_a_cell_imports_neither_scikit_learn_nor_pinocchio(root):

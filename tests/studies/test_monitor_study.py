@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from jointwear.files.documents import read_yaml
-from jointwear.reproduction.simulation import Noise, RepeatedTask, coulomb_levels
+from jointwear.reproduction.simulation import Noise, RepeatedTask
 from jointwear.reproduction.wear import Wear
+from jointwear.reproduction.worn_run import coulomb_levels
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task

@@ -12,8 +12,9 @@ from jointwear.reproduction.features import build_reference, histograms, hourly_
 from jointwear.reproduction.location import locate
 from jointwear.reproduction.normal_model import fit_normal_model
 from jointwear.reproduction.readings import ambiguities, pca_input, select
-from jointwear.reproduction.simulation import Noise, RepeatedTask, coulomb_levels
+from jointwear.reproduction.simulation import Noise, RepeatedTask
 from jointwear.reproduction.wear import Wear
+from jointwear.reproduction.worn_run import coulomb_levels
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import Task

@@ -38,7 +38,7 @@ def test_one_job_for_every_cell(tmp_path):
     cells = len(TINY["wear"]["axes"])
     assert jobs["simulate_wear"] == cells
     assert jobs["compute_features"] == cells + 2
-    assert jobs["detect_wear"] == cells + 1
+    assert jobs["diagnose_run"] == cells + 1
     assert jobs["simulate_training"] == jobs["simulate_normal"] == jobs["fit_normal_model"] == 1
 
 
@@ -160,7 +160,7 @@ def test_an_edited_reading_reruns_its_stage_and_what_follows(project):
     path = project.folder / "workflow/jointwear/reproduction/readings/onset_rule.py"
     path.write_text(path.read_text() + "\n# edited\n")
     jobs = project.planned()
-    assert jobs["detect_wear"] == 3
+    assert jobs["diagnose_run"] == 3
     for rule in ("simulate_wear", "compute_features", "build_reference"):
         assert rule not in jobs
 
@@ -171,12 +171,12 @@ def test_an_edited_reading_reruns_its_stage_and_what_follows(project):
         ("reproduction/wear", {"simulate_wear"}, {"fit_normal_model"}),
         (
             "reproduction/location",
-            {"locate_wear", "tabulate_lags"},
-            {"simulate_wear", "compute_features", "detect_wear"},
+            {"diagnose_run", "tabulate_results"},
+            {"simulate_wear", "compute_features", "fit_normal_model"},
         ),
-        ("reproduction/detection", {"detect_wear", "fit_normal_model"}, {"simulate_wear", "compute_features"}),
-        ("reproduction/control_limits", {"fit_normal_model", "detect_wear"}, {"compute_features"}),
-        ("reproduction/verdicts", {"tabulate_torque", "tabulate_detection"}, {"detect_wear", "locate_wear"}),
+        ("reproduction/detection", {"diagnose_run", "fit_normal_model"}, {"simulate_wear", "compute_features"}),
+        ("reproduction/control_limits", {"fit_normal_model", "diagnose_run"}, {"compute_features"}),
+        ("reproduction/verdicts", {"tabulate_results"}, {"diagnose_run"}),
         ("robots/trajectory", {"simulate_wear", "simulate_normal", "compute_trajectory"}, set()),
     ],
 )

@@ -19,8 +19,9 @@ import numpy as np
 
 from jointwear.reproduction import readings
 from jointwear.reproduction.grid import Cell
-from jointwear.reproduction.simulation import Noise, RepeatedTask, coulomb_levels, simulate_worn_run
+from jointwear.reproduction.simulation import Noise, RepeatedTask
 from jointwear.reproduction.wear import Wear
+from jointwear.reproduction.worn_run import coulomb_levels, simulate_worn_run
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task

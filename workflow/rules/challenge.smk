@@ -1,13 +1,8 @@
 # The hidden-effect test. Data sets, truth and verdicts lie in folders of their own; only score_challenge reads truth.
 from jointwear.studies.challenge.tiers import SEED, SETS, TIERS
 
-CHALLENGE_ROBOT = "config/robots/puma560.yaml"
-CHALLENGE_TEMPLATES = [
-    "report/challenge.html.j2",
-    "report/base.html.j2",
-    "report/macros.html.j2",
-    "report/style.css",
-]
+CHALLENGE_ROBOT = shipped("config/robots/puma560.yaml")
+CHALLENGE_TEMPLATES = templates("challenge.html.j2")
 
 
 wildcard_constraints:
@@ -175,7 +170,7 @@ rule keep_challenge:
 
 rule report_stored_challenge:
     input:
-        scores="data/benchmarks/challenge.json",
+        scores=shipped("data/benchmarks/challenge.json"),
         peers=STORED_PEERS,
         templates=CHALLENGE_TEMPLATES,
         modules=modules_of("report_stored_challenge"),
@@ -203,7 +198,7 @@ rule make_hidden_example:
 rule make_warm_task:
     input:
         robot=CHALLENGE_ROBOT,
-        task="config/tasks/{task}.yaml",
+        task=task_file,
         modules=modules_of("make_warm_task"),
     output:
         "results/examples/warm_{task}.nc",

@@ -1,17 +1,27 @@
 import sys
+import time
 from functools import cache
 from pathlib import Path
 
-# The library beside this Snakefile counts, here and in every script that a job starts, installed or not.
-LIBRARY = Path(workflow.basedir) / "workflow"
+# The library beside this file counts, here and in every script that a job starts, installed or not; also where
+# another workflow takes this one as a module.
+LIBRARY = Path(str(workflow.current_basedir)).parent
 sys.path.insert(0, str(LIBRARY))
 
 # Snakemake would import pandas, a quarter of a second, only to ask whether a parameter is a data frame; none is.
 sys.modules.setdefault("pandas", None)
 
-from jointwear.running.configuration import check_experiment, prepare, reading_of
+from jointwear.running.closing import closing_lines
+from jointwear.running.configuration import (
+    check_experiment,
+    layer_files,
+    prepare,
+    reading_of,
+)
 from jointwear.files.errors import InputError
+from jointwear.robots.robot_file import read_robot_file
 from jointwear.running.modules import imported_by, lend_to_children
+from jointwear.running.shipped import shipped, shipped_glob
 from jointwear.running.stale_lock import clear_stale_lock, note_run
 
 lend_to_children()
@@ -19,12 +29,20 @@ if workflow.is_main_process and clear_stale_lock(Path.cwd()):
     print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
 
 
+BEGIN = time.time()
+
+
 onstart:
     note_run(Path.cwd())
 
 
+onsuccess:
+    print(*closing_lines(Path.cwd(), BEGIN), sep="\n")
+
+
 try:
-    config = prepare(config, workflow.configfiles)
+    # The shipped values, config/config.yaml of the working directory, then --configfile and --config.
+    config = prepare(layer_files(config), workflow.configfiles)
     check_experiment(config)
     # What `verify` looks at is no part of the experiment.
     CRATE = config.pop("crate", None)
@@ -48,10 +66,40 @@ def modules_of(rule):
 
     @cache
     def files():
-        root = Path(workflow.basedir)
-        return [str(path.relative_to(root)) for path in imported_by(script)]
+        return [from_here(path) for path in imported_by(script)]
 
     return lambda wildcards: files()
+
+
+# Effects of the robot of the reproduction; an edit of any other effect leaves its runs alone.
+ROBOT_EFFECTS = frozenset(
+    entry["effect"] for entry in read_robot_file(config["robot"])["effects"]
+)
+
+
+def simulation_modules(rule):
+    """Library files of a rule that simulates the robot of the reproduction: of the effects, those that it has."""
+    script = LIBRARY / "scripts" / f"{rule}.py"
+    return lambda wildcards: [
+        from_here(path) for path in imported_by(script, ROBOT_EFFECTS)
+    ]
+
+
+def from_here(path):
+    """A path as seen from the working directory: relative within it, absolute elsewhere."""
+    here = Path.cwd()
+    return str(path.relative_to(here) if path.is_relative_to(here) else path)
+
+
+def task_file(wildcards):
+    """The task file of a job."""
+    return shipped(f"config/tasks/{wildcards.task}.yaml")
+
+
+def templates(*names):
+    """Templates of a page, and the frame of all pages."""
+    frame = ("base.html.j2", "macros.html.j2", "style.css")
+    return [shipped(f"report/{name}") for name in (*names, *frame)]
 
 
 def percent(value):

@@ -21,19 +21,23 @@ rule fit_normal_model:
         "../scripts/fit_normal_model.py"
 
 
-rule detect_wear:
+# Detection and location of one run share a job: each takes less time than starting it.
+rule diagnose_run:
     input:
         features="results/features/{task}/{run}.nc",
+        training="results/features/{task}/training.nc",
         model="results/detection/{task}/model.nc",
-        modules=modules_of("detect_wear"),
+        modules=modules_of("diagnose_run"),
     output:
-        "results/detection/{task}/{run}.nc",
+        detection="results/detection/{task}/{run}.nc",
+        location="results/location/{task}/{run}.nc",
     log:
-        "results/logs/detect_wear/{task}_{run}.log",
+        "results/logs/diagnose_run/{task}_{run}.log",
     params:
-        settings={
+        detection={
             "consecutive_hours": config["detection"]["consecutive_hours"],
             "reading": {k: DETECTION_READING[k] for k in ("onset_rule", "pca_input")},
         },
+        location={"reading": reading_of(config, "location")},
     script:
-        "../scripts/detect_wear.py"
+        "../scripts/diagnose_run.py"

@@ -118,12 +118,7 @@ rule report_discovery:
         where="results/discover/{dataset}/where.nc",
         models="results/discover/{dataset}/models.nc",
         published=published_values,
-        templates=[
-            "report/discover.html.j2",
-            "report/base.html.j2",
-            "report/macros.html.j2",
-            "report/style.css",
-        ],
+        templates=templates("discover.html.j2"),
         modules=modules_of("report_discovery"),
     output:
         page="results/discover/{dataset}/discover.html",

@@ -8,12 +8,12 @@ rule everything:
         rules.challenge.input,
         expand(
             "results/discover/{dataset}/{file}",
-            dataset=SHIPPED_DATASETS,
+            dataset=OWN_DATASETS,
             file=["verdict.json", "discover.html"],
         ),
         expand(
             "results/monitor/{monitored}/{file}",
-            monitored=SHIPPED_ROBOTS,
+            monitored=OWN_ROBOTS,
             file=["alarms.csv", "state.nc", "monitor.html"],
         ),
         rules.all.input,

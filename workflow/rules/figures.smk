@@ -12,119 +12,52 @@ FIGURE_RUN = f"{FIGURE_CELL.task}/axis{FIGURE_CELL.axis}_{percent(FIGURE_CELL.in
 TRAJECTORIES = expand("results/trajectories/{task}.nc", task=config["tasks"])
 
 
-rule draw_figure_1:
+def drawn(name, caption, label):
+    """One figure, labelled for Snakemake's own report."""
+    return report(
+        f"results/figures/{name}.svg",
+        caption=f"../../report/captions/{caption}.rst",
+        category="Figures",
+        labels={"figure": label},
+    )
+
+
+rule draw_figures:
     input:
         simulation=f"results/simulation/{FIGURE_RUN}",
-        robot=config["robot"],
-        task=f"config/tasks/{FIGURE_CELL.task}.yaml",
-        published=PUBLISHED,
-        modules=modules_of("draw_figure_1"),
-    output:
-        report(
-            "results/figures/figure_1.svg",
-            caption="../../report/captions/figure_1.rst",
-            category="Figures",
-            labels={"figure": "1"},
-        ),
-    log:
-        "results/logs/draw_figure_1.log",
-    params:
-        replicate=config["report"]["replicate"],
-    script:
-        "../scripts/draw_figure_1.py"
-
-
-rule draw_figure_2:
-    input:
         features=f"results/features/{FIGURE_RUN}",
-        published=PUBLISHED,
-        modules=modules_of("draw_figure_2"),
-    output:
-        report(
-            "results/figures/figure_2.svg",
-            caption="../../report/captions/figure_2.rst",
-            category="Figures",
-            labels={"figure": "2"},
-        ),
-    log:
-        "results/logs/draw_figure_2.log",
-    params:
-        replicate=config["report"]["replicate"],
-    script:
-        "../scripts/draw_figure_2.py"
-
-
-rule draw_figure_3:
-    input:
         model=f"results/detection/{FIGURE_CELL.task}/model.nc",
         detection=f"results/detection/{FIGURE_RUN}",
+        trajectories=TRAJECTORIES,
+        robot=config["robot"],
+        task=shipped(f"config/tasks/{FIGURE_CELL.task}.yaml"),
         published=PUBLISHED,
-        modules=modules_of("draw_figure_3"),
+        modules=modules_of("draw_figures"),
     output:
-        report(
-            "results/figures/figure_3.svg",
-            caption="../../report/captions/figure_3.rst",
-            category="Figures",
-            labels={"figure": "3"},
-        ),
+        figure_1=drawn("figure_1", "figure_1", "1"),
+        figure_2=drawn("figure_2", "figure_2", "2"),
+        figure_3=drawn("figure_3", "figure_3", "3"),
+        figure_4=drawn("figure_4", "figure_4", "4"),
     log:
-        "results/logs/draw_figure_3.log",
+        "results/logs/draw_figures.log",
     params:
         replicate=config["report"]["replicate"],
         confidence=config["detection"]["confidence"],
     script:
-        "../scripts/draw_figure_3.py"
+        "../scripts/draw_figures.py"
 
 
-rule draw_figure_4:
+rule draw_maps:
     input:
-        trajectories=TRAJECTORIES,
-        published=PUBLISHED,
-        modules=modules_of("draw_figure_4"),
+        lags="results/tables/table_ii.csv",
+        detection="results/tables/table_iv.csv",
+        modules=modules_of("draw_maps"),
     output:
-        report(
-            "results/figures/figure_4.svg",
-            caption="../../report/captions/figure_4.rst",
-            category="Figures",
-            labels={"figure": "4"},
-        ),
+        lags=drawn("table_ii", "map_ii", "Lags (Table II)"),
+        detection=drawn("table_iv", "map_iv", "Detection (Table IV)"),
     log:
-        "results/logs/draw_figure_4.log",
-    script:
-        "../scripts/draw_figure_4.py"
-
-
-rule draw_lag_map:
-    input:
-        table="results/tables/table_ii.csv",
-        modules=modules_of("draw_lag_map"),
-    output:
-        report(
-            "results/figures/table_ii.svg",
-            caption="../../report/captions/map_ii.rst",
-            category="Figures",
-            labels={"figure": "Lags (Table II)"},
-        ),
-    log:
-        "results/logs/draw_lag_map.log",
+        "results/logs/draw_maps.log",
     params:
         replicate=config["report"]["replicate"],
     script:
-        "../scripts/draw_lag_map.py"
-
-
-rule draw_detection_map:
-    input:
-        table="results/tables/table_iv.csv",
-        modules=modules_of("draw_detection_map"),
-    output:
-        report(
-            "results/figures/table_iv.svg",
-            caption="../../report/captions/map_iv.rst",
-            category="Figures",
-            labels={"figure": "Detection (Table IV)"},
-        ),
-    log:
-        "results/logs/draw_detection_map.log",
-    script:
-        "../scripts/draw_detection_map.py"
+        "../scripts/draw_maps.py"

@@ -28,4 +28,6 @@ def peers_to_keep(wildcards):
 
 
 # Numbers of the other methods, where they are kept with the project.
-STORED_PEERS = [path for path in ("data/benchmarks/challenge_peers.json",) if Path(path).exists()]
+STORED_PEERS = [
+    str(path) for path in shipped_glob("data/benchmarks/challenge_peers.json")
+]

@@ -6,11 +6,24 @@ from jointwear.files.documents import read_yaml
 SHOWN_DATASET = "puma560_hidden"
 SHIPPED_DATASETS = {
     name: entry
-    for example in sorted(Path("config/examples").glob("discover_*.yaml"))
+    for example in shipped_glob("config/examples/discover_*.yaml")
     for name, entry in read_yaml(str(example))["discover"]["datasets"].items()
 }
+# Those that need nothing from elsewhere; `everything` takes them all where the registered data are at hand.
+OWN_DATASETS = [
+    name
+    for name, entry in SHIPPED_DATASETS.items()
+    if Path(shipped(entry["measured"])).is_file()
+]
 CHOSEN_DATASETS = list(config["discover"]["datasets"]) or [SHOWN_DATASET]
-DATASETS = {**SHIPPED_DATASETS, **config["discover"]["datasets"]}
+DATASETS = {
+    name: {
+        **entry,
+        "measured": shipped(entry["measured"]),
+        "robot": shipped(entry["robot"]),
+    }
+    for name, entry in {**SHIPPED_DATASETS, **config["discover"]["datasets"]}.items()
+}
 
 
 def dataset_entry(wildcards):
@@ -29,6 +42,7 @@ def dataset_model(wildcards):
 
 
 def published_values(wildcards):
-    """What others found for a data set: published.yaml beside the measured file, if there is one."""
-    path = Path(DATASETS[wildcards.dataset]["measured"]).with_name("published.yaml")
+    """What others found on the robot of a registered data set, if that is known."""
+    name = Path(DATASETS[wildcards.dataset]["measured"]).parent.name
+    path = Path(shipped(f"data/published/{name}.yaml"))
     return [str(path)] if path.exists() else []

@@ -1,6 +1,8 @@
 # Which logs every monitored robot has, and what the rules of monitor.smk take from its entry.
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.files.registered import will_be_fetched
+from jointwear.running.configuration import beside_workflow
 from jointwear.monitor.plan import READING_KEYS, batches_of, check_robots, log_sources
 
 try:
@@ -15,9 +17,17 @@ except InputError as error:
 # The shipped examples, of which `monitor` takes the first where the config names no robot.
 SHIPPED_ROBOTS = {
     name: entry
-    for example in sorted(Path("config/examples").glob("monitor_*.yaml"))
-    for name, entry in read_yaml(str(example))["monitor"]["robots"].items()
+    for example in shipped_glob("config/examples/monitor_*.yaml")
+    for name, entry in beside_workflow(read_yaml(str(example)))["monitor"][
+        "robots"
+    ].items()
 }
+# Those whose logs are here: the registered ones only once they have been fetched.
+OWN_ROBOTS = [
+    name
+    for name, entry in SHIPPED_ROBOTS.items()
+    if not any(will_be_fetched(pattern) for pattern in entry["logs"])
+]
 CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
 
 

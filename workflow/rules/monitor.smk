@@ -70,12 +70,7 @@ rule judge_windows:
 rule report_monitoring:
     input:
         state="results/monitor/{monitored}/state.nc",
-        templates=[
-            "report/monitor.html.j2",
-            "report/base.html.j2",
-            "report/macros.html.j2",
-            "report/style.css",
-        ],
+        templates=templates("monitor.html.j2"),
         modules=modules_of("report_monitoring"),
     output:
         page="results/monitor/{monitored}/monitor.html",
@@ -94,7 +89,7 @@ MONITOR_EXAMPLE = expand(
 
 rule make_monitor_example:
     input:
-        robot="config/robots/puma560.yaml",
+        robot=shipped("config/robots/puma560.yaml"),
         modules=modules_of("make_monitor_example"),
     output:
         MONITOR_EXAMPLE,

@@ -12,7 +12,7 @@ rule monitor_study:
 rule measure_monitor:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
+        task=task_file,
         runs=runs_of("simulation", "training", "normal"),
         detection=runs_of("detection", "normal"),
         location=runs_of("location"),
@@ -56,7 +56,7 @@ rule measure_monitor_peers:
 
 rule measure_factory:
     input:
-        robot="config/robots/puma560.yaml",
+        robot=shipped("config/robots/puma560.yaml"),
         modules=modules_of("measure_factory"),
     output:
         results="results/monitor_study/factory/{scenario}/factory.nc",

@@ -1,5 +1,8 @@
 # Hundreds of readings of the paper's text on one pose set, the best of them on many (docs: multiverse).
 MULTIVERSE_TASKS = ["T1", "T2", "T3"]  # the tasks that the paper tabulates
+MULTIVERSE_TASK_FILES = [
+    shipped(f"config/tasks/{task}.yaml") for task in MULTIVERSE_TASKS
+]
 MULTIVERSE_ENSEMBLE = "results/recovery/ensemble_published_hours.nc"
 MULTIVERSE_READINGS = 540
 MULTIVERSE_BEST = 20
@@ -69,7 +72,7 @@ rule evaluate_readings:
     input:
         design="results/multiverse/design.csv",
         robot=config["robot"],
-        tasks=expand("config/tasks/{task}.yaml", task=MULTIVERSE_TASKS),
+        tasks=MULTIVERSE_TASK_FILES,
         published=PUBLISHED,
         modules=modules_of("evaluate_readings"),
     output:
@@ -126,7 +129,7 @@ rule search_readings:
         design="results/multiverse/design.csv",
         start="results/multiverse/start.csv",
         ensemble=MULTIVERSE_ENSEMBLE,
-        unloaded="config/robots/puma560.yaml",
+        unloaded=shipped("config/robots/puma560.yaml"),
         published=PUBLISHED,
         modules=modules_of("search_readings"),
     output:
@@ -171,7 +174,7 @@ rule evaluate_pose_sets:
     input:
         best="results/multiverse/candidates.csv",
         ensemble=MULTIVERSE_ENSEMBLE,
-        unloaded="config/robots/puma560.yaml",
+        unloaded=shipped("config/robots/puma560.yaml"),
         published=PUBLISHED,
         modules=modules_of("evaluate_pose_sets"),
     output:
@@ -198,8 +201,8 @@ rule choose_reading:
             part=range(MULTIVERSE_POSE_PARTS),
         ),
         ensemble=MULTIVERSE_ENSEMBLE,
-        unloaded="config/robots/puma560.yaml",
-        tasks=expand("config/tasks/{task}.yaml", task=MULTIVERSE_TASKS),
+        unloaded=shipped("config/robots/puma560.yaml"),
+        tasks=MULTIVERSE_TASK_FILES,
         published=PUBLISHED,
         modules=modules_of("choose_reading"),
     output:
@@ -221,7 +224,7 @@ rule confirm_mixture:
         best="results/multiverse/candidates.csv",
         chosen="results/multiverse/choice.nc",
         ensemble=MULTIVERSE_ENSEMBLE,
-        unloaded="config/robots/puma560.yaml",
+        unloaded=shipped("config/robots/puma560.yaml"),
         published=PUBLISHED,
         modules=modules_of("confirm_mixture"),
     output:
@@ -237,7 +240,7 @@ rule confirm_mixture:
 rule explain_lag_rule:
     input:
         robot=config["robot"],
-        tasks=expand("config/tasks/{task}.yaml", task=MULTIVERSE_TASKS),
+        tasks=MULTIVERSE_TASK_FILES,
         published=PUBLISHED,
         modules=modules_of("explain_lag_rule"),
     output:

@@ -2,7 +2,7 @@
 from jointwear.studies.recovery.plan import CAUSES, candidate_names
 
 UNLOADED = config["recover"]["robot"]
-RECOVER_TABLES = "config/paper/published.yaml"
+RECOVER_TABLES = shipped("config/paper/published.yaml")
 RECOVER_TASKS = ["T1", "T2", "T3"]  # the tasks that the paper tabulates
 RECOVER_SHARED = {
     "seed": config["seed"],
@@ -21,8 +21,8 @@ RECOVERED_EXPERIMENT = [
     *expand("results/recovery/tasks/{name}.yaml", name=RECOVER_TASKS),
 ]
 ADOPTED_EXPERIMENT = [
-    "config/robots/puma560_paper.yaml",
-    *expand("config/tasks/{name}.yaml", name=RECOVER_TASKS),
+    shipped("config/robots/puma560_paper.yaml"),
+    *[shipped(f"config/tasks/{name}.yaml") for name in RECOVER_TASKS],
 ]
 STUDY_PICTURES["recovery"] = RECOVER_PICTURES
 STUDY_PICTURES["recovery_validation"] = []
@@ -261,7 +261,7 @@ rule adopt_recovered:
     params:
         robot=ADOPTED_EXPERIMENT[0],
         tasks=ADOPTED_EXPERIMENT[1:],
-        config="config/config.yaml",
+        config=shipped("config/config.yaml"),
     script:
         "../scripts/adopt_recovered.py"
 

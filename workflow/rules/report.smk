@@ -1,4 +1,3 @@
-REPORT_TABLES = ["table_ii", "table_iii", "table_iv", "table_v", "table_vi"]
 REPORT_FIGURES = [
     "figure_1",
     "figure_2",
@@ -8,7 +7,7 @@ REPORT_FIGURES = [
     "table_iv",
 ]
 TEMPLATES = [
-    str(path.relative_to(workflow.basedir))
+    str(path)
     for pattern in (
         "report/base.html.j2",
         "report/index.html.j2",
@@ -18,10 +17,10 @@ TEMPLATES = [
         # The report quotes every ambiguity of the text, chosen or not.
         "workflow/jointwear/reproduction/readings/*.py",
     )
-    for path in sorted(Path(workflow.basedir).glob(pattern))
+    for path in shipped_glob(pattern)
 ]
 # Results of long studies, stored with the project: the report shows them without hours of computing (rules/studies.smk).
-STUDIES = sorted(path.parent for path in Path("data/studies").glob("*/chapter.json"))
+STUDIES = [path.parent for path in shipped_glob("data/studies/*/chapter.json")]
 CHAPTERS = {folder.name: str(folder / "chapter.json") for folder in STUDIES}
 CHAPTER_FIGURES = {
     f"{folder.name}_{path.stem}": str(path)
@@ -67,7 +66,7 @@ rule build_report:
             f"results/simulation/{FIGURE_RUN}",
             f"results/features/{FIGURE_RUN}",
             f"results/detection/{FIGURE_RUN}",
-            f"config/tasks/{FIGURE_CELL.task}.yaml",
+            shipped(f"config/tasks/{FIGURE_CELL.task}.yaml"),
         ],
         chapters=list(CHAPTERS.values()),
         chapter_figures=list(CHAPTER_FIGURES.values()),

@@ -1,8 +1,8 @@
 rule simulate_training:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
-        modules=modules_of("simulate_training"),
+        task=task_file,
+        modules=simulation_modules("simulate_training"),
     output:
         "results/simulation/{task}/training.nc",
     log:
@@ -17,8 +17,8 @@ rule simulate_training:
 rule simulate_normal:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
-        modules=modules_of("simulate_normal"),
+        task=task_file,
+        modules=simulation_modules("simulate_normal"),
     output:
         "results/simulation/{task}/normal.nc",
     log:
@@ -33,8 +33,8 @@ rule simulate_normal:
 rule simulate_wear:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
-        modules=modules_of("simulate_wear"),
+        task=task_file,
+        modules=simulation_modules("simulate_wear"),
     output:
         "results/simulation/{task}/axis{axis}_{increase}percent.nc",
     log:

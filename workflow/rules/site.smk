@@ -5,9 +5,7 @@ rule write_site:
         page="results/report/index.html",
         templates=[
             *TEMPLATES,
-            "report/site.html.j2",
-            "report/site_change.html.j2",
-            "report/site_data.html.j2",
+            *templates("site.html.j2", "site_change.html.j2", "site_data.html.j2"),
         ],
         modules=modules_of("write_site"),
     output:

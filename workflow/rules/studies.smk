@@ -12,7 +12,7 @@ rule build_study_page:
     input:
         chapter="results/{study}/chapter.json",
         figures=lambda wildcards: study_pictures(wildcards.study),
-        templates=[*TEMPLATES, "report/study.html.j2"],
+        templates=[*TEMPLATES, *templates("study.html.j2")],
         modules=modules_of("build_study_page"),
     output:
         "results/{study}/index.html",

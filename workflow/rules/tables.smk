@@ -1,126 +1,35 @@
-PUBLISHED = "config/paper/published.yaml"
+PUBLISHED = shipped("config/paper/published.yaml")
+REPORT_TABLES = ["table_ii", "table_iii", "table_iv", "table_v", "table_vi"]
 
 
-rule tabulate_lags:
+def table_outputs():
+    """The CSV and netCDF file of every table, labelled for Snakemake's own report."""
+    return {
+        f"{table}_{kind}": report(
+            f"results/tables/{table}.{ending}",
+            caption=f"../../report/captions/{table}.rst",
+            category="Tables",
+            labels={"table": table.removeprefix("table_").upper(), "form": form},
+        )
+        for table in REPORT_TABLES
+        for kind, ending, form in (("csv", "csv", "CSV"), ("netcdf", "nc", "netCDF"))
+    }
+
+
+rule tabulate_results:
     input:
         published=PUBLISHED,
+        features=cells("features"),
+        detections=cells("detection"),
         locations=cells("location"),
-        modules=modules_of("tabulate_lags"),
+        modules=modules_of("tabulate_results"),
     output:
-        csv=report(
-            "results/tables/table_ii.csv",
-            caption="../../report/captions/table_ii.rst",
-            category="Tables",
-            labels={"table": "II", "form": "CSV"},
-        ),
-        netcdf=report(
-            "results/tables/table_ii.nc",
-            caption="../../report/captions/table_ii.rst",
-            category="Tables",
-            labels={"table": "II", "form": "netCDF"},
-        ),
+        **table_outputs(),
     log:
-        "results/logs/tabulate_lags.log",
+        "results/logs/tabulate_results.log",
     params:
+        tables=REPORT_TABLES,
+        folder="results/tables",
         replicate=config["report"]["replicate"],
     script:
-        "../scripts/tabulate_lags.py"
-
-
-rule tabulate_design:
-    input:
-        published=PUBLISHED,
-        detections=cells("detection"),
-        modules=modules_of("tabulate_design"),
-    output:
-        csv=report(
-            "results/tables/table_iii.csv",
-            caption="../../report/captions/table_iii.rst",
-            category="Tables",
-            labels={"table": "III", "form": "CSV"},
-        ),
-        netcdf=report(
-            "results/tables/table_iii.nc",
-            caption="../../report/captions/table_iii.rst",
-            category="Tables",
-            labels={"table": "III", "form": "netCDF"},
-        ),
-    log:
-        "results/logs/tabulate_design.log",
-    script:
-        "../scripts/tabulate_design.py"
-
-
-rule tabulate_detection:
-    input:
-        published=PUBLISHED,
-        detections=cells("detection"),
-        locations=cells("location"),
-        modules=modules_of("tabulate_detection"),
-    output:
-        csv=report(
-            "results/tables/table_iv.csv",
-            caption="../../report/captions/table_iv.rst",
-            category="Tables",
-            labels={"table": "IV", "form": "CSV"},
-        ),
-        netcdf=report(
-            "results/tables/table_iv.nc",
-            caption="../../report/captions/table_iv.rst",
-            category="Tables",
-            labels={"table": "IV", "form": "netCDF"},
-        ),
-    log:
-        "results/logs/tabulate_detection.log",
-    script:
-        "../scripts/tabulate_detection.py"
-
-
-rule tabulate_torque:
-    input:
-        published=PUBLISHED,
-        features=cells("features"),
-        detections=cells("detection"),
-        modules=modules_of("tabulate_torque"),
-    output:
-        csv=report(
-            "results/tables/table_v.csv",
-            caption="../../report/captions/table_v.rst",
-            category="Tables",
-            labels={"table": "V", "form": "CSV"},
-        ),
-        netcdf=report(
-            "results/tables/table_v.nc",
-            caption="../../report/captions/table_v.rst",
-            category="Tables",
-            labels={"table": "V", "form": "netCDF"},
-        ),
-    log:
-        "results/logs/tabulate_torque.log",
-    script:
-        "../scripts/tabulate_torque.py"
-
-
-rule tabulate_variation:
-    input:
-        published=PUBLISHED,
-        features=cells("features"),
-        detections=cells("detection"),
-        modules=modules_of("tabulate_variation"),
-    output:
-        csv=report(
-            "results/tables/table_vi.csv",
-            caption="../../report/captions/table_vi.rst",
-            category="Tables",
-            labels={"table": "VI", "form": "CSV"},
-        ),
-        netcdf=report(
-            "results/tables/table_vi.nc",
-            caption="../../report/captions/table_vi.rst",
-            category="Tables",
-            labels={"table": "VI", "form": "netCDF"},
-        ),
-    log:
-        "results/logs/tabulate_variation.log",
-    script:
-        "../scripts/tabulate_variation.py"
+        "../scripts/tabulate_results.py"

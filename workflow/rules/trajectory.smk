@@ -1,7 +1,7 @@
 rule compute_trajectory:
     input:
         robot=config["robot"],
-        task="config/tasks/{task}.yaml",
+        task=task_file,
         modules=modules_of("compute_trajectory"),
     output:
         "results/trajectories/{task}.nc",

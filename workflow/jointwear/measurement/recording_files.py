@@ -13,25 +13,13 @@ import numpy as np
 from jointwear.files import provenance
 from jointwear.files.errors import InputError, nearest
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.measurement.formats import Layout, read_log
+from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.units import ROLES, UNITS, converted
+from jointwear.robots.robot_file import read_robot_file
 
-ROLES = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature")
 _JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
-#: Factor (and offset) that turns a unit into the project's, by role.
-_UNITS: dict[str, dict[str, tuple[float, float]]] = {
-    "time": {"s": (1.0, 0.0), "ms": (1e-3, 0.0), "us": (1e-6, 0.0), "ns": (1e-9, 0.0), "h": (3600.0, 0.0)},
-    "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
-    "position": {"rad": (1.0, 0.0), "deg": (np.pi / 180, 0.0)},
-    "velocity": {"rad/s": (1.0, 0.0), "deg/s": (np.pi / 180, 0.0)},
-    "acceleration": {"rad/s2": (1.0, 0.0), "deg/s2": (np.pi / 180, 0.0)},
-    "torque": {"N m": (1.0, 0.0), "mN m": (1e-3, 0.0), "kN m": (1e3, 0.0)},
-    "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
-}
-_SPELLINGS = {
-    "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
-    "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
-    "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s",
-}  # fmt: skip
 
 
 def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str | Path = ".") -> Recording:
@@ -39,7 +27,8 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
 
     Parameters
     ----------
-    entry : `measured` (netCDF, CSV or Parquet), optional `variables` (role: name), `units` (role: unit), `train`,
+    entry : `measured` (netCDF, CSV, Parquet or a ROS 2 bag), optional `joints` and `topic` of a bag, `variables`
+        (role: name), `units` (role: unit), `train`,
         `test`.
     name : of the data set, for messages. root : folder that relative paths count from.
 
@@ -60,10 +49,14 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         found, units = _from_netcdf(path, names, set(entry.get("variables") or {}))
     elif suffix in (".csv", ".parquet"):
         found, units = _from_table(path, _read_table(path), names), {}
+    elif log_format(path) == "bag":
+        found, units = _from_bag(path, entry, names), {}
     else:
-        raise InputError(f"{path}: unknown kind of file '{suffix}' (allowed: .nc, .csv, .parquet)")
+        raise InputError(
+            f"{path}: unknown kind of file '{suffix}' (allowed: .nc, .csv, .parquet, .mcap, .db3, a bag's folder)"
+        )
     for role, unit in (entry.get("units") or {}).items():
-        if role not in _UNITS:
+        if role not in UNITS:
             raise InputError(f"data set '{name}': 'units' has the role '{role}'{nearest(role, ROLES)}")
         units[role] = unit
     for role in ("time", "position", "torque"):
@@ -99,22 +92,6 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     )
 
 
-def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
-    if unit is None:
-        return values
-    known = _UNITS[role]
-    plain = _SPELLINGS.get(str(unit).strip(), str(unit).strip())
-    if plain not in known:
-        if role in ("time", "trajectory"):
-            return values
-        raise InputError(
-            f"data set '{name}': unit '{unit}' of {role} is not known{nearest(plain, known)} "
-            f"(allowed: {', '.join(known)})"
-        )
-    factor, offset = known[plain]
-    return values if (factor, offset) == (1.0, 0.0) else values * factor + offset
-
-
 def _from_netcdf(
     path: Path, names: Mapping[str, str], wanted: set[str]
 ) -> tuple[dict[str, np.ndarray], dict[str, str]]:
@@ -140,6 +117,18 @@ def _from_netcdf(
     if len(set(sizes.values())) > 1:
         raise InputError(f"{path}: variables differ in length ({', '.join(f'{r} {s}' for r, s in sizes.items())})")
     return found, units
+
+
+def _from_bag(path: Path, entry: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, np.ndarray]:
+    """Read the joint states of a ROS 2 bag; the time counts from its first message."""
+    joints = entry.get("joints") or [joint["name"] for joint in read_robot_file(entry["robot"])["joints"]]
+    layout = Layout(axes=len(joints), joints=tuple(joints), names=names, topic=entry.get("topic"))
+    chunks = list(read_log(path, layout))
+    found = {role: np.concatenate([getattr(c, role) for c in chunks]) for role in ("time", "position", "torque")}
+    if all(c.velocity is not None for c in chunks):
+        found["velocity"] = np.concatenate([c.velocity for c in chunks])
+    found["time"] = found["time"] - found["time"][0]
+    return found
 
 
 def _read_table(path: Path) -> dict[str, np.ndarray]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError, nearest
-from jointwear.measurement.formats.kinds import FORMATS, log_format
+from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 

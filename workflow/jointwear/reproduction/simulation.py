@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import provenance
-from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, create_dataset
-from jointwear.reproduction.grid import Cell
 from jointwear.reproduction.readings import (
     coulomb_direction,
     disturbance_mean,
@@ -21,7 +19,6 @@ from jointwear.reproduction.readings import (
     noise_level,
     select,
 )
-from jointwear.reproduction.wear import Wear
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import HOUR, Motion, Task, load_task
@@ -122,24 +119,10 @@ class RepeatedTask:
         return torque
 
 
-def coulomb_levels(
-    dynamics: Dynamics, hours: np.ndarray, axis: int | None = None, wear: Wear | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return positive and negative Coulomb levels [N m], shape (hours, n), with one worn axis or none.
-
-    Parameters
-    ----------
-    hours : (hours,) time since the start of wear [h].
-    axis : 1-based axis that wears.
-    wear : its growth.
-    """
+def unworn_levels(dynamics: Dynamics, hours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the Coulomb levels [N m] of a robot that does not wear, positive and negative, each (hours, n)."""
     robot = dynamics.robot
-    positive = np.tile(robot.coulomb_positive, (len(hours), 1))
-    negative = np.tile(robot.coulomb_negative, (len(hours), 1))
-    if axis is not None and wear is not None:
-        j = axis - 1
-        positive[:, j], negative[:, j] = wear.coulomb(robot.coulomb_positive[j], robot.coulomb_negative[j], hours)
-    return positive, negative
+    return np.tile(robot.coulomb_positive, (len(hours), 1)), np.tile(robot.coulomb_negative, (len(hours), 1))
 
 
 def exceedance(torque: np.ndarray, limit: np.ndarray) -> np.ndarray:
@@ -155,8 +138,8 @@ def simulate_run(
     key: tuple[str | int, ...],
     hours: int,
     settings: Mapping[str, Any],
-    axis: int | None = None,
-    increase_percent: float | None = None,
+    levels: Callable[[Dynamics, np.ndarray], tuple[np.ndarray, np.ndarray]] = unworn_levels,
+    what: str = "normal operation",
     threads: int = 1,
 ) -> None:
     """Simulate all replicates of one run and write their torque samples.
@@ -167,23 +150,21 @@ def simulate_run(
     output : netCDF file with `torque` (replicate, hour, sample, axis).
     key : name of the run, which decides its random numbers.
     hours : length of the run [h].
-    settings : `seed`, `replicates`, `sampling`, `noise`, `reading` and, for a worn run, `shape` and `wear_hours`.
-    axis, increase_percent : the worn axis (1-based) and the growth of its friction at hour `wear_hours`.
+    settings : `seed`, `replicates`, `sampling`, `noise`, `reading`.
+    levels : Coulomb levels [N m] at the hours of the run, for positive and negative velocity, each (hours, n).
+    what : what the run shows, for the title of the file.
 
     Raises
     ------
-    InputError : if a file is wrong, or the robot has no such axis.
+    InputError : if a file is wrong.
     """
     dynamics, the_task = Dynamics(load_robot(robot)), load_task(task)
     n = dynamics.robot.joints
-    if axis is not None and not 1 <= axis <= n:
-        raise InputError(f"{robot}: the robot has {n} axes; axis {axis} cannot wear")
     hour = np.arange(1, hours + 1)
-    wear = None if axis is None else Wear(increase_percent, settings["shape"], settings["wear_hours"])
     noise = Noise(**settings["noise"], reading=settings["reading"])
     sampling = settings["sampling"]
-    levels = coulomb_levels(dynamics, hour, axis, wear)
-    repeated = RepeatedTask(dynamics, the_task, levels, noise, sampling["interval"], sampling["samples"])
+    coulomb = levels(dynamics, hour)
+    repeated = RepeatedTask(dynamics, the_task, coulomb, noise, sampling["interval"], sampling["samples"])
     replicates, samples = settings["replicates"], sampling["samples"]
     variables = {
         "replicate": Variable(("replicate",), np.arange(1, replicates + 1), "replicate", "1"),
@@ -196,13 +177,13 @@ def simulate_run(
         "commanded_torque": Variable(
             ("hour", "sample", "axis"), repeated.torque, "torque without disturbance and noise", "N m", kind="f4"
         ),
-        "coulomb": Variable(("hour", "axis"), levels[0], "Coulomb friction for positive velocity", "N m"),
+        "coulomb": Variable(("hour", "axis"), coulomb[0], "Coulomb friction for positive velocity", "N m"),
         "limit_share": Variable(
             ("axis",), None, "largest |torque| as a share of the robot's torque limit", "1", kind="f8"
         ),
     }
     sizes = {"replicate": replicates, "hour": hours, "sample": samples, "axis": n}
-    title = f"torque of {the_task.name}, " + ("normal operation" if axis is None else f"wear of axis {axis}")
+    title = f"torque of {the_task.name}, {what}"
     described = {**settings, "key": list(key), "hours": hours}
     with create_dataset(output, sizes, variables, provenance.attributes(title, described)) as dataset:
         share = np.zeros(n)
@@ -211,26 +192,3 @@ def simulate_run(
             share = np.fmax(share, exceedance(torque, dynamics.robot.torque_limit))
             dataset["torque"][replicate] = torque
         dataset["limit_share"][:] = np.where(np.isnan(dynamics.robot.torque_limit), np.nan, share)
-
-
-def simulate_worn_run(
-    robot: str | Path,
-    task: str | Path,
-    output: str | Path,
-    *,
-    cell: Cell,
-    settings: Mapping[str, Any],
-    threads: int = 1,
-) -> None:
-    """Simulate the worn run of one cell of the grid; see :func:`simulate_run`."""
-    simulate_run(
-        robot,
-        task,
-        output,
-        key=("wear", cell.task, cell.axis, round(cell.increase_percent * 1000)),
-        hours=settings["wear_hours"],
-        settings=settings,
-        axis=cell.axis,
-        increase_percent=cell.increase_percent,
-        threads=threads,
-    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -214,3 +214,26 @@ def write_tables(
         "table_vi": lambda: table_vi(features, detections, printed),
     }[name]()
     write_table(name, rows, stem, {"table": name, "replicate": replicate} if name == "table_ii" else {"table": name})
+
+
+def tabulate_results(
+    names: Sequence[str],
+    folder: str | Path,
+    published: str | Path,
+    *,
+    features: list[str],
+    detections: list[str],
+    locations: list[str],
+    replicate: int = 1,
+) -> None:
+    """Write several tables into a folder, each as CSV and netCDF; see :func:`write_tables`."""
+    for name in names:
+        write_tables(
+            name,
+            Path(folder) / name,
+            published,
+            features=features,
+            detections=detections,
+            locations=locations,
+            replicate=replicate,
+        )

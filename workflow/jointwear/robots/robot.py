@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.registered import path_in
 from jointwear.robots.robot_file import read_robot_file
 
 
@@ -139,5 +140,5 @@ def load_robot(path: str | Path) -> Robot:
     """
     path = Path(path)
     data = read_robot_file(path)
-    urdf = path.parent / data["urdf"] if "urdf" in data else None
+    urdf = path_in(data["urdf"], path.parent) if "urdf" in data else None
     return robot_from_data(data, urdf)

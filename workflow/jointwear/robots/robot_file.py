@@ -13,6 +13,7 @@ from typing import Any
 
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.registered import path_in, will_be_fetched
 
 _DEFAULTS: dict[str, Any] = {
     "gear_ratio": 1.0,
@@ -104,11 +105,12 @@ def _complete(path: Path, index: int, joint: dict[str, Any]) -> dict[str, Any]:
 
 def _joints_of_urdf(path: Path, data: dict[str, Any]) -> list[dict[str, Any]]:
     """Return one joint entry for each moving joint of the URDF, overridden by those of the robot file."""
-    urdf = path.parent / data["urdf"]
+    urdf = path_in(data["urdf"], path.parent)
     try:
         root = ElementTree.parse(urdf).getroot()
     except OSError:
-        raise InputError(f"{path}: 'urdf' names {data['urdf']}, which does not exist") from None
+        hint = "; `snakemake fetch_data` loads it" if will_be_fetched(urdf) else ""
+        raise InputError(f"{path}: 'urdf' names {data['urdf']}, which does not exist{hint}") from None
     except ElementTree.ParseError as error:
         raise InputError(f"{urdf}: is not valid XML ({error})") from None
     found: dict[str, dict[str, Any]] = {}
@@ -165,4 +167,4 @@ def _joint_of_element(element: ElementTree.Element) -> dict[str, Any]:
 def robot_sources(path: str) -> list[str]:
     """Return the files that a robot is made of: the robot file and, where it names one, the URDF."""
     data = read_yaml(path)
-    return [path, str(Path(path).parent / data["urdf"])] if "urdf" in data else [path]
+    return [path, str(path_in(data["urdf"], Path(path).parent))] if "urdf" in data else [path]

@@ -8,16 +8,20 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from datetime import date
+from glob import glob
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.registered import is_registered, locate
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
+from jointwear.running.shipped import ROOT, shipped, shipped_glob
 
-TASKS = Path("config/tasks")
+#: The experiment that comes with the workflow, and the user's own in the working directory.
+CONFIG = "config/config.yaml"
 _NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
 
@@ -44,6 +48,74 @@ def _plain(value: Any) -> Any:
     return value.isoformat() if isinstance(value, date) else value
 
 
+def _laid_over(base: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `base` with the values of `more`, mappings merged key by key."""
+    merged = dict(base)
+    for key, value in more.items():
+        both = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping)
+        merged[key] = _laid_over(merged[key], value) if both else value
+    return merged
+
+
+def layer_files(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the shipped configuration, the working directory's own and `config`, each laid over the last.
+
+    Parameters
+    ----------
+    config : what Snakemake merged from ``--configfile`` and ``--config``, or what another workflow hands to this one
+        as a module.
+
+    Raises
+    ------
+    InputError : if a file is no YAML mapping or holds a key twice.
+    """
+    layers = [ROOT / CONFIG]
+    if Path(CONFIG).is_file() and not Path(CONFIG).samefile(layers[0]):
+        layers.append(Path(CONFIG))
+    merged: dict[str, Any] = {}
+    for path in layers:
+        merged = _laid_over(merged, read_yaml(path))
+    return _laid_over(merged, config)
+
+
+def beside_workflow(config: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a configuration whose data sets and monitored robots name existing files: the user's or the shipped ones.
+
+    A robot file, a recording or a pattern of logs that the working directory does not have is looked up beside the
+    workflow; what neither has stays as it is.
+    """
+
+    def entry_of(entry: Any) -> Any:
+        if not isinstance(entry, Mapping):
+            return entry
+        entry = {k: shipped(v) if k in ("robot", "measured") and isinstance(v, str) else v for k, v in entry.items()}
+        if isinstance(entry.get("logs"), list):
+            entry["logs"] = [_log_pattern(p) for p in entry["logs"]]
+        return entry
+
+    def entries_of(entries: Any) -> Any:
+        return {k: entry_of(v) for k, v in entries.items()} if isinstance(entries, Mapping) else entries
+
+    result = dict(config)
+    for section, key in (("discover", "datasets"), ("monitor", "robots")):
+        if isinstance(result.get(section), Mapping) and key in result[section]:
+            result[section] = {**result[section], key: entries_of(result[section][key])}
+    for section in ("recover",):
+        if isinstance(result.get(section), Mapping):
+            result[section] = entry_of(result[section])
+    return entry_of(result)
+
+
+def _log_pattern(pattern: Any) -> Any:
+    if not isinstance(pattern, str):
+        return pattern
+    if is_registered(pattern):
+        return str(locate(pattern))
+    if not glob(pattern, recursive=True) and glob(str(ROOT / pattern), recursive=True):
+        return str(ROOT / pattern)
+    return pattern
+
+
 def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict[str, Any]:
     """Check a configuration and return it with number types normalised and readings complete.
 
@@ -65,6 +137,7 @@ def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict
     config["reading"] = {a.name: config["reading"].get(a.name, a.default) for a in readings.ambiguities().values()}
     config.setdefault("discover", {}).setdefault("datasets", {})
     config.setdefault("monitor", {}).setdefault("robots", {})
+    config = dict(beside_workflow(config))
     if config["report"]["replicate"] > config["replicates"]:
         raise InputError(
             f"config: 'report.replicate' is {config['report']['replicate']}, there are {config['replicates']} "
@@ -91,14 +164,14 @@ def check_experiment(config: Mapping[str, Any]) -> None:
                 f"config: 'wear.axes' holds {axis}; robot '{robot['name']}' has axes 1 to {axes}; "
                 f"the nearest valid value is {axes}"
             )
-    known = sorted(p.stem for p in TASKS.glob("*.yaml"))
+    known = sorted(p.stem for p in shipped_glob("config/tasks/*.yaml"))
     for task in config["tasks"]:
         if task not in known:
             raise InputError(
-                f"config: 'tasks' holds '{task}', but there is no {TASKS}/{task}.yaml{nearest(task, known)} "
+                f"config: 'tasks' holds '{task}', but there is no config/tasks/{task}.yaml{nearest(task, known)} "
                 f"(there are: {', '.join(known)})"
             )
-        read_task_file(TASKS / f"{task}.yaml", robot)
+        read_task_file(shipped(f"config/tasks/{task}.yaml"), robot)
 
 
 def reading_of(config: Mapping[str, Any], *stages: str) -> dict[str, str]:

@@ -8,6 +8,8 @@ from functools import cache
 from pathlib import Path
 
 LIBRARY = Path(__file__).resolve().parents[1]
+#: The library of effects, one file each under ``entries``.
+EFFECTS = LIBRARY / "effects"
 # Read as text: parsing to syntax trees takes four times as long, at every call of Snakemake.
 _FROM = re.compile(r"^\s*from\s+(jointwear[\w.]*)\s+import\s+(\([^)]*\)|[^\n#]+)", re.MULTILINE)
 _IMPORT = re.compile(r"^\s*import\s+(jointwear[\w.]*)", re.MULTILINE)
@@ -48,11 +50,16 @@ def _direct(path: Path) -> frozenset[Path]:
 
 
 @cache
-def imported_by(script: Path) -> tuple[Path, ...]:
+def imported_by(script: Path, effects: frozenset[str] | None = None) -> tuple[Path, ...]:
     """Return every library file that `script` imports, directly or through others, sorted.
 
     A package whose ``__init__`` says ``WHOLE_PACKAGE = True``, because its modules are found by listing it, counts
     with all of them.
+
+    Parameters
+    ----------
+    effects : effects that the robot of the job has. Of the effects those files alone count, and none at all where the
+        robot has no effect: the job then never looks at the library. None: all of them count.
 
     Raises
     ------
@@ -62,7 +69,16 @@ def imported_by(script: Path) -> tuple[Path, ...]:
     waiting = [script]
     while waiting:
         for path in _direct(waiting.pop()):
-            if path not in seen:
+            if path not in seen and _wanted(path, effects):
                 seen.add(path)
                 waiting.append(path)
     return tuple(sorted(seen))
+
+
+def _wanted(path: Path, effects: frozenset[str] | None) -> bool:
+    """Whether a module counts for a job whose robot has these effects."""
+    if effects is None or not path.is_relative_to(EFFECTS):
+        return True
+    if path.parent == EFFECTS / "entries" and path.stem != "__init__":
+        return path.stem in effects
+    return bool(effects)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.chunk import Chunk, Layout, layout_of
-from jointwear.measurement.formats.kinds import FORMATS, log_format
+from jointwear.measurement.log_kinds import FORMATS, log_format
 
 
 def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[Chunk]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError, nearest
-from jointwear.measurement.recording_files import ROLES, converted
+from jointwear.measurement.units import ROLES, converted
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")

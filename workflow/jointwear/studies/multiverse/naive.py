@@ -13,8 +13,9 @@ from jointwear.reproduction.features import build_reference, hourly_features
 from jointwear.reproduction.location import locate
 from jointwear.reproduction.normal_model import fit_normal_model
 from jointwear.reproduction.readings import pca_input, select, training_length
-from jointwear.reproduction.simulation import Noise, RepeatedTask, coulomb_levels
+from jointwear.reproduction.simulation import Noise, RepeatedTask
 from jointwear.reproduction.wear import Wear
+from jointwear.reproduction.worn_run import coulomb_levels
 from jointwear.statistics.randomness import generator
 from jointwear.studies.multiverse.dimensions import Reading
 from jointwear.studies.multiverse.evaluation import Analysis, evaluate

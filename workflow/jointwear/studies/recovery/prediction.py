@@ -15,8 +15,9 @@ from jointwear.reproduction.detection import onset, score
 from jointwear.reproduction.features import build_reference, hourly_features
 from jointwear.reproduction.normal_model import fit_normal_model
 from jointwear.reproduction.readings import pca_input, select
-from jointwear.reproduction.simulation import Noise, RepeatedTask, coulomb_levels
+from jointwear.reproduction.simulation import Noise, RepeatedTask
 from jointwear.reproduction.wear import Wear
+from jointwear.reproduction.worn_run import coulomb_levels
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link, Robot, load_robot
 from jointwear.robots.trajectory import Task

@@ -1,0 +1,46 @@
+"""Roles of measured quantities, their units, and how those are spelled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.files.errors import InputError, nearest
+
+ROLES = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature")
+#: Factor (and offset) that turns a unit into the project's, by role.
+UNITS: dict[str, dict[str, tuple[float, float]]] = {
+    "time": {"s": (1.0, 0.0), "ms": (1e-3, 0.0), "us": (1e-6, 0.0), "ns": (1e-9, 0.0), "h": (3600.0, 0.0)},
+    "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
+    "position": {"rad": (1.0, 0.0), "deg": (np.pi / 180, 0.0)},
+    "velocity": {"rad/s": (1.0, 0.0), "deg/s": (np.pi / 180, 0.0)},
+    "acceleration": {"rad/s2": (1.0, 0.0), "deg/s2": (np.pi / 180, 0.0)},
+    "torque": {"N m": (1.0, 0.0), "mN m": (1e-3, 0.0), "kN m": (1e3, 0.0)},
+    "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
+}
+SPELLINGS = {
+    "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
+    "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
+    "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s",
+}  # fmt: skip
+
+
+def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
+    """Return values of a role in the unit of the project.
+
+    Raises
+    ------
+    InputError : if the unit is not known.
+    """
+    if unit is None:
+        return values
+    known = UNITS[role]
+    plain = SPELLINGS.get(str(unit).strip(), str(unit).strip())
+    if plain not in known:
+        if role in ("time", "trajectory"):
+            return values
+        raise InputError(
+            f"data set '{name}': unit '{unit}' of {role} is not known{nearest(plain, known)} "
+            f"(allowed: {', '.join(known)})"
+        )
+    factor, offset = known[plain]
+    return values if (factor, offset) == (1.0, 0.0) else values * factor + offset

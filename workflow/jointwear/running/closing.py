@@ -1,0 +1,39 @@
+"""What a run says at its end: the pages that it built and, for the report, its scores.
+
+Read by the Snakefile at every call: nothing heavy is imported here.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+REPORT = Path("results/report/index.html")
+#: Pages that other targets build.
+PAGES = ("results/*/index.html", "results/*/*.html", "results/*/*/*.html")
+
+
+def score_lines(summary: Path) -> list[str]:
+    """Return one line per claim of the paper, from the numbers of a report; none where there is no such file."""
+    try:
+        statements = json.loads(summary.read_text(encoding="utf-8"))["summary"]["statements"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+    return [f"{s['title']}: {s['verdict']}. {s['text'].split('. ')[0].rstrip('.')}." for s in statements[:5]]
+
+
+def closing_lines(root: Path, since: float) -> list[str]:
+    """Return what to print after a successful run.
+
+    Parameters
+    ----------
+    root : working directory of the run.
+    since : when the run began [s since 1970]; pages written before are not of this run.
+    """
+    written = sorted({p for pattern in PAGES for p in root.glob(pattern) if p.stat().st_mtime >= since})
+    lines = []
+    if root / REPORT in written:
+        lines += score_lines(root / REPORT.with_name("summary.json"))
+        written.remove(root / REPORT)
+        lines.append(f"report: {REPORT}")
+    return lines + [f"page: {page.relative_to(root)}" for page in written[:20]]

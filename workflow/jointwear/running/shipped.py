@@ -1,0 +1,41 @@
+"""Files that come with the workflow, found from any working directory.
+
+A workflow may run in its own checkout, in a folder of the user's (``snakemake -s CLONE/Snakefile --directory MINE``) or
+as a module of another workflow. A path such as ``config/robots/puma560.yaml`` then means the user's file where there
+is one, else the file beside the workflow.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jointwear.files.registered import locate
+
+#: Top folder of the project that this library belongs to.
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def shipped(path: str | Path, root: Path = ROOT) -> str:
+    """Return `path` where it exists from the working directory, else the file of that name beside the workflow.
+
+    A reference to the registry of published data is followed (:func:`jointwear.files.registered.locate`). A path that
+    exists in neither place is returned as it is, so that an error names what the user wrote.
+
+    Raises
+    ------
+    InputError : if the registry has no such file.
+    """
+    path = locate(str(path))
+    if path.exists() or not (root / path).exists():
+        return str(path)
+    return str(root / path)
+
+
+def shipped_glob(pattern: str, root: Path = ROOT) -> list[Path]:
+    """Return the files that match `pattern` in the working directory or beside the workflow, sorted by name.
+
+    A file of the working directory hides the one of the same relative path beside the workflow.
+    """
+    beside = {path.relative_to(root).as_posix(): path for path in root.glob(pattern)}
+    here = {path.as_posix(): path for path in Path(".").glob(pattern)}
+    return [path for _, path in sorted({**beside, **here}.items())]

@@ -1,0 +1,16 @@
+"""Tables II to VI, each published number beside ours."""
+
+from jointwear.reproduction.tables import tabulate_results
+from jointwear.running.script import reported
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        tabulate_results(
+            snakemake.params.tables,
+            snakemake.params.folder,
+            snakemake.input.published,
+            features=snakemake.input.features,
+            detections=snakemake.input.detections,
+            locations=snakemake.input.locations,
+            replicate=snakemake.params.replicate,
+        )
