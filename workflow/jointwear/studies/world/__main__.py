@@ -5,25 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
-from jointwear.studies.world.answers import answer
-from jointwear.studies.world.case import generate
-from jointwear.studies.world.plan import KINDS, SETS, Case, cases
+from jointwear.studies.world.plan import KINDS, SETS, cases
 from jointwear.studies.world.scores import WORDS, score
+from jointwear.studies.world.stages import solve_case
 
 #: The field of a row that says whether the answer is right.
 ANSWERS = {"single": "exact_set", "two": "two_exact", "retuned": "retuned", "outside": "unknown_only"}
-
-
-def solve_case(case: Case) -> dict[str, Any]:
-    """Make a case in a folder that goes away, and return its judged row."""
-    with tempfile.TemporaryDirectory() as folder:
-        return answer(generate(case, folder))
 
 
 def line(row: dict[str, Any]) -> str:
