@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from jointwear.files.errors import InputError
+from jointwear.studies.challenge.judge import gap_closed, worse_axes
+from jointwear.studies.challenge.reliability import reliability
 from jointwear.studies.challenge.stored import write_stored_page
 from jointwear.studies.world import answers, packages
 from jointwear.studies.world.plan import BATCH, COUNTS, EFFECTS, OUTSIDE, batches, cases, part_batches
-from jointwear.studies.world.scores import SHARES, TARGETS, WORDS, reliability, score
+from jointwear.studies.world.scores import SHARES, TARGETS, WORDS, score
 from jointwear.studies.world.stages import summary
 
 
@@ -61,16 +63,16 @@ def test_calibration_error_is_the_mean_distance_of_probability_and_share():
 
 
 def test_the_gap_is_measured_from_what_derived_motion_costs():
-    assert answers.gap_closed({"nominal": 3.0, "augmented": 1.0}, 1.0) == pytest.approx(1.0)
-    assert answers.gap_closed({"nominal": 3.0, "augmented": 2.0}, 1.0) == pytest.approx(0.5)
-    assert answers.gap_closed({"nominal": 1.01, "augmented": 2.0}, 1.0) is None
+    assert gap_closed({"nominal": 3.0, "augmented": 1.0}, 1.0) == pytest.approx(1.0)
+    assert gap_closed({"nominal": 3.0, "augmented": 2.0}, 1.0) == pytest.approx(0.5)
+    assert gap_closed({"nominal": 1.01, "augmented": 2.0}, 1.0) is None
 
 
 def test_worse_axes_are_named():
     truth = np.zeros((4, 2))
     predicted = np.array([np.ones((4, 2)), np.ones((4, 2)), np.tile([1.04, 1.06], (4, 1))])
     truth[0] = np.nan
-    assert answers._worse(predicted, truth) == [2]
+    assert worse_axes(predicted, truth) == [2]
 
 
 def test_an_interval_holds_what_lies_within_two_deviations():

@@ -2,6 +2,10 @@
 from jointwear.studies.challenge.tiers import SEED, SETS, TIERS
 
 CHALLENGE_ROBOT = shipped("config/robots/puma560.yaml")
+CHALLENGE_ROBOTS = [
+    CHALLENGE_ROBOT,
+    *map(str, shipped_glob("data/arms/*.yaml")),
+]
 CHALLENGE_TEMPLATES = templates("challenge.html.j2")
 
 
@@ -17,7 +21,7 @@ wildcard_constraints:
 
 rule generate_challenge:
     input:
-        robot=CHALLENGE_ROBOT,
+        robots=CHALLENGE_ROBOTS,
         modules=modules_of("generate_challenge"),
     output:
         data=temp(directory("results/challenge/{seed_set}/data/{tier}_{batch}")),
@@ -34,7 +38,7 @@ rule generate_challenge:
 rule solve_challenge:
     input:
         data="results/challenge/{seed_set}/data/{tier}_{batch}",
-        robot=CHALLENGE_ROBOT,
+        robots=CHALLENGE_ROBOTS,
         modules=modules_of("solve_challenge"),
     output:
         verdicts="results/challenge/{seed_set}/verdicts/{tier}_{batch}.json",
@@ -87,7 +91,7 @@ PEERS_PYTHON = os.environ.get("JOINTWEAR_PEERS_PYTHON", sys.executable)
 rule solve_challenge_peers:
     input:
         data="results/challenge/{seed_set}/data/{tier}_{batch}",
-        robot=CHALLENGE_ROBOT,
+        robots=CHALLENGE_ROBOTS,
         modules=modules_of("solve_challenge_peers"),
     output:
         "results/challenge/{seed_set}/peers/{tier}_{batch}.json",

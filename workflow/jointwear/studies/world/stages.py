@@ -17,11 +17,12 @@ from jointwear import __version__
 from jointwear.discovery import Settings
 from jointwear.files.text_files import replace_text
 from jointwear.studies.challenge.case_files import read_json
+from jointwear.studies.challenge.reliability import reliability
 from jointwear.studies.world.answers import answer
 from jointwear.studies.world.case import generate
 from jointwear.studies.world.packages import mujoco
 from jointwear.studies.world.plan import COUNTS, DRAWINGS, SEED, Case, batches, part_batches
-from jointwear.studies.world.scores import reliability, score
+from jointwear.studies.world.scores import score
 
 
 def solve_case(case: Case) -> dict[str, Any]:
