@@ -96,7 +96,9 @@ def test_the_page_puts_the_tier_first(tmp_path, root, monkeypatch):
 
     monkeypatch.setattr("jointwear.studies.world.stages.mujoco", lambda: Engine)
     kept = tmp_path / "world.json"
-    found = summary([row(), row(false_name=True), row("outside", subject="push", unknown_only=True)], "report_first_1")
+    found = summary(
+        [row(), row(false_name=True), row("outside", subject="push", unknown_only=True)], "report_first_1", ["0"]
+    )
     kept.write_text(__import__("json").dumps(found))
     page = tmp_path / "challenge.html"
     write_stored_page(root / "data/benchmarks/challenge.json", None, page, str(kept))

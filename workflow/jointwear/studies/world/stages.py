@@ -24,6 +24,9 @@ from jointwear.studies.world.packages import mujoco
 from jointwear.studies.world.plan import COUNTS, DRAWINGS, SEED, Case, batches, part_batches
 from jointwear.studies.world.scores import score
 
+#: Rooms that a verdict depends on.
+SOURCES = ("discovery", "effects", "measurement", "robots")
+
 
 def solve_case(case: Case) -> dict[str, Any]:
     """Make a case in a folder that goes away, and return its judged row."""
@@ -39,7 +42,18 @@ def answer_batch(seed_set: str, index: int, output: str | Path) -> None:
     InputError : if the packages of the plants are not installed.
     """
     rows = [solve_case(case) for case in batches(seed_set)[index]]
-    replace_text(output, json.dumps({"cases": rows}, indent=1, default=_plain) + "\n")
+    content = {"sources": sources_digest(), "cases": rows}
+    replace_text(output, json.dumps(content, indent=1, default=_plain) + "\n")
+
+
+def sources_digest() -> str:
+    """Return a digest of the source files that decide a verdict: what discovery is made of."""
+    library = Path(__file__).resolve().parents[2]
+    digest = hashlib.sha256()
+    for room in SOURCES:
+        for path in sorted((library / room).rglob("*.py")):
+            digest.update(path.relative_to(library).as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def write_scores(rows_paths: Sequence[str | Path], part: str, rows_path: str | Path, scores_path: str | Path) -> None:
@@ -49,12 +63,14 @@ def write_scores(rows_paths: Sequence[str | Path], part: str, rows_path: str | P
     ------
     InputError : if a file of a batch is missing or broken.
     """
-    rows = [row for path in rows_paths for row in read_json(path)["cases"]]
+    contents = [read_json(path) for path in rows_paths]
+    rows = [row for content in contents for row in content["cases"]]
+    sources = sorted({content["sources"] for content in contents})
     replace_text(rows_path, json.dumps({"cases": rows}, indent=1) + "\n")
-    replace_text(scores_path, json.dumps(summary(rows, part), indent=1, default=_plain) + "\n")
+    replace_text(scores_path, json.dumps(summary(rows, part, sources), indent=1, default=_plain) + "\n")
 
 
-def summary(rows: Sequence[dict[str, Any]], part: str) -> dict[str, Any]:
+def summary(rows: Sequence[dict[str, Any]], part: str, sources: Sequence[str]) -> dict[str, Any]:
     """Return what the page shows of a part: its scores, and which cases, seeds, settings and versions made them."""
     seed_set, count = part_batches(part)
     settings = asdict(Settings())
@@ -67,6 +83,7 @@ def summary(rows: Sequence[dict[str, Any]], part: str) -> dict[str, Any]:
         "batches": count,
         "jointwear": __version__,
         "mujoco": mujoco().__version__,
+        "sources": list(sources),
         "settings": settings,
         "settings_digest": hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16],
         "command": f"snakemake --cores 2 results/challenge/world/{part}/scores.json",

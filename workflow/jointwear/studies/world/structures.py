@@ -85,7 +85,9 @@ def tilt(scales: Scales, rng: np.random.Generator, axis: int | None = None) -> H
     def build(drafted):
         drafted.spec.option.gravity = down
 
-    return Hidden("mounting_tilt", None, "gravity", float(np.rad2deg(angle)), "degree", build=build)
+    # Turns of gravity about x and about y that bring it there.
+    parameters = {"about_x": float(np.arcsin(down[1] / 9.81)), "about_y": float(-np.arcsin(down[0] / 9.81))}
+    return Hidden("mounting_tilt", None, "gravity", float(np.rad2deg(angle)), "degree", parameters, build=build)
 
 
 def elastic_gear(scales: Scales, rng: np.random.Generator, axis: int) -> Hidden:
