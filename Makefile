@@ -90,7 +90,11 @@ reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of 
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or plants)"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or real or plants)"
+
+.PHONY: test-real
+test-real: $(PLANTS)  ## Test on logs of real robots (JOINTWEAR_DATA, or snakemake fetch_data)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m real tests/real
 
 .PHONY: test-plants
 test-plants: $(PLANTS)  ## Test the plants in MuJoCo of the hidden-effect test

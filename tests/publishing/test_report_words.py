@@ -3,6 +3,7 @@
 import json
 import re
 import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -121,3 +122,13 @@ def test_predictors_need_no_published_run(experiment):
         dict(experiment.results.training_features), [experiment.path("simulation/T2/axis6_10percent.nc")]
     )
     assert set(found) == {Cell("T2", 10.0, 6)}
+
+
+def test_every_line_of_the_first_screen_leads_somewhere(data, experiment):
+    page = Path(experiment.path("report/index.html")).read_text(encoding="utf-8")
+    lines = [*claims(data, summary(data)["statements"]), *left_out(data, {})]
+    assert len(lines) == 11
+    for line in lines:
+        assert f'id="{line["anchor"]}"' in page, line
+        assert line["claim"] in page.replace("&#39;", "'"), line
+        assert not line["finding"].endswith("."), line

@@ -32,6 +32,8 @@ def augmented_robot(final: Final, urdf_name: str | None = None, with_effects: bo
         data["links"] = links_from_parameters(robot, inertial)
     else:
         data["urdf"] = urdf_name or str(robot.urdf)
+        # Fitted parameters give the torques; they need not be those of bodies.
+        data["inertia_check"] = "none"
     gear = np.abs(robot.gear_ratio)
     data["joints"] = []
     for j, name in enumerate(robot.joint_names):

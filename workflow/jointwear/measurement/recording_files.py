@@ -12,8 +12,11 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.errors import InputError, nearest
-from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.files.regular_files import check_regular
+from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.measurement.formats import Layout, read_log
+from jointwear.measurement.formats.arrow import holds_numbers
+from jointwear.measurement.formats.chunk import check_count
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.units import ROLES, UNITS, converted
@@ -105,7 +108,10 @@ def _from_netcdf(
                         f"(it has: {', '.join(dataset.variables)})"
                     )
                 continue
-            values = np.asarray(read_variable(dataset, path, variable), dtype=float)
+            values = read_variable(dataset, path, variable)
+            if values.dtype.kind not in "iuf":
+                raise InputError(f"{path}: variable '{variable}' for {role} does not hold numbers")
+            values = values.astype(float)
             dimensions = 1 if role in ("time", "trajectory") else 2
             if values.ndim != dimensions and not (role == "temperature" and values.ndim == 1):
                 raise InputError(f"{path}: '{variable}' has {values.ndim} dimensions; {role} needs {dimensions}")
@@ -132,29 +138,40 @@ def _from_bag(path: Path, entry: Mapping[str, Any], names: Mapping[str, str]) ->
 
 
 def _read_table(path: Path) -> dict[str, np.ndarray]:
+    """Return the columns of a table that hold numbers; text, such as notes, is left out."""
+    check_regular(path)
     if path.suffix.lower() == ".parquet":
         try:
             import pyarrow.parquet as parquet
         except ImportError:
             raise InputError(f"{path}: reading Parquet needs the package pyarrow; install it or write CSV") from None
         try:
-            table = parquet.read_table(path)
-        except FileNotFoundError:
-            raise InputError(f"{path}: no such file") from None
-        except Exception as error:
-            raise InputError(f"{path}: is not a Parquet file ({str(error).splitlines()[0]})") from None
-        return {c: np.asarray(table.column(c).to_numpy(), dtype=float) for c in table.column_names}
+            with parquet.ParquetFile(path) as file:
+                check_count(path, len(file.schema_arrow.names))
+                table = file.read()
+            return {
+                name: np.asarray(column.to_numpy(), dtype=float)
+                for name, column in zip(table.column_names, table.columns, strict=True)
+                if holds_numbers(column.type)
+            }
+        except InputError:
+            raise
+        except Exception as error:  # the library raises whatever a damaged file causes
+            raise InputError(f"{path}: is truncated or not a Parquet file ({error})") from None
     try:
         with path.open(encoding="utf-8", newline="") as file:
             header = next(csv.reader(file), None)
             if not header:
                 raise InputError(f"{path}: is empty")
             header = [h.strip() for h in header]
+            check_count(path, len(header))
             rows = np.genfromtxt(file, delimiter=",", dtype=float, ndmin=2)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except ValueError as error:
-        raise InputError(f"{path}: {str(error).splitlines()[0].strip()}") from None
+    except InputError:
+        raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except (ValueError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read as CSV ({error})") from None
     if rows.size == 0 or rows.shape[1] != len(header):
         raise InputError(
             f"{path}: the header names {len(header)} columns, the rows have {rows.shape[1] if rows.size else 0}"
@@ -206,8 +223,12 @@ def write_recording(recording: Recording, path: str | Path, settings: Mapping[st
 def read_recording(path: str | Path) -> Recording:
     """Read what :func:`write_recording` wrote."""
     with open_dataset(path) as dataset:
-        name = str(dataset.dataset)
-        train, test = (tuple(int(x) for x in np.atleast_1d(getattr(dataset, k))) for k in ("train", "test"))
+        name = str(read_attribute(dataset, path, "dataset"))
+        labels = [np.atleast_1d(read_attribute(dataset, path, k)) for k in ("train", "test")]
+    try:
+        train, test = (tuple(int(x) for x in given) for given in labels)
+    except (TypeError, ValueError):
+        raise InputError(f"{path}: 'train' and 'test' must be numbers; delete it and run again") from None
     found, _ = _from_netcdf(Path(path), {role: role for role in ROLES}, set())
     return Recording(
         time=found["time"],

@@ -9,8 +9,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError
 from jointwear.files.registered import will_be_fetched
+from jointwear.files.regular_files import check_regular
 from jointwear.robots.robot_file import robot_sources
 
 
@@ -23,12 +24,14 @@ def check_datasets(config: Mapping[str, Any]) -> None:
     """
     for name, entry in config["discover"]["datasets"].items():
         for key in ("measured", "robot"):
-            path = Path(entry[key])
-            if not path.is_file() and not will_be_fetched(path):
-                there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() else []
-                raise InputError(
-                    f"config: 'discover.datasets.{name}.{key}' is {path}: no such file{nearest(path.name, there)}"
-                )
+            if will_be_fetched(entry[key]):
+                continue
+            try:
+                if key == "measured" and Path(entry[key]).is_dir():
+                    continue  # a bag
+                check_regular(entry[key])
+            except InputError as error:
+                raise InputError(f"config: 'discover.datasets.{name}.{key}' is {error}") from None
         for path in robot_sources(entry["robot"])[1:]:
-            if not Path(path).is_file() and not will_be_fetched(path):
+            if not Path(path).exists() and not will_be_fetched(path):
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")

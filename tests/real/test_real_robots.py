@@ -18,11 +18,15 @@ from jointwear.discovery.stages import (
 from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError
 from jointwear.robots.robot import load_robot
+from jointwear.running.shipped import shipped
+
+pytestmark = pytest.mark.real
 
 
 def entry_of(file, name):
     with open(f"config/examples/{file}", encoding="utf-8") as stream:
-        return yaml.safe_load(stream)["discover"]["datasets"][name]
+        entry = yaml.safe_load(stream)["discover"]["datasets"][name]
+    return {**entry, "measured": shipped(entry["measured"])}
 
 
 @pytest.mark.parametrize("name", ["staubli_tx40", "staubli_tx40_backward"])
@@ -64,7 +68,7 @@ def test_stages_give_the_verdict_of_the_library(tmp_path):
         assert written["gap"][kind] == pytest.approx(direct["gap"][kind], rel=1e-4)
     # A fit without effects misses the coupled wrist however free its parameters are.
     assert written["free_identification"][4] > 2.0 * written["gap"]["augmented"][4]
-    published = "data/measured/staubli_tx40/published.yaml"
+    published = "data/published/staubli_tx40.yaml"
     write_page(d / "verdict.json", d / "where.nc", d / "models.nc", d / "page.html", d / "figures", published)
     page = (d / "page.html").read_text(encoding="utf-8")
     assert "fvm6" in page
@@ -83,3 +87,9 @@ def test_a_refused_data_set_leaves_its_reason(tmp_path):
     content = json.loads((tmp_path / "refused.json").read_text())
     assert set(content) == {"dataset", "reason", "suggestion"}
     assert not (tmp_path / "recording.nc").exists()
+
+
+def test_a_bag_of_a_real_arm_is_read_with_the_arm_of_a_package():
+    recording = load_recording(entry_of("discover_ur10.yaml", "ur10"), "ur10")
+    assert recording.position.shape == (3441, 6)
+    assert recording.time[-1] == pytest.approx(27.52)
