@@ -28,7 +28,15 @@ NUMBERS = (
 )
 WORDS = (
     *("", " ", "nan", "1e999", "1,37", "1.37kg", "../../x", "/etc/passwd", "--help", "a\x00b", "a\nb", "\x1b[31m"),
-    *("x" * 5000, "null", "~", "{{ 7 * 7 }}", "$(touch executed)", "__import__('os').system('touch executed')", "é" * 90),
+    *(
+        "x" * 5000,
+        "null",
+        "~",
+        "{{ 7 * 7 }}",
+        "$(touch executed)",
+        "__import__('os').system('touch executed')",
+        "é" * 90,
+    ),
 )
 #: Values that no key expects, in any place.
 hostile_values = st.one_of(
@@ -60,7 +68,9 @@ def broken_documents(draw: st.DrawFn, whole: Any) -> Any:
         inner = data
         for key in parents:
             inner = inner[key]
-        what = draw(st.sampled_from(["replace", "replace", "replace", "replace", "remove", "double", "rename", "scale"]))
+        what = draw(
+            st.sampled_from(["replace", "replace", "replace", "replace", "remove", "double", "rename", "scale"])
+        )
         if what == "replace":
             inner[last] = copy.deepcopy(draw(hostile_values))
         elif what == "scale" and isinstance(inner[last], (int, float)):

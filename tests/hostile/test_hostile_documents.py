@@ -149,7 +149,9 @@ URDF = "\n".join(
     ]
 )
 ATTRIBUTES = [match.span(1) for match in re.finditer(r'"([^"]*)"', URDF)]
-ELEMENTS = [match.span() for match in re.finditer(r"<(?:mass|inertia|origin|axis|limit|parent|child|dynamics)[^>]*/>", URDF)]
+ELEMENTS = [
+    match.span() for match in re.finditer(r"<(?:mass|inertia|origin|axis|limit|parent|child|dynamics)[^>]*/>", URDF)
+]
 WHOLE = [match.span() for match in re.finditer(r"<(link|joint) name=.*</\1>", URDF)]
 NAMES = ("base", "upper", "lower", "hand", "cap", "shoulder", "fixed", "prismatic", "floating", "revolute")
 
