@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, discover, pipeline
 from jointwear.discovery.crossval import positive
 from jointwear.discovery.fallback import left_out_ratio
-from jointwear.discovery.page import lead, write_page
+from jointwear.discovery.page import body_in_words, lead, write_page
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
@@ -141,3 +141,13 @@ def test_the_check_of_a_wrong_recording_says_so_and_stops_nothing(case, robot, t
     write_check("case", entry, "config/robots/puma560.yaml", Settings(), *outputs)
     assert "look like degrees" in json.loads(outputs[0].read_text())["refused"]
     assert "look like degrees" in outputs[1].read_text()
+
+
+def test_a_load_is_given_as_a_body():
+    mass, x, z = 2.0, 0.1, 0.2
+    value = {"mass": mass, "moment_x": mass * x, "moment_y": 0.0, "moment_z": mass * z}
+    value |= {"xx": 0.01 + mass * z**2, "yy": 0.02 + mass * (x**2 + z**2), "zz": 0.03 + mass * x**2}
+    words = body_in_words({"parameters": {name: {"value": v} for name, v in value.items()}})
+    assert words.startswith("2 kg with its centre of mass at (0.1, 0, 0.2) m")
+    assert "0.01, 0.02, 0.03 kg m2" in words
+    assert body_in_words({"parameters": {"level": {"value": 1.0}}}) == ""

@@ -165,6 +165,7 @@ def _named_effect(final: Final, e: Estimate) -> NamedEffect:
         form_corrected=e.form is not None,
         evidence_nats=six_digits(named.evidence),
         probability=six_digits(named.probability),
+        log_odds=six_digits(named.log_odds),
         cross_validated_gain=six_digits(named.cross_validated),
         lowers_error=six_digits(named.lowers_error),
         gain_share=six_digits(named.gain_share),

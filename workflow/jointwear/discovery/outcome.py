@@ -29,6 +29,7 @@ class Named:
     gain_share: float = 0.0
     lowers_error: float = 1.0
     probability: float = 1.0
+    log_odds: float = 0.0
     repeated: float | None = None
     misfit: str = ""
     ties: tuple[Candidate, ...] = ()
