@@ -61,6 +61,4 @@ def test_a_robot_that_nothing_makes_is_named(root):
 
 def test_data_sets_do_not_wait_for_each_other(root):
     with pytest.raises(InputError, match="waits for"):
-        check_datasets(
-            datasets(first="results/discover/second/robot.yaml", second="results/discover/first/robot.yaml")
-        )
+        check_datasets(datasets(first="results/discover/second/robot.yaml", second="results/discover/first/robot.yaml"))
