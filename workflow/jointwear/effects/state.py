@@ -12,13 +12,14 @@ from jointwear.robots.robot import Robot
 
 @dataclass(frozen=True)
 class Drive:
-    """Facts about the drives that an effect may need, each of shape (n,); joint side."""
+    """Facts that an effect may need: shape (n,), joint side; `gravity` (3,) [m/s2] in the base frame."""
 
     gear_ratio: np.ndarray
     armature: np.ndarray
     viscous: np.ndarray
     coulomb_positive: np.ndarray
     coulomb_negative: np.ndarray
+    gravity: np.ndarray
 
     def coulomb(self, axis: int, velocity: np.ndarray) -> np.ndarray:
         """Return the Coulomb friction [N m] of one axis at velocities (...,), 0 at rest."""
@@ -42,6 +43,8 @@ class State:
         are unordered and sequential effects act in their settled limit, that is with zero torque.
     tip_regressor : function without arguments that returns the derivative of the torque by the ten inertial
         parameters of a payload in the last link frame, shape (..., n, 10), or None.
+    gravity_regressor : function without arguments that returns the derivative of the torque by the vector of gravity
+        in the base frame, shape (..., n, 3), or None.
     """
 
     position: np.ndarray
@@ -54,6 +57,7 @@ class State:
     drive: Drive
     record: np.ndarray | None = None
     tip_regressor: Callable[[], np.ndarray] | None = None
+    gravity_regressor: Callable[[], np.ndarray] | None = None
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
 
@@ -67,7 +71,6 @@ class State:
 
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""
-        regressor = self.tip_regressor
         return replace(
             self,
             position=self.position[chosen],
@@ -78,13 +81,25 @@ class State:
             time=self.time[chosen],
             temperature=self.temperature[chosen],
             record=None if self.record is None else self.record[chosen],
-            tip_regressor=None if regressor is None else lambda: regressor()[chosen],
+            tip_regressor=_part_of(self.tip_regressor, chosen),
+            gravity_regressor=_part_of(self.gravity_regressor, chosen),
         )
+
+
+def _part_of(regressor: Callable[[], np.ndarray] | None, chosen: np.ndarray) -> Callable[[], np.ndarray] | None:
+    return None if regressor is None else lambda: regressor()[chosen]
 
 
 def drive_of(robot: Robot) -> Drive:
     """Return the drive facts of `robot`."""
-    return Drive(robot.gear_ratio, robot.armature, robot.viscous, robot.coulomb_positive, robot.coulomb_negative)
+    return Drive(
+        robot.gear_ratio,
+        robot.armature,
+        robot.viscous,
+        robot.coulomb_positive,
+        robot.coulomb_negative,
+        robot.gravity,
+    )
 
 
 def make_state(
@@ -97,6 +112,7 @@ def make_state(
     temperature: np.ndarray | None = None,
     record: np.ndarray | None = None,
     tip_regressor: Callable[[], np.ndarray] | None = None,
+    gravity_regressor: Callable[[], np.ndarray] | None = None,
 ) -> State:
     """Build a :class:`State` for `robot`.
 
@@ -126,6 +142,7 @@ def make_state(
         drive=drive_of(robot),
         record=record,
         tip_regressor=tip_regressor,
+        gravity_regressor=gravity_regressor,
     )
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import timing_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.order import first_derivative, second_derivative
 
@@ -26,8 +27,6 @@ def _columns(state, axis, source, p):
 
 
 def _grid(state, axis):
-    if state.record is None:
-        return []
     # The stiffness follows from the motor inertia of the model; where that is unknown, so is how the motor turns.
     return [{"inertia_over_stiffness": x, "inertia": float(state.drive.armature[axis])} for x in _SHARES]
 
@@ -52,5 +51,9 @@ EFFECT = Effect(
     # Inertia enters in proportion; the reversals of the motor do not, so that the search moves the parameter too.
     parameters_of=lambda p, c: {**p, "inertia_over_stiffness": float(p["inertia_over_stiffness"] * c[0])},
     grid=_grid,
+    needs=("order",),
+    scaled="inertia_over_stiffness",
+    timing=True,
+    bend=timing_bend(),
     sequential=True,
 )

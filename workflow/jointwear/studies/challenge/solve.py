@@ -11,18 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery import Recording, Settings, Verdict, discover
+from jointwear.discovery.pipeline import MODELS, Discovery, discover
+from jointwear.discovery.settings import Settings
 from jointwear.files.errors import InputError
 from jointwear.files.provenance import attributes
 from jointwear.files.storage import Variable, open_dataset, write_dataset
 from jointwear.files.text_files import replace_text
+from jointwear.measurement.recording import Recording
 from jointwear.robots.robot import Robot
 from jointwear.studies.challenge.arms import given_robot
 from jointwear.studies.challenge.case_files import padded, read_json
 
 #: Held-out predictions are kept for every so many samples, as in the truth files.
 STRIDE = 5
-MODELS = ("nominal", "retuned", "augmented")
 
 
 def read_recording(path: Path, train: Sequence[int], test: Sequence[int]) -> Recording:
@@ -58,7 +59,7 @@ def solve(recording: Recording, robot: Robot, settings: Settings) -> tuple[dict[
     return json.loads(verdict.to_json()), torque, seconds
 
 
-def _at_samples(verdict: Verdict, torque: np.ndarray, recording: Recording, wanted: np.ndarray) -> np.ndarray:
+def _at_samples(verdict: Discovery, torque: np.ndarray, recording: Recording, wanted: np.ndarray) -> np.ndarray:
     """Return a model's torque at the wanted samples of the recording; discovery may have used other instants."""
     result = np.full((len(wanted), torque.shape[1]), np.nan)
     for label in np.unique(recording.trajectory[wanted]):
