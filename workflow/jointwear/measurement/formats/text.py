@@ -11,7 +11,7 @@ from pyarrow import csv as arrow_csv
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.arrow import chunk_of
-from jointwear.measurement.formats.chunk import Chunk, Layout, find_columns
+from jointwear.measurement.formats.chunk import Chunk, Layout, check_count, find_columns
 from jointwear.measurement.timestamps import utc_seconds
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
@@ -74,7 +74,9 @@ def _head(path: Path) -> tuple[list[str], list[str], str]:
     except csv.Error as error:
         raise InputError(f"{path}: cannot be read as CSV ({error})") from None
     header = [name.strip() for name in rows[0]]
-    twice = next((name for i, name in enumerate(header) if name in header[:i]), None)
+    check_count(path, len(header))
+    seen: set[str] = set()
+    twice = next((name for name in header if name in seen or seen.add(name)), None)
     if twice is not None:
         raise InputError(f"{path}: the header names the column '{twice}' twice")
     if all(_is_number(name) for name in header):
