@@ -43,7 +43,7 @@ def draw_where(where: str | Path, output: str | Path) -> None:
 
 
 def draw_gap(verdict: str | Path, output: str | Path) -> None:
-    """Draw the gap of the three models and the noise floor, one group of bars a joint."""
+    """Draw the gap of the three models and the noise floor, one group of bars per joint."""
     gap = read_json(verdict)["gap"]
     kinds = (*MODELS, "noise_floor")
     n = len(gap["nominal"])
