@@ -19,6 +19,7 @@ NEEDED = ("time", "position", "torque")
 ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
 #: Numbers of time between these count as seconds since 1970 UTC: 2001 to 2286.
 UNIX_TIMES = (1e9, 1e10)
+_EPOCHS = (1e3, 1e6, 1e9)
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Layout:
     `names`: role -> name in the log, or a list of names, one an axis. `given`: roles that the config names, which
     must be there. `units`: role -> unit. `joints`: names of the joints in messages, in order of the axes. `topic` of
     a bag, or None. `torque_constant` [N m/A], where the torque is logged as current; `scale` of the torque; `sign` of
-    position and torque; each one an axis, or None.
+    position and torque; each one an axis, or None. `time_zone` of stamps that do not name one (IANA), default UTC.
     """
 
     axes: int
@@ -58,6 +59,7 @@ class Layout:
     torque_constant: tuple[float, ...] | None = None
     scale: tuple[float, ...] | None = None
     sign: tuple[float, ...] | None = None
+    time_zone: str | None = None
 
 
 def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
@@ -81,6 +83,7 @@ def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
         given=frozenset(variables),
         units=dict(entry.get("units") or {}),
         topic=entry.get("topic"),
+        time_zone=entry.get("time_zone"),
         **{key: _each(entry.get(key), len(joint_names)) for key in ("torque_constant", "scale", "sign")},
     )
 
@@ -162,6 +165,11 @@ def make_chunk(
     time = found["time"]
     if not dated and len(time):
         first = time[np.isfinite(time)][:1]
+        if len(first) and "time" not in layout.units:
+            # Milliseconds, microseconds or nanoseconds since 1970 can be nothing else: no other clock reads so much.
+            size = next((k for k in _EPOCHS if UNIX_TIMES[0] * k <= first[0] < UNIX_TIMES[1] * k), 1.0)
+            time = found["time"] = time / size
+            first = first / size
         dated = bool(len(first) and UNIX_TIMES[0] <= first[0] < UNIX_TIMES[1])
     for role in JOINT_ROLES:
         array = found.get(role)
@@ -206,14 +214,14 @@ def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) 
     plain = "" if unit is None else str(unit).strip()
     if plain in SHARES:
         raise InputError(
-            f"{path}: the torque is in '{plain}' of a rating; give 'units: {{torque: N m}}' and as 'scale' the torque in "
-            "N m of one of them, for each axis"
+            f"{path}: the torque is in '{plain}' of a rating; give 'units: {{torque: N m}}' and as 'scale' the torque "
+            "in N m of one of them, for each axis"
         )
     if plain in CURRENTS or (layout.torque_constant is not None and not plain):
         if layout.torque_constant is None:
             raise InputError(
-                f"{path}: the torque is logged as current in {plain}; give 'torque_constant' in N m/A on the joint side, "
-                "for each axis"
+                f"{path}: the torque is logged as current in {plain}; give 'torque_constant' in N m/A on the joint "
+                "side, for each axis"
             )
         array, unit = array * (CURRENTS.get(plain, 1.0) * np.array(layout.torque_constant)), None
     elif layout.torque_constant is not None:
