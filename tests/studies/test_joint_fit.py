@@ -18,6 +18,7 @@ from jointwear.reproduction.readings import ambiguities
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
 from jointwear.studies.joint_fit import figures
+from jointwear.studies.joint_fit.arm_evidence import region_evidence, walk
 from jointwear.studies.joint_fit.confirmation import full_reading, pose_set
 from jointwear.studies.joint_fit.detection import READINGS, Grid, PcaReading, TaskOutcome, detect, limits, onsets
 from jointwear.studies.joint_fit.distance import Weights, agreeing_cells, detection_cost, same_signs, table_cost
@@ -241,6 +242,29 @@ def test_a_local_search_never_ends_worse(unloaded, paper):
     assert found[0].cost.sum() <= found[1].cost.sum()
     again = fit.search(screened, reading, place, 0)
     assert np.array_equal(found[0].start, again[0].start)
+
+
+def test_a_walk_over_arms_stays_where_the_evidence_is():
+    best = Arm(2.0, 0.1, 1.0)
+
+    def evidence(arm):
+        ratios = np.log([arm.mass / best.mass, arm.offset / best.offset, arm.shape / best.shape])
+        return -0.5 * float((ratios**2).sum()) / 0.1**2
+
+    start = Arm(3.0, 0.15, 1.5)
+    arms, values = walk(evidence, start, np.random.default_rng(1), 400, 0.1, (0.1, 5.0))
+    assert len(arms) == len(values) == 401
+    assert values.max() > values[0] + 10
+    moments = np.array([a.moment for a in arms[200:]])
+    assert abs(np.log(moments / best.moment).mean()) < 0.15
+
+
+def test_a_region_counts_less_the_steeper_its_tables(unloaded, paper):
+    fit = PaperFit(unloaded, paper, 1, "test", SMALL).task(1, Arm(2.5, 0.12, 0.8))
+    u = fit.table_solutions(np.random.default_rng(1), 6, 2)
+    found = region_evidence(fit, u)
+    cost = 0.5 * (fit.problem.residuals(u) ** 2).sum(axis=1)
+    assert (found < -cost).all()
 
 
 def test_arms_are_drawn_around_those_fitted(unloaded, paper):
