@@ -44,9 +44,9 @@ rule screen_joint_readings:
         settings={
             **JOINT_SHARED,
             "plan": {},
-            "arms": 8,
+            "arms": 7,
             "fitted": 4,
-            "screened": 4,
+            "screened": 3,
         },
     script:
         "../scripts/screen_joint_readings.py"
