@@ -319,10 +319,8 @@ def test_stored_figures_are_drawn_from_the_stored_chapter(stored, picture, tmp_p
     assert (tmp_path / "figure.svg").read_bytes() == (stored / f"{picture}.svg").read_bytes()
 
 
-def test_stored_study_holds_a_posterior_and_both_controls(stored):
+def test_stored_study_holds_a_posterior(stored):
     found = json.loads((stored / "chapter.json").read_text(encoding="utf-8"))
     assert found["kept"] >= 30
     assert found["check"]["replicates"] >= 100
-    assert len(found["controls"]["known"]["cells"]) == len(found["controls"]["shuffled"]["cells"]) == 10
-    assert np.median(found["controls"]["shuffled"]["distance"]) > max(found["controls"]["ours"]["distance"])
     assert found["met"] == all(c["low"] <= c["value"] <= c["high"] for c in found["checks"])

@@ -12,8 +12,9 @@ JOINT_SHARED = {
     "variance_share": config["detection"]["variance_share"],
 }
 JOINT_KEPT = 30  # experiments that make the posterior
-JOINT_FIGURES = ["cells", "frontier", "controls"]
+JOINT_FIGURES = ["cells", "frontier"]
 STUDY_PICTURES["joint_fit"] = JOINT_FIGURES
+STUDY_PICTURES["joint_fit_controls"] = ["controls"]
 
 
 wildcard_constraints:
@@ -29,6 +30,12 @@ rule recover_jointly:
         "results/joint_fit/posterior.csv",
         "results/joint_fit/robot.yaml",
         "results/joint_fit/index.html",
+
+
+rule check_joint_fit:
+    input:
+        "results/joint_fit_controls/chapter.json",
+        "results/joint_fit_controls/index.html",
 
 
 rule screen_joint_readings:
@@ -93,7 +100,7 @@ rule control_joint_fit:
         published=RECOVER_TABLES,
         modules=modules_of("control_joint_fit"),
     output:
-        "results/joint_fit/controls/{joint_kind}_{joint_number}.nc",
+        "results/joint_fit_controls/papers/{joint_kind}_{joint_number}.nc",
     log:
         "results/logs/control_joint_fit/{joint_kind}_{joint_number}.log",
     params:
@@ -146,11 +153,6 @@ rule summarise_joint_fit:
         screened="results/joint_fit/readings.nc",
         confirmed="results/joint_fit/confirmed.nc",
         checked="results/joint_fit/checked.nc",
-        controls=[
-            f"results/joint_fit/controls/{kind}_{number}.nc"
-            for kind, count in JOINT_CONTROLS.items()
-            for number in range(count)
-        ],
         modules=modules_of("summarise_joint_fit"),
     output:
         "results/joint_fit/chapter.json",
@@ -172,3 +174,31 @@ rule draw_joint_fit:
         "results/logs/draw_joint_fit/{joint_picture}.log",
     script:
         "../scripts/draw_joint_fit.py"
+
+
+rule summarise_joint_controls:
+    input:
+        papers=[
+            f"results/joint_fit_controls/papers/{kind}_{number}.nc"
+            for kind, count in JOINT_CONTROLS.items()
+            for number in range(count)
+        ],
+        modules=modules_of("summarise_joint_controls"),
+    output:
+        "results/joint_fit_controls/chapter.json",
+    log:
+        "results/logs/summarise_joint_controls.log",
+    script:
+        "../scripts/summarise_joint_controls.py"
+
+
+rule draw_joint_controls:
+    input:
+        chapter="results/joint_fit_controls/chapter.json",
+        modules=modules_of("draw_joint_controls"),
+    output:
+        "results/joint_fit_controls/figures/controls.svg",
+    log:
+        "results/logs/draw_joint_controls.log",
+    script:
+        "../scripts/draw_joint_controls.py"

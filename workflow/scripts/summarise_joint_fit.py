@@ -11,7 +11,6 @@ if __name__ == "__main__":
             snakemake.input.screened,
             [snakemake.input.confirmed],
             snakemake.input.checked,
-            list(snakemake.input.controls),
             snakemake.output[0],
             snakemake.params.kept,
         )
