@@ -80,6 +80,9 @@ $(BENCH):
 .PHONY: environment
 environment: $(RUN)  ## Build .venv (what a run needs)
 
+.PHONY: plants
+plants: $(PLANTS)  ## Add MuJoCo and robot descriptions to .venv, for the tier "world" of the hidden-effect test
+
 .PHONY: reproduce
 reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of the report
 	@$(SNAKEMAKE)
@@ -87,11 +90,15 @@ reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of 
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or real)"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or real or hostile or plants)"
 
 .PHONY: test-real
 test-real: $(PLANTS)  ## Test on logs of real robots (JOINTWEAR_DATA, or snakemake fetch_data)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m real tests/real
+
+.PHONY: test-plants
+test-plants: $(PLANTS)  ## Test the plants in MuJoCo of the hidden-effect test
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m plants
 
 .PHONY: test-browser
 test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium chromium-driver)
@@ -100,6 +107,10 @@ test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium
 .PHONY: test-publish
 test-publish: $(CHECK)  ## Test crate, CF conventions, site, citation and the Kubernetes profile
 	@PATH="$(CURDIR)/$(CHECK_VENV)/bin:$$PATH" $(CHECK_VENV)/bin/python -m pytest -m publish
+
+.PHONY: test-hostile
+test-hostile: $(TEST)  ## Feed some 4,000 broken inputs to every reader (at most 15 minutes)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m hostile
 
 .PHONY: test-slurm
 test-slurm: $(TEST) $(CLUSTER)  ## Run the tiny reproduction on a real Slurm (Debian: slurm-wlm munge)
@@ -131,13 +142,17 @@ crate: $(PUBLISH)  ## Pack the run as a Workflow Run RO-Crate (AGENT="Jane Doe" 
 	@$(SNAKEMAKE) crate
 	@echo "crate: crate/ro-crate-metadata.json"
 
+.PHONY: sbom
+sbom: $(PUBLISH)  ## Write the software bill of materials (CycloneDX) beside the crate, name packages without a licence
+	@PYTHONPATH=workflow $(BIN)/python -m jointwear.publishing.sbom sbom.cdx.json requirements/run.txt requirements/publish.txt
+
 .PHONY: site
 site: $(RUN)  ## Write the static site: report, further pages that are built, data, archive
 	@$(SNAKEMAKE) site
 	@echo "site: site/index.html"
 
 .PHONY: test-versions
-test-versions: $(RUN)  ## Compare numbers across cores, runs, Python 3.12 and the lower bounds of pyproject.toml
+test-versions: $(RUN)  ## Compare numbers across cores, runs, Python 3.11 to 3.14 and the lower bounds of pyproject.toml
 	@PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=workflow $(BIN)/python workflow/benchmarks/versions.py
 
 .PHONY: reference
@@ -154,4 +169,4 @@ lock:  ## Renew requirements/*.txt from requirements/*.in
 
 .PHONY: clean
 clean:  ## Remove results and caches, keep the environment
-	@rm -rf results crate site .snakemake .pytest_cache .hypothesis .ruff_cache
+	@rm -rf results crate site sbom.cdx.json .snakemake .pytest_cache .hypothesis .ruff_cache

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.discovery import Verdict, discover
+from jointwear.discovery import Discovery, discover
 from jointwear.measurement.checks import Refused
 from jointwear.robots.robot import load_robot, robot_from_data
 
@@ -23,7 +23,7 @@ def only(axis, torque):
     return full
 
 
-def names(verdict: Verdict):
+def names(verdict: Discovery):
     return [(e["effect"], e["axis"]) for e in verdict.effects]
 
 
@@ -88,7 +88,7 @@ def test_test_motion_takes_no_part(robot):
 
 
 def test_augmented_robot_file_gives_the_torque_of_the_verdict(robot):
-    from jointwear.discovery.stages import simulate_robot
+    from jointwear.discovery.written_robot import simulate_robot
     from jointwear.measurement.motion import measure
     from jointwear.measurement.recording import split
 

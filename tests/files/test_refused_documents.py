@@ -208,7 +208,7 @@ def test_a_wrong_data_set_is_named_before_any_job(root, entry, words):
     config = yaml.safe_load((root / "config/config.yaml").read_text())
     with pytest.raises(InputError, match=words):
         prepare({**config, "discover": {"datasets": {"x": entry}}})
-    with pytest.raises(InputError, match="a data set's name"):
+    with pytest.raises(InputError, match="a name is letters, digits"):
         prepare({**config, "discover": {"datasets": {"../x": {"measured": "a", "robot": "b"}}}})
 
 

@@ -8,7 +8,7 @@ from discovery_cases import make_case
 from scipy.signal import butter, sosfiltfilt
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.acceptance import predicts, predicts_most, stiff
+from jointwear.discovery.acceptance import missed, stiff
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
@@ -98,10 +98,14 @@ def test_the_filter_is_that_of_scipy(shape, cutoff):
 
 
 def test_an_effect_of_one_record_is_not_one_of_the_robot():
-    of_one = CrossValidated(nats=60.0, share=0.25, raw=0.94, last=20.0, worst=3.0, middle=1.02)
-    assert predicts(of_one, 60.0)
-    assert not predicts_most(of_one)
-    assert predicts_most(replace(of_one, middle=0.97))
+    limits = Settings()
+    of_all = CrossValidated(nats=60.0, share=0.25, worst=3.0, lowers_error=0.999, gain_share=0.1)
+    assert missed(of_all, 60.0, limits) is None
+    # In nats alone nothing is believed.
+    assert missed(replace(of_all, lowers_error=0.9), 60.0, limits)[1:] == (0.9, limits.certainty)
+    assert missed(replace(of_all, gain_share=-0.01), 60.0, limits)[0].startswith("drop of the squared error")
+    assert missed(replace(of_all, worst=-20.0), 60.0, limits)[0].endswith("that gains least")
+    assert missed(replace(of_all, nats=1.0), 60.0, limits)[0].startswith("nats gained")
     assert stiff(Candidate("joint_flexibility", 1, None))
     assert stiff(Candidate("drive_coupling", 4, 5))
     assert not stiff(Candidate("stribeck_friction", 1, None))

@@ -8,7 +8,8 @@ import pytest
 
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.monitor.fleet.plan import batches
-from jointwear.monitor.fleet.watch import summarise_fleet, watch_robots
+from jointwear.monitor.fleet.summary import summarise_fleet
+from jointwear.monitor.fleet.watch import watch_robots
 from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
 from jointwear.robots.robot import load_robot
 from jointwear.statistics.randomness import generator
@@ -18,9 +19,15 @@ from jointwear.studies.monitor_study.example import real_arm, simulate_day
 def test_every_robot_is_in_one_batch():
     robots = [f"r{n}" for n in range(7)]
     found = batches(robots, 3)
-    assert list(found) == ["0000", "0001", "0002"]
     assert [name for batch in found.values() for name in batch] == robots
+    assert [len(batch) for batch in found.values()] == [3, 3, 1]
     assert batches([], 3) == {}
+
+
+def test_batches_of_two_configurations_have_names_of_their_own():
+    ours, theirs = batches(["a", "b"]), batches(["a", "c"])
+    assert not ours.keys() & theirs.keys()
+    assert next(iter(batches([*"abcd"], 2))) == next(iter(batches([*"abxy"], 2)))
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +63,13 @@ def test_a_fleet_says_what_single_robots_say(log, root, tmp_path):
     judge_windows([tmp_path / "windows.nc"], entry["robot"], entry, tmp_path / "state.nc", tmp_path / "alarms.csv")
     assert (tmp_path / "alarms.csv").read_bytes() == (tmp_path / "robots/one/alarms.csv").read_bytes()
 
-    summarise_fleet([tmp_path / "batch.json"], tmp_path / "fleet.csv")
+    names = ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json")
+    summarise_fleet([tmp_path / "batch.json"], tmp_path / "robots", *(tmp_path / name for name in names))
     with (tmp_path / "fleet.csv").open() as file:
-        table = list(csv.DictReader(file))
-    assert [row["robot"] for row in table] == list(entries)
+        table = {row["robot"]: row for row in csv.DictReader(file)}
+    assert table.keys() == entries.keys()
+    assert list(next(iter(table.values())))[:5] == ["robot", "result", "alarms", "axes_changed", "reason"]
+    assert table["wrong_arm"]["refused_logs"] == "1"
+    text = (tmp_path / "index.html").read_text()
+    assert text.index("wrong_arm") < text.index('href="robots/one/monitor.html"')
+    assert (tmp_path / "robots/one/monitor.html").is_file()

@@ -12,11 +12,16 @@ from monitor_logs import ROBOT, START, columns, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
+from jointwear.monitor.baseline import choose_baseline
+from jointwear.monitor.condition import UNRESOLVED, axis_conditions
+from jointwear.monitor.episodes import episodes_of
+from jointwear.monitor.events import events_of
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
-from jointwear.monitor.page import axis_summary, headline, why_unjudged, write_page
+from jointwear.monitor.page import write_page
 from jointwear.monitor.stages import accumulate_windows, baseline_windows, judge_windows, survey_logs
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms, write_state
+from jointwear.monitor.summaries import axis_summary, headline, why_unjudged
 from jointwear.monitor.temperature import temperature_share
 from jointwear.monitor.window_files import read_statistics
 
@@ -101,9 +106,10 @@ def test_the_page_says_what_an_engineer_needs(built):
     text = (folder / "monitor.html").read_text()
     assert "Friction has changed: axis 3" in text
     assert "Cannot be judged: axis 6. That is no sign of health" in text
-    assert "Axis 3 (joint_3): friction up by " in text
+    assert "<b>Axis 3 (joint_3)</b>" in text
+    assert "Coulomb friction +" in text
+    assert text.index("Check the gear and bearings") < text.index("Every axis at a glance")
     assert "cell_3, robot puma560" in text
-    assert "check the gear and bearings" in text
     assert "truncated or not a Parquet file" in text
     state = read_state(folder / "state.nc")
     assert why_unjudged(state, 5) == "at rest, or too slow to show friction"
@@ -119,6 +125,58 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(built):
     assert "last judged" in found["remark"]
     status[state.baseline :, 0] = UNJUDGED
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
+
+
+def greased(state, entry_of):
+    """The state after the friction came back, with what the config says of it."""
+    status = state.status.copy()
+    status[-1, WORN] = "healthy"
+    return replace(state, status=status, entry=state.entry | entry_of)
+
+
+def test_an_axis_with_alarms_that_nobody_explained_is_never_green(built):
+    folder, _, _ = built
+    state = greased(read_state(folder / "state.nc"), {})
+    found = axis_conditions(state)[WORN]
+    assert found.level == UNRESOLVED
+    assert "nobody has said why" in found.check
+    assert axis_summary(state, WORN)["badge"] == "close"
+    heading, sentences = headline([axis_summary(state, j) for j in range(state.axes)])
+    assert heading == "Alarms that nobody has explained: axis 3"
+    assert "No change: axes 1, 2, 4 and 5." in sentences
+
+
+@pytest.mark.parametrize(
+    ("event", "level"),
+    [
+        ({"time": "2027-01-01T00:00:00Z", "axes": [3], "kind": "service"}, "healthy"),
+        ({"time": "2027-01-01T00:00:00+01:00", "kind": "acknowledged"}, "healthy"),
+        ({"time": "2027-01-01T00:00:00Z", "axes": [2], "kind": "service"}, UNRESOLVED),
+        ({"time": "2026-01-01T00:00:00Z", "axes": [3], "kind": "service"}, UNRESOLVED),
+    ],
+)
+def test_an_event_of_the_axis_after_its_alarms_explains_them(built, event, level):
+    folder, _, _ = built
+    state = greased(read_state(folder / "state.nc"), {"events": [event]})
+    found = axis_conditions(state)[WORN]
+    assert found.level == level
+    assert bool(found.past) == (level == "healthy")
+
+
+def test_alarms_of_one_story_are_one_episode():
+    def alarm(time, axis=1, detector="model"):
+        return {"time": time, "axis": axis, "quantity": "coulomb friction", "detector": detector}
+
+    rows = [alarm(1.0), alarm(2.0), alarm(9.0), alarm(3.0, axis=2), alarm(4.0, detector="paper")]
+    found = episodes_of(rows, events_of({"events": [{"time": 5.0, "axes": [1], "kind": "service", "note": "grease"}]}))
+    assert [(e.axis, e.detector, len(e.alarms), e.resolved is None) for e in found] == [
+        (1, "model", 1, True),
+        (2, "model", 1, True),
+        (1, "paper", 1, False),
+        (1, "model", 2, False),
+    ]
+    assert found[0].before.note == found[2].resolved.note == "grease"
+    assert len({e.key for e in found}) == 4
 
 
 def test_friction_of_every_window(built):
@@ -139,8 +197,13 @@ def test_baselines(built):
     assert baseline_windows(statistics, {"windows": 200}) == HOURS
     assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00Z"}) == 24
     assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00"}) == 24
-    with pytest.raises(InputError, match="leaves 2 windows; at least 8"):
-        baseline_windows(statistics, {"until": "2026-01-01T02:30:00Z"})
+    short = choose_baseline(statistics, {"until": "2026-01-01T02:30:00Z"})
+    assert short.count > 8
+    assert "too few to know what is normal; it goes on until 2026-01-01T" in short.words
+    waiting = choose_baseline(statistics, {"windows": 200})
+    assert not waiting.complete
+    assert "nothing is judged until 140 more have come" in waiting.words
+    assert choose_baseline(statistics, {"from": "2026-01-01T10:00:00Z", "windows": 20}).mask.nonzero()[0][0] == 10
     with pytest.raises(InputError, match="the logs have no dates"):
         baseline_windows(replace(statistics, dated=False), {"until": "2026-01-02"})
 

@@ -2,21 +2,17 @@
 
 import json
 
+import numpy as np
 import pytest
 import yaml
 
 from jointwear.discovery import Settings, discover, load_recording
 from jointwear.discovery.page import compare_published, joint_table, write_page
-from jointwear.discovery.stages import (
-    decide_effects,
-    ingest_recording,
-    locate_discrepancy,
-    measure_gap,
-    simulate_models,
-    simulate_nominal,
-)
+from jointwear.discovery.stages import discover_dataset
+from jointwear.discovery.written_robot import simulate_robot
 from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError
+from jointwear.files.storage import read_variables
 from jointwear.robots.robot import load_robot
 from jointwear.running.shipped import shipped
 
@@ -48,24 +44,20 @@ def test_kinova_says_that_temperature_and_recordings_coincide():
     assert "temperature of joints" in " ".join(verdict.data["restrictions"])
 
 
-def test_stages_give_the_verdict_of_the_library(tmp_path):
+def test_the_stage_writes_the_verdict_of_the_library(tmp_path):
     entry = entry_of("discover_staubli.yaml", "staubli_tx40")
     robot = entry["robot"]
     d = tmp_path
-    ingest_recording("staubli_tx40", entry, robot, d / "recording.nc")
-    simulate_nominal(d / "recording.nc", robot, d / "nominal.nc")
-    locate_discrepancy(d / "recording.nc", robot, d / "where.nc", entry)
-    decide_effects(
-        d / "recording.nc", robot, entry, d / "decision.json", d / "robot.yaml", d / "retuned.yaml", d / "evidence.nc"
-    )
-    simulate_models(d / "nominal.nc", d / "recording.nc", d / "robot.yaml", d / "retuned.yaml", d / "models.nc")
-    measure_gap(d / "decision.json", d / "models.nc", d / "recording.nc", d / "verdict.json")
+    found = discover_dataset("staubli_tx40", entry, robot, d)
+    direct = found.data
     written = json.loads((d / "verdict.json").read_text())
-    direct = discover(load_recording(entry, "staubli_tx40"), load_robot(robot), Settings(entry["inertial_prior"])).data
     assert written["verdict"] == direct["verdict"]
     assert [e["effect"] for e in written["effects"]] == [e["effect"] for e in direct["effects"]]
-    for kind in ("nominal", "retuned", "augmented"):
-        assert written["gap"][kind] == pytest.approx(direct["gap"][kind], rel=1e-4)
+    # The gap is that of the robot files as they were written.
+    measured = found.problem.measured
+    for kind, path in (("retuned", "retuned.yaml"), ("augmented", "robot.yaml")):
+        np.testing.assert_allclose(simulate_robot(load_robot(d / path), measured)[0], found.torques[kind], atol=1e-6)
+        np.testing.assert_allclose(read_variables(d / "models.nc", kind)[0], found.torques[kind])
     # A fit without effects misses the coupled wrist however free its parameters are.
     assert written["free_identification"][4] > 2.0 * written["gap"]["augmented"][4]
     published = "data/published/staubli_tx40.yaml"
@@ -83,7 +75,7 @@ def test_a_refused_data_set_leaves_its_reason(tmp_path):
     entry = entry_of("discover_staubli.yaml", "staubli_tx40") | {"units": {"position": "deg"}}
     kinova = entry_of("discover_kinova.yaml", "kinova_gen3")
     with pytest.raises(InputError, match="has 7 joints"):
-        ingest_recording("wrong", kinova, entry["robot"], tmp_path / "recording.nc")
+        discover_dataset("wrong", kinova, entry["robot"], tmp_path)
     content = json.loads((tmp_path / "refused.json").read_text())
     assert set(content) == {"dataset", "reason", "suggestion"}
     assert not (tmp_path / "recording.nc").exists()

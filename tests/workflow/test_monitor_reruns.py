@@ -11,7 +11,7 @@ from monitor_logs import columns, make_log, write_bag, write_parquet
 from scratch_project import Project, copy_project
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.plan import batches_of, check_robots, find_logs, log_key
+from jointwear.monitor.plan import batches_of, check_robots, find_all_logs, find_logs, in_order, log_key
 from jointwear.running.configuration import prepare
 
 ENTRY = {
@@ -82,8 +82,6 @@ def test_only_what_concerns_reading_reads_again(project, change, jobs):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"logs": ["logs/*.parqet"]}, "matches no file"),
-        ({"logs": ["nowhere/*.csv"]}, "there is no folder nowhere"),
         ({"robot": "config/robots/puma56.yaml"}, "did you mean 'puma560.yaml'"),
         ({"window": "1 fortnight"}, "is no length of time"),
         ({"baseline": {"until": "tomorrow"}}, "ISO 8601"),
@@ -116,11 +114,57 @@ def test_keys_of_logs_are_safe_and_different():
     assert all(set(key) <= set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") for key in keys)
 
 
-def test_small_logs_share_a_job():
-    logs = [f"logs/{k}.csv" for k in range(5)]
-    groups = batches_of(logs, {"files_per_job": 2})
-    assert list(groups.values()) == [logs[:2], logs[2:4], logs[4:]]
-    assert groups.keys() <= batches_of([*logs, "logs/5.csv", "logs/6.csv"], {"files_per_job": 2}).keys()
+@pytest.mark.parametrize("new", ["logs/.csv", "logs/0b.csv", "logs/50b.csv", "logs/99.csv"])
+def test_small_logs_share_a_job_and_a_new_one_changes_its_own(new):
+    logs = [f"logs/{k}.csv" for k in range(60)]
+    groups = batches_of(logs, {"files_per_job": 4})
+    assert [log for group in groups.values() for log in group] == logs
+    assert 8 <= len(groups) <= 30
+    more = batches_of(in_order([*logs, new]), {"files_per_job": 4})
+    changed = [key for key, group in more.items() if groups.get(key) != group]
+    assert len(changed) <= 2
+    assert any(new in more[key] for key in changed)
+    assert batches_of(logs, {}) == {log_key(log): [log] for log in logs}
+
+
+def test_a_folder_that_cannot_be_reached_concerns_its_robot_alone(project, monkeypatch):
+    monkeypatch.chdir(project.folder)
+    robots = {"arm": ENTRY, "typo": ENTRY | {"logs": ["logs/*.parqet", "logs/bag_*"]}}
+    robots["gone"] = ENTRY | {"logs": ["nowhere/*.csv"]}
+    logs, silent = find_all_logs({"monitor": {"robots": robots}})
+    assert logs["arm"][:2] == ["logs/bag_1", "logs/day_1.parquet"]
+    assert logs["typo"] == ["logs/bag_1"]
+    assert logs["gone"] == []
+    assert "matches no file" in silent["typo"]
+    assert "there is no folder nowhere" in silent["gone"]
+    assert "arm" not in silent
+    config = project.config()
+    config["monitor"] = {"robots": robots}
+    project.write_config(config)
+    done = project.snakemake("--dry-run", "monitor")
+    monitored(project)
+    assert "there is no folder nowhere; the other robots go on" in done.stderr
+
+
+def test_a_fleet_is_planned_though_a_folder_is_lost(project):
+    config = project.config()
+    config["monitor"] = {"robots": {"arm": ENTRY, "gone": ENTRY | {"logs": ["nowhere/*.csv"]}}}
+    project.write_config(config)
+    jobs = project.planned("notify")
+    learning = project.planned("learn_normal")
+    monitored(project)
+    assert jobs == {"watch_fleet": 1, "summarise_fleet": 1, "notify": 1}
+    assert learning == {"learn_robot": 1, "learn_normal": 1}
+
+
+def test_the_survey_stays_with_its_log(project):
+    """A file that sorts before all others costs its own windows."""
+    before = project.folder / "logs/a_first.parquet"
+    write_parquet(before, columns(make_log(24.0, seed=4)))
+    jobs = project.planned("monitor")
+    before.unlink()
+    assert jobs["accumulate_windows"] == 1
+    assert "survey_logs" not in jobs
 
 
 def test_a_bag_is_one_log(project, monkeypatch):

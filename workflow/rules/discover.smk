@@ -1,4 +1,4 @@
-# Discovery: check -> nominal model -> where -> decide -> augmented robot -> simulate again -> gap -> page.
+# Discovery: one job finds what a model lacks and writes every file, one draws the page, one the report's chapter.
 # A data set that is refused leaves refused.json and no verdict; run with --keep-going so that others go on.
 from jointwear.running.datasets import check_datasets
 
@@ -8,108 +8,61 @@ except InputError as error:
     sys.exit(f"jointwear: {error}")
 
 
+# Only data sets of the config and of the examples are made; a robot file of any other is taken as it is.
 wildcard_constraints:
-    dataset="[A-Za-z][A-Za-z0-9_]*",
+    dataset="|".join(DATASETS) or "none",
 
 
 rule discover:
     input:
+        expand("results/discover/{dataset}/check.html", dataset=CHOSEN_DATASETS),
         expand("results/discover/{dataset}/verdict.json", dataset=CHOSEN_DATASETS),
         expand("results/discover/{dataset}/discover.html", dataset=CHOSEN_DATASETS),
 
 
-rule ingest_recording:
+rule check_data:
     input:
-        measured=lambda wildcards: DATASETS[wildcards.dataset]["measured"],
+        expand("results/discover/{dataset}/check.html", dataset=CHOSEN_DATASETS),
+
+
+rule check_dataset:
+    input:
+        measured=dataset_measured,
         robot=dataset_robot,
         model=dataset_model,
-        modules=modules_of("ingest_recording"),
+        templates=templates("check.html.j2"),
+        modules=modules_of("check_dataset"),
     output:
-        "results/discover/{dataset}/recording.nc",
+        check="results/discover/{dataset}/check.json",
+        page="results/discover/{dataset}/check.html",
     log:
-        "results/logs/ingest_recording/{dataset}.log",
+        "results/logs/check_dataset/{dataset}.log",
     params:
         entry=dataset_entry,
     script:
-        "../scripts/ingest_recording.py"
+        "../scripts/check_dataset.py"
 
 
-rule compare_nominal:
+rule discover_dataset:
     input:
-        recording="results/discover/{dataset}/recording.nc",
+        measured=dataset_measured,
         robot=dataset_robot,
         model=dataset_model,
-        modules=modules_of("compare_nominal"),
+        modules=modules_of("discover_dataset"),
     output:
-        "results/discover/{dataset}/nominal.nc",
-    log:
-        "results/logs/compare_nominal/{dataset}.log",
-    script:
-        "../scripts/compare_nominal.py"
-
-
-rule locate_discrepancy:
-    input:
-        recording="results/discover/{dataset}/recording.nc",
-        robot=dataset_robot,
-        model=dataset_model,
-        modules=modules_of("locate_discrepancy"),
-    output:
-        "results/discover/{dataset}/where.nc",
-    log:
-        "results/logs/locate_discrepancy/{dataset}.log",
-    params:
-        entry=dataset_entry,
-    script:
-        "../scripts/locate_discrepancy.py"
-
-
-rule decide_effects:
-    input:
-        recording="results/discover/{dataset}/recording.nc",
-        robot=dataset_robot,
-        model=dataset_model,
-        modules=modules_of("decide_effects"),
-    output:
-        decision="results/discover/{dataset}/decision.json",
+        verdict="results/discover/{dataset}/verdict.json",
         robot="results/discover/{dataset}/robot.yaml",
         retuned="results/discover/{dataset}/retuned.yaml",
+        recording="results/discover/{dataset}/recording.nc",
+        models="results/discover/{dataset}/models.nc",
+        where="results/discover/{dataset}/where.nc",
         evidence="results/discover/{dataset}/evidence.nc",
     log:
-        "results/logs/decide_effects/{dataset}.log",
+        "results/logs/discover_dataset/{dataset}.log",
     params:
         entry=dataset_entry,
     script:
-        "../scripts/decide_effects.py"
-
-
-rule simulate_models:
-    input:
-        nominal="results/discover/{dataset}/nominal.nc",
-        recording="results/discover/{dataset}/recording.nc",
-        robot="results/discover/{dataset}/robot.yaml",
-        retuned="results/discover/{dataset}/retuned.yaml",
-        modules=modules_of("simulate_models"),
-    output:
-        "results/discover/{dataset}/models.nc",
-    log:
-        "results/logs/simulate_models/{dataset}.log",
-    script:
-        "../scripts/simulate_models.py"
-
-
-rule measure_gap:
-    input:
-        decision="results/discover/{dataset}/decision.json",
-        models="results/discover/{dataset}/models.nc",
-        recording="results/discover/{dataset}/recording.nc",
-        modules=modules_of("measure_gap"),
-    output:
-        "results/discover/{dataset}/verdict.json",
-    log:
-        "results/logs/measure_gap/{dataset}.log",
-    script:
-        "../scripts/measure_gap.py"
+        "../scripts/discover_dataset.py"
 
 
 rule report_discovery:

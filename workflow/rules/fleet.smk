@@ -1,47 +1,62 @@
-# Many robots: a job judges a batch of them, because starting a job costs more than judging a robot.
-from jointwear.monitor.fleet.plan import batches
+# Many robots: a job judges a batch of them, because starting a job costs more than judging a robot. It reads each log
+# once. Logs are a parameter (names, sizes, times), not inputs: a folder that is lost on the way must not stop the call.
+import time
 
-FLEET_LOGS = {
-    name: [log for logs in jobs.values() for log in logs] for name, jobs in LOGS.items()
-}
-FLEET = batches(list(FLEET_LOGS))
+from jointwear.monitor.fleet.plan import batches, seen
+from jointwear.monitor.plan import model_file, window_seconds
+
+MONITOR = config["monitor"]
+FLEET = batches(list(MONITOR["robots"]))
+
+
+def fleet_entries(wildcards):
+    """Entries of the robots of a batch, with the robot files that they are judged with."""
+    entries = {name: MONITOR["robots"][name] for name in FLEET[wildcards.fleet_batch]}
+    return {
+        name: {**entry, "robot": model_file(name, entry)}
+        for name, entry in entries.items()
+    }
 
 
 rule fleet:
     input:
+        "results/fleet/index.html",
         "results/fleet/fleet.csv",
 
 
 rule watch_fleet:
     input:
-        logs=lambda wildcards: [
-            path
-            for name in FLEET[wildcards.fleet_batch]
-            for log in FLEET_LOGS[name]
-            for path in log_sources(log)
-        ],
         robots=lambda wildcards: sorted(
             {
                 path
-                for name in FLEET[wildcards.fleet_batch]
-                for path in robot_sources(config["monitor"]["robots"][name]["robot"])
+                for entry in fleet_entries(wildcards).values()
+                for path in robot_sources(entry["robot"])
             }
         ),
+        templates=PAGE_TEMPLATES,
         modules=modules_of("watch_fleet"),
     output:
         "results/fleet/batches/{fleet_batch}.json",
     log:
         "results/logs/watch_fleet/{fleet_batch}.log",
     wildcard_constraints:
-        fleet_batch="[0-9]{4}",
+        fleet_batch="[0-9a-f]{12}",
     params:
-        entries=lambda wildcards: {
-            name: dict(config["monitor"]["robots"][name])
+        entries=fleet_entries,
+        logs=lambda wildcards: {
+            name: FOUND_LOGS[name] for name in FLEET[wildcards.fleet_batch]
+        },
+        seen=lambda wildcards: {
+            name: seen(FOUND_LOGS[name], SILENT.get(name, ""))
             for name in FLEET[wildcards.fleet_batch]
         },
-        logs=lambda wildcards: {
-            name: FLEET_LOGS[name] for name in FLEET[wildcards.fleet_batch]
+        unreachable=lambda wildcards: {
+            name: SILENT[name]
+            for name in FLEET[wildcards.fleet_batch]
+            if name in SILENT
         },
+        time_zone=MONITOR["time_zone"],
+        robots=len(MONITOR["robots"]),
         folder="results/fleet/robots",
     script:
         "../scripts/watch_fleet.py"
@@ -50,10 +65,40 @@ rule watch_fleet:
 rule summarise_fleet:
     input:
         batches=expand("results/fleet/batches/{fleet_batch}.json", fleet_batch=FLEET),
+        templates=templates("fleet.html.j2", "robots.html.j2"),
         modules=modules_of("summarise_fleet"),
     output:
-        "results/fleet/fleet.csv",
+        table="results/fleet/fleet.csv",
+        page="results/fleet/index.html",
+        metrics="results/fleet/metrics.prom",
+        history="results/fleet/history.parquet",
+        rows="results/fleet/rows.json",
     log:
         "results/logs/summarise_fleet.log",
+    params:
+        folder="results/fleet/robots",
+        outbox="results/fleet/outbox.json",
+        time_zone=MONITOR["time_zone"],
+        stale_after=window_seconds(MONITOR["stale_after"]) / 3600,
+        # What is stale depends on the time of day: the page is as of the hour.
+        hour=int(time.time() // 3600),
     script:
         "../scripts/summarise_fleet.py"
+
+
+# A target of its own: pages, dry runs and tests send nothing, and a call at which no result changes still sends what
+# could not be sent before. No output: it runs at every call.
+rule notify:
+    input:
+        rows="results/fleet/rows.json",
+        page="results/fleet/index.html",
+    log:
+        "results/logs/notify.log",
+    localrule: True
+    params:
+        channels=MONITOR["notify"],
+        outbox="results/fleet/outbox.json",
+        metrics="results/fleet/messages.prom",
+        time_zone=MONITOR["time_zone"],
+    script:
+        "../scripts/notify.py"

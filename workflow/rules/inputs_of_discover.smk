@@ -1,6 +1,7 @@
 # What the rules of discover.smk take from the entry of their data set.
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.running.datasets import written_for
 
 # The data set that the report shows; `discover` takes it too where the config names none.
 SHOWN_DATASET = "puma560_hidden"
@@ -31,14 +32,20 @@ def dataset_entry(wildcards):
     return dict(DATASETS[wildcards.dataset])
 
 
+def dataset_measured(wildcards):
+    """Measured file of a data set."""
+    return DATASETS[wildcards.dataset]["measured"]
+
+
 def dataset_robot(wildcards):
-    """Robot file of a data set."""
+    """Robot file of a data set; that of another data set of the config is made first."""
     return DATASETS[wildcards.dataset]["robot"]
 
 
 def dataset_model(wildcards):
-    """All files that the robot of a data set is made of."""
-    return robot_sources(DATASETS[wildcards.dataset]["robot"])
+    """All files that the robot of a data set is made of; one that discovery writes stands for its URDF."""
+    robot = DATASETS[wildcards.dataset]["robot"]
+    return [robot] if written_for(robot) in DATASETS else robot_sources(robot)
 
 
 def published_values(wildcards):

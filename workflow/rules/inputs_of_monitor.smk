@@ -1,17 +1,43 @@
 # Which logs every monitored robot has, and what the rules of monitor.smk take from its entry.
+from snakemake.exceptions import WorkflowError
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.notify.plan import check_channels
+from jointwear.monitor.plan import (
+    READING_KEYS,
+    batches_of,
+    check_robots,
+    find_all_logs,
+    find_logs,
+    log_sources,
+    model_file,
+    surveyed_log,
+)
 from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
-from jointwear.monitor.plan import READING_KEYS, batches_of, check_robots, log_sources
 
 try:
-    LOGS = {
-        name: batches_of(logs, config["monitor"]["robots"][name])
-        for name, logs in check_robots(config).items()
-    }
+    zone_of(config["monitor"]["time_zone"])
+    check_channels(config["monitor"])
+    check_robots(config)
 except InputError as error:
     sys.exit(f"jointwear: {error}")
+FOUND_LOGS, SILENT = find_all_logs(config)
+if workflow.is_main_process:
+    for reason in SILENT.values():
+        print(f"jointwear: {reason}; the other robots go on", file=sys.stderr)
+LOGS = {
+    name: batches_of(logs, config["monitor"]["robots"][name])
+    for name, logs in FOUND_LOGS.items()
+    if logs
+}
+if SILENT and not LOGS:
+    sys.exit("jointwear: no robot has a log that can be reached")
+
+
+# Templates of the page of a robot.
+PAGE_TEMPLATES = templates("monitor.html.j2", "robots.html.j2")
 
 
 # The shipped examples, of which `monitor` takes the first where the config names no robot.
@@ -36,14 +62,21 @@ def logs_of(name):
     """Batches of logs of a robot; those of a shipped example are looked up only where they are wanted."""
     if name in LOGS:
         return LOGS[name]
+    if name not in SHIPPED_ROBOTS:
+        raise WorkflowError(SILENT.get(name, f"monitor.robots has no '{name}'"))
     entry = SHIPPED_ROBOTS[name]
-    return batches_of(check_robots({"monitor": {"robots": {name: entry}}})[name], entry)
+    return batches_of(find_logs(entry["logs"]), entry)
+
+
+def given_entry(wildcards):
+    """The entry of a robot as it is given."""
+    return {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}[wildcards.monitored]
 
 
 def monitored_entry(wildcards):
-    """The entry of a robot."""
-    entries = {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}
-    return dict(entries[wildcards.monitored])
+    """The entry of a robot, with the robot file that was learnt from its own logs where there is one."""
+    entry = given_entry(wildcards)
+    return {**entry, "robot": model_file(wildcards.monitored, entry)}
 
 
 def reading_entry(wildcards):
@@ -63,13 +96,9 @@ def monitored_model(wildcards):
 
 
 def first_log(wildcards):
-    """The first log of a robot."""
-    return next(iter(logs_of(wildcards.monitored).values()))[0]
-
-
-def first_log_files(wildcards):
-    """Files of the first log."""
-    return log_sources(first_log(wildcards))
+    """The log that the survey of a robot rests on."""
+    logs = [log for batch in logs_of(wildcards.monitored).values() for log in batch]
+    return surveyed_log(f"results/monitor/{wildcards.monitored}/survey.json", logs)
 
 
 def batch_logs(wildcards):

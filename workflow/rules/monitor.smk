@@ -17,7 +17,6 @@ rule monitor:
 
 rule survey_logs:
     input:
-        log=first_log_files,
         robot=monitored_robot,
         model=monitored_model,
         modules=modules_of("survey_logs"),
@@ -70,13 +69,15 @@ rule judge_windows:
 rule report_monitoring:
     input:
         state="results/monitor/{monitored}/state.nc",
-        templates=templates("monitor.html.j2"),
+        templates=PAGE_TEMPLATES,
         modules=modules_of("report_monitoring"),
     output:
         page="results/monitor/{monitored}/monitor.html",
         figures=directory("results/monitor/{monitored}/figures"),
     log:
         "results/logs/report_monitoring/{monitored}.log",
+    params:
+        time_zone=config["monitor"]["time_zone"],
     script:
         "../scripts/report_monitoring.py"
 

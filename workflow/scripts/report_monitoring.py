@@ -5,4 +5,4 @@ from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
-        write_page(snakemake.input.state, snakemake.output.page, snakemake.output.figures)
+        write_page(snakemake.input.state, snakemake.output.page, snakemake.output.figures, snakemake.params.time_zone)

@@ -5,4 +5,12 @@ from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
-        watch_robots(snakemake.params.entries, snakemake.params.logs, snakemake.params.folder, snakemake.output[0])
+        watch_robots(
+            snakemake.params.entries,
+            snakemake.params.logs,
+            snakemake.params.folder,
+            snakemake.output[0],
+            unreachable=snakemake.params.unreachable,
+            time_zone=snakemake.params.time_zone,
+            robots=snakemake.params.robots,
+        )

@@ -1,4 +1,7 @@
-"""Whether an effect that the evidence favours is believed: it predicts, it does not merely cancel, it does not jump."""
+"""The gates that an effect passes before it is named: it predicts in nats and in N m, and it is one of the robot.
+
+Every gate returns None or the :class:`Refusal` that tells by how much it was missed.
+"""
 
 from __future__ import annotations
 
@@ -9,26 +12,13 @@ import numpy as np
 from jointwear.discovery.candidates import LINK_MASS, Candidate, possible, prior_std, raw_columns
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.problem import White
-from jointwear.discovery.refine import SCALED
+from jointwear.discovery.outcome import Named, Refusal
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
-#: Squared error [N m] in records left out, with an effect over without it, above which the effect is not believed:
-#: whitened noise can favour an effect that makes slow torque worse.
-WORST_RAW = 1.005
-#: An effect may cost no record that is left out more than this [nats]: it belongs to the robot, not to one recording.
-WORST_RECORD = -4.0
-#: The same as a share of what it gains in all, and the ratio where it explains most of what can be explained.
-WORST_SHARE, WORST_RAW_IF_STRONG = 0.02, 1.2
-#: Gain [nats] in records left out that is enough for an effect of any evidence.
-ENOUGH = 100.0
-#: Arguments over which a robot file cannot bend the form of an effect: it holds a table, harmonics or several
-#: hysteresis loops.
-UNBENDING = ("rate of torque", "second derivative of the load")
-#: Steps tried within each record [s apart], and how much better than a drift one has to be [nats].
-STEP_EVERY, STEP_BETTER = 0.5, 5.0
-
+#: Steps tried within each record [s apart].
+STEP_EVERY = 0.5
 #: The torque of an effect whose one parameter is in its columns has the coefficient one. Where the best parameter
 #: still needs one this far off, the torque has another shape.
 OFF_SCALE = 1.5
@@ -36,56 +26,127 @@ OFF_SCALE = 1.5
 
 def follows_time(candidate: Candidate) -> bool:
     """Return whether an effect changes with time."""
-    return candidate.effect != LINK_MASS and get_effect(candidate.effect).argument.startswith("time")
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).follows_time
 
 
-def _cancels(white: White, trial: Named) -> bool:
-    """Return whether an effect, fitted, is twice the discrepancy of its axis: then it only cancels other terms.
+def stiff(candidate: Candidate) -> bool:
+    """Return whether a robot file cannot bend the form of an effect: what is written is the textbook form."""
+    if candidate.effect == LINK_MASS:
+        return False
+    bend = get_effect(candidate.effect).bend
+    return bend is not None and bend.written is None
 
-    What friction and motor inertia could take over of it does not count.
+
+def missed(found: CrossValidated, evidence: float, settings: Settings) -> tuple[str, float, float] | None:
+    """Return the first gate of prediction that is missed: its name, what was reached and what is needed.
+
+    Parameters
+    ----------
+    evidence : nats of the effect, of which a small part must show in records left out; 0 asks for what any needs.
+    """
+    # Where the base could take an effect over at the price of unlikely parameters, that price is in the evidence but
+    # not in the prediction of one more record: beyond twice what any effect needs the share is no longer asked for.
+    nats = max(2.0, min(settings.predicted * evidence, 2.0 * settings.accept))
+    worst = min(settings.worst_record, -0.02 * found.nats)
+    gates = (
+        ("nats gained on records left out", found.nats, nats),
+        ("nats gained on the record left out that gains least", found.worst, worst),
+        ("probability of a smaller error on records left out", found.lowers_error, settings.certainty),
+        ("drop of the squared error over the noise variance", found.gain_share, settings.smallest_share),
+    )
+    for gate, reached, needed in gates:
+        if not reached >= needed:
+            return gate, reached, needed
+    return None
+
+
+def _refused(trial: Named, gate: str, reached: float, needed: float) -> Refusal:
+    return Refusal(trial.candidate, trial.evidence, gate, float(reached), float(needed))
+
+
+def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossValidated, Refusal | None]:
+    """Return how an effect predicts records left out, with the gate that it misses.
+
+    The textbook form may fail where the effect itself does not: then its form may bend, unless a robot file cannot
+    hold the bend. What changes with time is wanted for the time to come: it has to predict either way.
+    """
+    settings = white.problem.settings
+    found = cross_validate(white, before, [trial.term])
+    failed = missed(found, trial.evidence, settings)
+    lasting = follows_time(trial.candidate)
+    if trial.form is not None and not stiff(trial.candidate) and lasting == (failed is None):
+        bent = cross_validate(white, before, trial.terms)
+        bent_failed = missed(bent, trial.evidence, settings)
+        if not lasting or bent_failed is not None:
+            found, failed = bent, bent_failed
+    return found, None if failed is None else _refused(trial, *failed)
+
+
+def refusal(white: White, named: list[Named], trial: Named) -> Refusal | None:
+    """Return the gate that keeps an effect from being named beside `named`, None if it passes all of them."""
+    settings = white.problem.settings
+    before = [t for n in named for t in n.terms]
+    found, failed = predictive(white, before, trial)
+    if failed is not None:
+        return failed
+    if trial.candidate.effect == LINK_MASS:
+        return _mass_refusal(white, before, trial)
+    if trial.candidate.axis is not None:
+        if follows_time(trial.candidate):
+            if found.last < -1.0:
+                return _refused(trial, "nats gained on the last record left out", found.last, -1.0)
+            step = _step_lead(white, before, trial)
+            if step > 0.5 * settings.accept:
+                return _refused(trial, "nats by which one step in time does better", -step, -0.5 * settings.accept)
+        ratio = _cancels(white, trial)
+        if ratio > 4.0:
+            return _refused(trial, "its square over that of the discrepancy of its axis", -ratio, -4.0)
+        if not within_bounds(white, before, trial):
+            return _refused(trial, "its parameters within their bounds", 0.0, 1.0)
+    wide = [replace(t, std=3.0 * t.std) if t.label == "inertial" else t for t in white.base]
+    b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
+    left = gain(b, gram, trial.term.std)
+    if left <= 0.5 * settings.accept:
+        return _refused(trial, "nats with inertial parameters known three times less", left, 0.5 * settings.accept)
+    return None
+
+
+def _mass_refusal(white: White, before: list[Term], trial: Named) -> Refusal | None:
+    """Refuse a link mass that stays within what the prior says of it: a wrong parameter, not one that stands out."""
+    settings = white.problem.settings
+    free = [t for t in white.base if t.label != "inertial"]
+    b, gram = Fit(white.targets, [*free, *before]).gram(trial.term.blocks)
+    precision = float(gram[0, 0] + 1 / trial.term.std[0] ** 2)
+    sigmas = abs(float(b[0])) / precision / settings.inertial_prior
+    if sigmas < settings.mass_sigmas:
+        gate = "standard deviations of the inertial prior by which the mass is off"
+        return _refused(trial, gate, sigmas, settings.mass_sigmas)
+    return None
+
+
+def _cancels(white: White, trial: Named) -> float:
+    """Return the squared torque of an effect, fitted, over that of the discrepancy of its axis.
+
+    Where it is several times that the effect only cancels other terms. What friction and motor inertia could take
+    over of it does not count.
     """
     problem, axis = white.problem, trial.candidate.axis
     used = problem.usable[:, axis]
-    fit = white.fit()
-    b, gram = fit.gram(trial.term.blocks)
+    b, gram = white.fit().gram(trial.term.blocks)
     coefficients = np.linalg.solve(gram + np.diag(1 / trial.term.std**2), b)
     torque = (raw_columns(white, trial.candidate) @ coefficients)[used]
     friction = problem.friction_columns(problem.train_state, axis)[used]
     torque = torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
     discrepancy = problem.discrepancy[problem.train, axis][used]
-    return bool(np.mean(torque**2) > 4.0 * np.mean(discrepancy**2))
+    return float(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300))
 
 
-def holds(white: White, named: list[Named], trial: Named) -> bool:
-    """Return whether an effect predicts records left out in turn, and survives a wider inertial prior."""
-    before = [t for n in named for t in n.terms]
-    found = cross_validate(white, before, [trial.term])
-    if not predicts(found, trial.evidence):
-        if trial.form is None or follows_time(trial.candidate):
-            return False
-        # The textbook form may fail where the effect itself does not.
-        found = cross_validate(white, before, trial.terms)
-        if not predicts(found, trial.evidence):
-            return False
-    if trial.candidate.axis is not None and trial.candidate.effect != LINK_MASS:
-        # What changes with time is wanted for the time to come.
-        if follows_time(trial.candidate) and (found.last < -1.0 or _jumps(white, before, trial)):
-            return False
-        if _cancels(white, trial) or not within_bounds(white, before, trial):
-            return False
-    wide = [replace(t, std=3.0 * t.std) if t.label == "inertial" else t for t in white.base]
-    fit = Fit(white.targets, [*wide, *before])
-    b, gram = fit.gram(trial.term.blocks)
-    need = 0.5 * white.problem.settings.accept
-    return trial.candidate.effect == LINK_MASS or gain(b, gram, trial.term.std) > need
-
-
-def _jumps(white: White, before: list[Term], trial: Named) -> bool:
-    """Return whether a step within one record does better than an effect that follows time: then it is no drift."""
+def _step_lead(white: White, before: list[Term], trial: Named) -> float:
+    """Return the nats by which a step within one record does better than an effect that follows time."""
     problem, candidate = white.problem, trial.candidate
     effect, state = get_effect(candidate.effect), problem.train_state
     if effect.shape is None:
-        return False
+        return -np.inf
     carrier, time = effect.shape(state, candidate.axis, candidate.nonlinear)
     label = np.asarray(state.record)
     steps = []
@@ -93,17 +154,16 @@ def _jumps(white: White, before: list[Term], trial: Named) -> bool:
         inside = time[label == one]
         steps.extend(np.arange(inside.min() + 1.0, inside.max() - 1.0, STEP_EVERY))
     if not steps:
-        return False
+        return -np.inf
     columns = carrier[:, None] * (time[:, None] > np.array(steps))
-    std = prior_std(white, candidate.axis, columns)
+    std = prior_std(white, candidate, columns)
     fit = white.fit(before)
     b, cross = fit.projected({candidate.axis: (x := white.columns(candidate.axis, columns))})
     left = np.sum(x**2, axis=0) - np.sum((cross @ fit.covariance) * cross, axis=1)
     scaled = 1.0 + std**2 * np.maximum(left, 0.0)
     gains = 0.5 * (std * b) ** 2 / scaled - 0.5 * np.log(scaled)
     b, gram = fit.gram(trial.term.blocks)
-    smooth = gain(b, gram, trial.term.std)
-    return bool(np.max(gains) - np.log(len(steps)) > smooth + STEP_BETTER)
+    return float(np.max(gains) - np.log(len(steps)) - gain(b, gram, trial.term.std))
 
 
 def within_bounds(white: White, before: list[Term], trial: Named) -> bool:
@@ -112,32 +172,6 @@ def within_bounds(white: White, before: list[Term], trial: Named) -> bool:
         return True
     b, gram = white.fit(before).gram(trial.term.blocks)
     size = b / (gram[0] + 1 / trial.term.std**2)
-    if trial.candidate.effect in SCALED and not 1 / OFF_SCALE < size[0] < OFF_SCALE:
+    if get_effect(trial.candidate.effect).scaled and not 1 / OFF_SCALE < size[0] < OFF_SCALE:
         return False
     return possible(get_effect(trial.candidate.effect), trial.candidate.nonlinear, size)
-
-
-def predicts(found: CrossValidated, evidence: float) -> bool:
-    """Return whether terms predict records left out: in all, in every one, and in N m."""
-    worst = min(WORST_RECORD, -WORST_SHARE * found.nats)
-    raw = found.raw <= WORST_RAW or (found.share > 0.5 and found.raw <= WORST_RAW_IF_STRONG)
-    # Where the base could take an effect over at the price of unlikely numbers, that price is in the evidence but not
-    # in the prediction of one more record: from some strength on the share is no longer asked for.
-    gains = found.nats >= max(2.0, min(0.15 * evidence, ENOUGH)) and found.share > 0.0
-    return gains and found.worst >= worst and raw
-
-
-def predicts_most(found: CrossValidated) -> bool:
-    """Return whether terms predict records left out, and in N m most of them.
-
-    One record that gains much may make up in N m for all others that lose: then the effect is one of that record.
-    """
-    return predicts(found, 0.0) and (found.middle <= WORST_RAW or found.share > 0.5)
-
-
-def stiff(candidate: Candidate) -> bool:
-    """Return whether a robot file cannot bend the form of an effect: what is written is the textbook form."""
-    if candidate.effect == LINK_MASS:
-        return False
-    effect = get_effect(candidate.effect)
-    return effect.needs_source or effect.argument in UNBENDING

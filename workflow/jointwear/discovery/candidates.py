@@ -9,16 +9,15 @@ import numpy as np
 from scipy.special import logsumexp
 
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.problem import White, link_mass_blocks
-from jointwear.discovery.reversals import TIMING, resolved_motion
-from jointwear.discovery.structure import hats, knots_of
+from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import Effect, State, get_effect, library
-from jointwear.effects.order import second_derivative
 from jointwear.robots.inertia import mass_direction
 
 LINK_MASS = "link_mass"
 #: A link mass that would have to be wrong by more than this share is not a wrong number but a missing body.
 WRONGEST_MASS = 0.6
+#: A joint that moves less than this [rad] acts on no other.
+STILL = 1e-4
 
 
 @dataclass(frozen=True)
@@ -41,17 +40,21 @@ class Candidate:
 
 @dataclass
 class Dictionary:
-    """Whitened columns of all single-axis candidates, one matrix an axis, and of those on the whole arm."""
+    """Whitened columns of all single-axis candidates, one matrix an axis, and of those on the whole arm.
+
+    `not_tried` holds effect, 0-based axis (None: whole arm) and reason of what these data do not allow.
+    """
 
     matrix: dict[int, np.ndarray]
     entries: dict[int, list[tuple[Candidate, slice, np.ndarray]]]
     whole: list[tuple[Candidate, dict[int, np.ndarray], np.ndarray]]
+    not_tried: list[tuple[str, int | None, str]] = field(default_factory=list)
 
 
 def raw_columns(white: White, candidate: Candidate) -> np.ndarray:
     """Return the columns (N_train, k) of a single-axis candidate before whitening."""
     effect = get_effect(candidate.effect)
-    return effect.columns(white.problem.train_state, candidate.axis, candidate.source, candidate.nonlinear)
+    return effect.columns(white.state_of(effect, candidate.axis), candidate.axis, candidate.source, candidate.nonlinear)
 
 
 def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
@@ -59,25 +62,35 @@ def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     problem = white.problem
     if candidate.effect == LINK_MASS:
         torque = problem.regressor[problem.train] @ mass_direction(problem.robot, candidate.axis)
-        return {a: white.raw(a, torque[:, [a]]) for a in problem.judged if np.any(torque[:, a])}
+        return {a: white.raw(a, white.limited(a, torque[:, [a]])) for a in problem.judged if np.any(torque[:, a])}
     if candidate.axis is None:
         columns = get_effect(candidate.effect).columns(problem.train_state, 0, None, candidate.nonlinear)
-        return {a: white.raw(a, columns[:, a]) for a in problem.judged}
+        return {a: white.raw(a, white.limited(a, columns[:, a])) for a in problem.judged}
     return {candidate.axis: white.raw(candidate.axis, raw_columns(white, candidate))}
 
 
-def prior_std(white: White, axis: int, columns: np.ndarray) -> np.ndarray:
-    """Return prior standard deviations (k,) at which each column is worth 30 % of the friction of the axis."""
+def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.ndarray:
+    """Return prior standard deviations (k,) at which each column is worth 30 % of the friction of the axis.
+
+    An effect may say that some of its coefficients are usually larger.
+    """
+    axis, widths = candidate.axis, get_effect(candidate.effect).widths
     used = white.problem.usable[:, axis]
     size = np.sqrt(np.mean(columns[used] ** 2, axis=0))
-    return 0.3 * white.problem.scale[axis] / np.maximum(size, 1e-12)
+    std = 0.3 * white.problem.scale[axis] / np.maximum(size, 1e-12)
+    return std * np.array(widths) if len(widths) == len(std) else std
 
 
 def resolved(white: White, axis: int, order: float) -> bool:
     """Return whether a line of `order` over the motor angle lies in the band of the torque for half of the samples."""
+    return _in_band(white, axis, order * abs(white.problem.robot.gear_ratio[axis]))
+
+
+def _in_band(white: White, axis: int, waves: float) -> bool:
+    """Return whether a wave that repeats `waves` times in a radian lies in the band of the torque half of the time."""
     problem = white.problem
     speed = np.median(np.abs(problem.train_state.velocity[problem.usable[:, axis], axis]))
-    return bool(order * abs(problem.robot.gear_ratio[axis]) * speed / (2 * np.pi) < problem.measured.band)
+    return bool(waves * speed / (2 * np.pi) < problem.measured.band)
 
 
 def sources_of(axis: int, joints: int) -> list[int]:
@@ -87,42 +100,65 @@ def sources_of(axis: int, joints: int) -> list[int]:
 
 def build_dictionary(white: White) -> Dictionary:
     """Evaluate every effect of the library on every judged axis."""
-    problem = white.problem
-    state, n = problem.train_state, problem.robot.joints
-    matrix, entries, whole = {}, {}, []
-    for axis in problem.judged:
-        rows, found, start = [], [], 0
-        for effect in library().values():
-            if not effect.identifiable or effect.whole_arm:
-                continue
-            if effect.identifier in TIMING and not resolved_motion(problem.measured):
-                continue
-            for source in sources_of(axis, n) if effect.needs_source else [None]:
-                if source is not None and np.ptp(state.position[:, source]) < 1e-4:
-                    continue
-                for nonlinear in effect.grid(state, axis):
-                    candidate = Candidate(effect.identifier, axis, source, dict(nonlinear))
-                    if effect.argument == "motor angle" and not resolved(white, axis, nonlinear["order"]):
-                        continue
-                    columns = raw_columns(white, candidate)
-                    if not np.any(columns[problem.usable[:, axis]]):
-                        continue
-                    found.append((candidate, slice(start, start + columns.shape[1]), prior_std(white, axis, columns)))
-                    rows.append(columns)
-                    start += columns.shape[1]
-        matrix[axis] = white.columns(axis, np.concatenate(rows, axis=1))
-        entries[axis] = found
+    result = Dictionary({}, {}, [])
+    for axis in white.problem.judged:
+        _add_axis(result, white, axis)
+    _add_whole_arm(result, white)
+    return result
+
+
+def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
+    problem, state = white.problem, white.problem.train_state
+    rows, found, start = [], [], 0
     for effect in library().values():
-        if effect.whole_arm and effect.identifiable:
-            for nonlinear in effect.grid(state, 0):
-                columns = effect.columns(state, 0, None, nonlinear)
-                blocks = {axis: white.columns(axis, columns[:, axis]) for axis in problem.judged}
-                whole.append((Candidate(effect.identifier, None, None, dict(nonlinear)), blocks, _payload_std(white)))
-    for link in range(n):
+        if effect.whole_arm:
+            continue
+        why = effect.unmet(state, axis)
+        if why:
+            dictionary.not_tried.append((effect.identifier, axis, why))
+            continue
+        unresolved = 0
+        grid = effect.grid(state, axis)
+        for source in sources_of(axis, problem.robot.joints) if effect.needs_source else [None]:
+            if source is not None and np.ptp(state.position[:, source]) < STILL:
+                continue
+            for nonlinear in grid:
+                if effect.waves is not None and not _in_band(white, axis, effect.waves(state, axis, nonlinear)):
+                    unresolved += 1
+                    continue
+                candidate = Candidate(effect.identifier, axis, source, dict(nonlinear))
+                columns = raw_columns(white, candidate)
+                if not np.any(columns[problem.usable[:, axis]]):
+                    continue
+                std = prior_std(white, candidate, columns)
+                found.append((candidate, slice(start, start + columns.shape[1]), std))
+                rows.append(columns)
+                start += columns.shape[1]
+        if unresolved and unresolved == len(grid):
+            dictionary.not_tried.append((effect.identifier, axis, "its waves are faster than the sampling"))
+    dictionary.matrix[axis] = white.columns(axis, np.concatenate(rows, axis=1))
+    dictionary.entries[axis] = found
+
+
+def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
+    problem = white.problem
+    state = problem.train_state
+    for effect in library().values():
+        if not effect.whole_arm:
+            continue
+        why = effect.unmet(state, 0)
+        if why:
+            dictionary.not_tried.append((effect.identifier, None, why))
+            continue
+        for nonlinear in effect.grid(state, 0):
+            columns = effect.columns(state, 0, None, nonlinear)
+            blocks = {a: white.columns(a, white.limited(a, columns[:, a])) for a in problem.judged}
+            candidate = Candidate(effect.identifier, None, None, dict(nonlinear))
+            dictionary.whole.append((candidate, blocks, effect.prior(problem.robot)))
+    for link in range(problem.robot.joints):
         blocks = link_mass_blocks(white, link)
         if blocks:
-            whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([0.25])))
-    return Dictionary(matrix, entries, whole)
+            dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([0.25])))
 
 
 def _shrunk(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
@@ -130,14 +166,6 @@ def _shrunk(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
     if len(b) == 1:
         return b / (gram[0] + 1 / std**2)
     return np.linalg.solve(gram + np.diag(1 / std**2), b)
-
-
-def _payload_std(white: White) -> np.ndarray:
-    from jointwear.robots.inertia import bodies
-
-    mass = 0.05 * sum(b[0] for b in bodies(white.problem.robot))
-    lever = 0.15
-    return np.array([mass, *[mass * lever] * 3, *[mass * lever**2] * 6])
 
 
 @dataclass(frozen=True)
@@ -167,10 +195,8 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
             x = matrix[:, where]
             gram = x.T @ x - turned[where] @ turned[where].T
             effect = get_effect(candidate.effect)
-            if len(std) == 1 or effect.needs_source:
-                size = _shrunk(b[where], gram, std)
-                if not possible(effect, candidate.nonlinear, size):
-                    continue
+            if not possible(effect, candidate.nonlinear, _shrunk(b[where], gram, std)):
+                continue
             families.setdefault(candidate.key, []).append((gain(b[where], gram, std), candidate, {axis: x}, std))
     for candidate, blocks, std in dictionary.whole:
         if keys is not None and candidate.key not in keys:
@@ -194,7 +220,7 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
 class Form:
     """Tolerance of the form of one effect: flexible columns over its own argument.
 
-    `knots` (k,) of a piecewise-linear table over the argument, or None where the columns are variants of the effect.
+    `knots` (k,) of a table over the argument, or None where the columns need none.
     """
 
     candidate: Candidate
@@ -202,60 +228,31 @@ class Form:
 
     def columns(self, state: State) -> np.ndarray:
         """Return the columns (N, k) on any ordered state."""
-        candidate, axis = self.candidate, self.candidate.axis
-        effect, nonlinear = get_effect(candidate.effect), candidate.nonlinear
-
-        def like(**changes):
-            return effect.columns(state, axis, candidate.source, {**nonlinear, **changes})
-
-        if effect.argument == "motor angle":
-            return np.concatenate([like(order=k * nonlinear["order"]) for k in (2, 3)], axis=1)
-        if candidate.effect == "presliding_hysteresis":
-            return np.concatenate([like(distance=f * nonlinear["distance"]) for f in (0.3, 0.6, 1.7, 3.5)], axis=1)
-        if candidate.effect in ("actuation_delay", "joint_flexibility"):
-            delay = get_effect("actuation_delay")
-            steps = [delay.columns(state, axis, None, {"delay": d}) for d in (0.006, 0.018, -0.006)]
-            seconds = [second_derivative(state, x[:, axis])[:, None] for x in (state.torque, state.load)]
-            return np.concatenate([*steps, *seconds], axis=1)
-        if effect.needs_source:
-            speed = _drive_speed(state, candidate)
-            return np.sign(speed)[:, None] * hats(np.abs(speed), self.knots)
-        carrier, argument = effect.shape(state, axis, nonlinear)
-        return carrier[:, None] * hats(argument, self.knots)
-
-
-def _drive_speed(state: State, candidate: Candidate) -> np.ndarray:
-    own, other = candidate.nonlinear["own"], candidate.nonlinear["other"]
-    return own * state.velocity[:, candidate.axis] + other * state.velocity[:, candidate.source]
+        candidate = self.candidate
+        bend = get_effect(candidate.effect).bend
+        return bend.columns(state, candidate.axis, candidate.source, candidate.nonlinear, self.knots)
 
 
 def form_of(white: White, candidate: Candidate) -> Form | None:
-    """Return the tolerance of the form of a candidate, None where its form is exact (a gain, a payload, a mass)."""
+    """Return the tolerance of the form of a candidate, None where its form is exact, as of a gain or a mass."""
     if candidate.effect == LINK_MASS or candidate.axis is None:
         return None
-    problem, axis = white.problem, candidate.axis
-    effect, state = get_effect(candidate.effect), problem.train_state
-    used = problem.usable[:, axis]
-    if effect.argument == "motor angle" or effect.sequential:
-        return Form(candidate, None)
-    if effect.needs_source:
-        return Form(candidate, knots_of(np.abs(_drive_speed(state, candidate))[used], 5))
-    if effect.shape is None:
+    effect, axis = get_effect(candidate.effect), candidate.axis
+    if effect.bend is None:
         return None
-    _, argument = effect.shape(state, axis, candidate.nonlinear)
-    count = {"temperature": 4, "time": 6, "time x direction": 5, "position": 6}.get(effect.argument, 8)
-    if "order" in candidate.nonlinear:
-        # Enough for the second harmonic and a slow change of amplitude.
-        span = float(np.ptp(argument[used]))
-        count = int(np.clip(round(span * candidate.nonlinear["order"] * 8 / (2 * np.pi)), 6, 40))
-    knots = knots_of(argument[used], count)
+    if effect.bend.knots is None:
+        return Form(candidate, None)
+    used = white.problem.usable[:, axis]
+    knots = effect.bend.knots(white.problem.train_state, axis, candidate.source, candidate.nonlinear, used)
     return Form(candidate, knots) if len(knots) > 1 else None
 
 
 def possible(effect: Effect, nonlinear: dict[str, Any], coefficients: np.ndarray) -> bool:
     """Return whether the parameters lie within their bounds: no friction that drives, no delay of a quarter second."""
-    found = effect.parameters_of(nonlinear, coefficients)
-    return all(p.lower <= found.get(p.name, p.default) <= p.upper for p in effect.parameters)
+    if effect.scaled and coefficients[0] <= 0:
+        # Its size, with its sign, is in the nonlinear parameters.
+        return False
+    return effect.possible(effect.parameters_of(nonlinear, coefficients))
 
 
 def companion(white: White, form: Form, size: float) -> Term:
@@ -266,7 +263,7 @@ def companion(white: White, form: Form, size: float) -> Term:
     size : RMS torque of the effect [N m]; the columns may each be worth 30 % of it.
     """
     axis = form.candidate.axis
-    columns = form.columns(white.problem.train_state)
+    columns = form.columns(white.state_of(get_effect(form.candidate.effect), axis))
     used = white.problem.usable[:, axis]
     # Hats are narrow: their height, not their RMS, is bounded by the size of the effect.
     scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))

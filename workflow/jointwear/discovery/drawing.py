@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.patches import Rectangle
 
+from jointwear.files.json_documents import read_json
 from jointwear.files.storage import open_dataset, read_variable, read_variables
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
@@ -30,20 +30,21 @@ def draw_where(where: str | Path, output: str | Path) -> None:
             colour = palette.mix(palette.SEQUENTIAL, float(np.log1p(max(value, 0.0)) / np.log1p(most)))
             axes.add_patch(Rectangle((j - 0.5, k - 0.5), 1, 1, facecolor=colour, edgecolor=palette.PAPER))
             axes.text(j, k, f"{max(value, 0):.0f}", ha="center", va="center", fontsize=8, color=palette.text_on(colour))
-    axes.set(xlim=(-0.5, len(joint) - 0.5), ylim=(len(argument) - 0.5, -0.5))
+    axes.set(xlim=(-0.5, len(joint) - 0.5), ylim=(max(len(argument), 1) - 0.5, -0.5))
     axes.set_xticks(range(len(joint)), [f"joint {j}" for j in joint])
     axes.set_yticks(range(len(argument)), list(argument))
     axes.grid(False)
-    j, k = np.unravel_index(int(np.nanargmax(structure)), structure.shape)
-    text = (
-        f"Structure left after retuning, in nats, by joint and argument; most on joint {joint[j]} over {argument[k]}."
-    )
+    text = "Structure left after retuning, in nats, by joint and argument"
+    if np.isfinite(structure).any():
+        j, k = np.unravel_index(int(np.nanargmax(structure)), structure.shape)
+        text += f"; most on joint {joint[j]} over {argument[k]}"
+    text += "."
     save(figure, output, "Where the model disagrees", text)
 
 
 def draw_gap(verdict: str | Path, output: str | Path) -> None:
-    """Draw the gap of the three models and the noise floor, one group of bars a joint."""
-    gap = json.loads(Path(verdict).read_text(encoding="utf-8"))["gap"]
+    """Draw the gap of the three models and the noise floor, one group of bars per joint."""
+    gap = read_json(verdict)["gap"]
     kinds = (*MODELS, "noise_floor")
     n = len(gap["nominal"])
     figure = new_figure(2.6)
@@ -159,7 +160,7 @@ def draw_effect(effect: dict[str, Any], models: str | Path, output: str | Path) 
 
 def draw_all(verdict: str | Path, where: str | Path, models: str | Path, folder: str | Path) -> dict[str, Path]:
     """Draw every figure of a data set into `folder`; return name: file, the effects' as ``effect_1`` and so on."""
-    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    content = read_json(verdict)
     folder = Path(folder)
     figures = {"where": folder / "where.svg", "gap": folder / "gap.svg", "held_out": folder / "held_out.svg"}
     draw_where(where, figures["where"])

@@ -18,41 +18,20 @@ from jointwear.discovery.candidates import (
     raw_columns,
 )
 from jointwear.discovery.crossval import cross_validate
+from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
+from jointwear.discovery.fallback import Step, put_back
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
-from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
-from jointwear.discovery.problem import White
-from jointwear.discovery.refine import SCALED, evidence_at, free_parameters, refine, simplest
-from jointwear.effects import State, get_effect
+from jointwear.discovery.refine import evidence_at, refine, simplest
+from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
 from jointwear.robots.inertia import mass_direction
 
 #: Bends of a form are kept where records left out gain at least this much from them [nats].
 KEEP_FORM = 3.0
 #: Up to this relative error of the numbers of the drives they are taken as right.
 RIGHT_NUMBERS = 0.03
-#: The peak torque of an effect is stated for samples that are at least as fast as this [rad/s].
-JUDGED_SPEED = 0.02
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One named effect with numbers.
-
-    Attributes
-    ----------
-    parameters : value of every parameter; std : standard deviation of those that were estimated.
-    coefficients : of the columns (and, behind them, of the form if it is kept).
-    peak : largest torque [N m] on the held-out motion, peak_low and peak_high its 95 % interval.
-    """
-
-    named: Named
-    parameters: dict[str, float]
-    std: dict[str, float]
-    coefficients: np.ndarray
-    form: Form | None
-    peak: float
-    peak_low: float
-    peak_high: float
 
 
 @dataclass(frozen=True)
@@ -71,10 +50,17 @@ class Final:
     delta_inertial: np.ndarray
     retuned_friction: np.ndarray
     retuned_inertial: np.ndarray
+    fallbacks: tuple[FallBack, ...] = ()
+    misfits: tuple[str, ...] = ()
 
 
-def finalise(outcome: Outcome) -> Final:
-    """Refine the parameters of the named effects, fit everything together and predict all samples."""
+def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
+    """Refine the parameters of the named effects, fit everything together and predict all samples.
+
+    Parameters
+    ----------
+    without : labels of base terms that are left as the robot file has them.
+    """
     white = outcome.white
     effects = [n for n in outcome.named if n.candidate.effect != LINK_MASS]
     masses = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
@@ -89,41 +75,90 @@ def finalise(outcome: Outcome) -> Final:
     for i, (one, candidate, term) in enumerate(refined):
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
         forms.append(_form_if_kept(white, one, candidate, term, others))
+    base, refined = _whole_model(white, refined, forms, mass_terms)
+    terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
+    base = [t for t in base if t.label not in without]
+    kept, fallbacks = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented")
+    left = {id(t) for t in kept}
+    for one, _, term in refined:
+        if id(term) not in left:
+            outcome.suspects.append((one, "with it the model predicts records left out worse than the given robot"))
+    forms = [f for f, (_, _, t) in zip(forms, refined, strict=True) if id(t) in left]
+    refined = [r for r in refined if id(r[2]) in left]
+    base = [t for t in base if id(t) in left]
+    final = _fitted(outcome, base, refined, forms, masses)
+    alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
+    alone, given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned")
+    friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
+    return replace(
+        final,
+        retuned_friction=friction,
+        retuned_inertial=inertial,
+        fallbacks=fallbacks + given_up,
+        misfits=tuple(words for e in final.estimates for words in misfits(e)),
+    )
+
+
+def _whole_model(white, refined, forms, mass_terms):
+    """Return the base with its likely errors, and the effects with their references placed."""
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base, error = likely_base(white, terms)
-    if error <= RIGHT_NUMBERS and any(
-        f is None and "reference" in r[1].nonlinear for f, r in zip(forms, refined, strict=True)
-    ):
+    if error <= RIGHT_NUMBERS and any(f is None and _reference(r[1]) for f, r in zip(forms, refined, strict=True)):
         others = mass_terms + [f[1] for f in forms if f is not None]
         refined = _with_references(white, base, refined, forms, others, error)
-        terms = [t for _, _, t in refined] + others
-        base, error = likely_base(white, terms)
+        base, error = likely_base(white, [t for _, _, t in refined] + others)
+    return base, refined
+
+
+def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Step]]:
+    """Return what can be given up for the sake of each axis."""
+    inertial = tuple(t for t in base if t.label == "inertial")
+    steps = {}
+    for axis in white.problem.judged:
+        own = tuple(t for t in base if t.drive[:1] == (axis,))
+        steps[axis] = [
+            Step("friction and motor inertia as given", own),
+            Step("inertia of the links as given", inertial),
+        ]
+        for (_, candidate, term), form in zip(refined, forms, strict=True):
+            if candidate.axis in (axis, None):
+                steps[axis].append(Step(f"without {candidate.effect}", (term, *(form[1:] if form is not None else ()))))
+    return steps
+
+
+def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Named]) -> Final:
+    """Fit a model as it will be written, and give every effect its numbers."""
+    white = outcome.white
+    mass_terms = [t for n in masses for t in n.terms]
+    terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     fit = Fit(white.targets, [*base, *terms])
+    places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
-    offset = len(base)
-    next_form = offset + len(refined) + len(mass_terms)
-    for i, (one, candidate, _) in enumerate(refined):
-        where = [fit.slices[offset + i]]
-        form = None
-        if forms[i] is not None:
-            form = forms[i][0]
-            where.append(fit.slices[next_form])
-            next_form += 1
-        others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
-        others += [f[1] for k, f in enumerate(forms) if f is not None and k != i]
-        estimates.append(_estimate(white, fit, base, one, candidate, form, where, rng, others))
-    friction, std, inertial = _base_of(white, fit, mass_terms, masses)
-    alone = Fit(white.targets, [*likely_base(white, mass_terms)[0], *mass_terms])
-    base_friction, _, base_inertial = _base_of(white, alone, mass_terms, masses)
-    return Final(outcome, fit, tuple(estimates), friction, std, inertial, base_friction, base_inertial)
+    for i, (one, candidate, term) in enumerate(refined):
+        form = forms[i]
+        where = [places[id(term)]] + ([places[id(form[1])]] if form is not None else [])
+        own = {id(term)} | ({id(form[1])} if form is not None else set())
+        others = [t for t in terms if id(t) not in own]
+        estimates.append(
+            estimate_effect(white, fit, base, one, candidate, form[0] if form is not None else None, where, rng, others)
+        )
+    friction, std, inertial = _base_of(white, fit, masses)
+    return Final(outcome, fit, tuple(estimates), friction, std, inertial, friction, inertial)
+
+
+def _reference(candidate: Candidate) -> str:
+    """Return the nonlinear parameter at which the torque of a candidate vanishes, empty where it has none."""
+    name = get_effect(candidate.effect).vanishes_at
+    return name if name in candidate.nonlinear else ""
 
 
 def _with_references(white, base, refined, forms, others, error):
     """Place the reference temperatures where the numbers of the drives, known to be right, need no correction."""
     result = list(refined)
     for i, (one, candidate, term) in enumerate(refined):
-        if forms[i] is not None or "reference" not in candidate.nonlinear:
+        name = _reference(candidate)
+        if forms[i] is not None or not name:
             continue
         rest = [t for k, (_, _, t) in enumerate(result) if k != i] + others
         fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
@@ -131,14 +166,14 @@ def _with_references(white, base, refined, forms, others, error):
         low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
         margin = 0.25 * (high - low)
 
-        def at(temperature, candidate=candidate, fit=fit):
-            moved = replace(candidate, nonlinear={**candidate.nonlinear, "reference": round(float(temperature), 3)})
+        def at(temperature, candidate=candidate, fit=fit, name=name):
+            moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), 3)})
             return evidence_at(white, fit, moved), moved
 
         value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, 13)), key=lambda x: x[0])
         step = (high - low) / 16
         while step > 0.01:
-            around = [at(moved.nonlinear["reference"] + sign * step) for sign in (1, -1)]
+            around = [at(moved.nonlinear[name] + sign * step) for sign in (1, -1)]
             best = max(around, key=lambda x: x[0])
             if best[0] > value:
                 value, moved = best
@@ -151,36 +186,16 @@ def _with_references(white, base, refined, forms, others, error):
     return result
 
 
-def effect_on(state: State, estimate: Estimate) -> np.ndarray:
-    """Return the torque of one estimated effect on any ordered state, (m, n)."""
-    return np.asarray(_columns_on(state, estimate) @ estimate.coefficients)
-
-
-def _columns_on(state: State, estimate: Estimate) -> np.ndarray:
-    """Columns (m, n, k) of an effect and its form."""
-    return _all_columns(state, estimate.named.candidate, estimate.form)
-
-
-def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.ndarray:
-    effect = get_effect(candidate.effect)
-    if effect.whole_arm:
-        return effect.columns(state, 0, None, candidate.nonlinear)
-    own = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
-    if form is not None:
-        own = np.concatenate([own, form.columns(state)], axis=1)
-    full = np.zeros((len(own), state.position.shape[1], own.shape[1]))
-    full[:, candidate.axis] = own
-    return full
-
-
-def _base_of(white: White, fit: Fit, mass_terms: list[Term], masses: list[Named]):
+def _base_of(white: White, fit: Fit, masses: list[Named]):
+    """Return corrections of friction (n, 4) with their standard deviations and of inertia (10 n,)."""
     problem = white.problem
+    mass_terms = [t for n in masses for t in n.terms]
     n = problem.robot.joints
     friction, std = np.zeros((n, 4)), np.zeros((n, 4))
     inertial = np.zeros(10 * n)
     for term, where in zip(fit.terms, fit.slices, strict=True):
-        if term.label.startswith("friction "):
-            axis, k = map(int, term.label.split()[1:])
+        if term.drive:
+            axis, k = term.drive
             friction[axis, k] = fit.theta[where][0]
             std[axis, k] = np.sqrt(np.diag(fit.covariance)[where][0])
         elif term.label == "inertial":
@@ -198,7 +213,7 @@ def _term(white: White, candidate: Candidate, old: Term) -> Term:
     return Term(
         f"{candidate.effect} {candidate.axis}",
         {candidate.axis: white.columns(candidate.axis, columns)},
-        prior_std(white, candidate.axis, columns),
+        prior_std(white, candidate, columns),
         {candidate.axis: white.raw(candidate.axis, columns)},
     )
 
@@ -215,59 +230,3 @@ def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Ter
     flexible = companion(white, form, size)
     found = cross_validate(white, [*others, term], [flexible])
     return (form, flexible) if found.nats > KEEP_FORM and found.raw < 1.0 else None
-
-
-def _estimate(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
-    """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior.
-
-    `base` are the terms of the numbers of the nominal model, `others` those of the other effects.
-    """
-    problem = white.problem
-    named = replace(one, candidate=candidate)
-    effect = get_effect(candidate.effect)
-    places = np.concatenate([np.arange(w.start, w.stop) for w in where])
-    coefficients = fit.theta[places]
-    own = where[0].stop - where[0].start
-    covariance = fit.covariance[np.ix_(places, places)]
-    parameters = effect.parameters_of(candidate.nonlinear, coefficients[:own])
-    std: dict[str, float] = {}
-    jacobian = {name: np.zeros(own) for name in parameters}
-    for k in range(own):
-        step = 1e-4 * max(abs(coefficients[k]), float(np.sqrt(covariance[k, k])), 1e-12)
-        moved = coefficients[:own].copy()
-        moved[k] += step
-        after = effect.parameters_of(candidate.nonlinear, moved)
-        for name in parameters:
-            jacobian[name][k] = (after[name] - parameters[name]) / step
-    linear = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
-    scaled = SCALED.get(candidate.effect)
-    if scaled is not None:
-        # A robot file takes no parameter beyond its bounds.
-        bounds = next(p for p in effect.parameters if p.name == scaled)
-        parameters[scaled] = float(np.clip(parameters[scaled], bounds.lower, bounds.upper))
-        linear = {scaled}
-    for name in linear & set(parameters):
-        std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
-    rest = white.fit(others)
-    spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
-    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
-    test = problem.state.part(problem.test)
-    columns = _all_columns(test, candidate, form)
-    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= JUDGED_SPEED)
-    peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
-    if candidate.axis is None:
-        # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.
-        keep = slice(None, None, max(1, len(columns) // 300))
-        root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
-        draws = coefficients[:, None] + root @ rng.standard_normal((len(coefficients), DRAWS))
-        sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None])
-        sampled = sampled.max(axis=(0, 1), initial=0.0)
-    else:
-        axis = candidate.axis
-        torque = raw_columns(white, candidate) @ coefficients[:own]
-        size = height(torque[problem.usable[:, axis]])
-        sampled = draw_torque(white, [*base, *others], candidate, spreads, size, test, rng)
-        sampled = np.abs(sampled[moving[:, axis]]).max(axis=0, initial=0.0)
-    sampled = sampled * (1 + form_error(effect) * rng.standard_normal(DRAWS))
-    low, high = np.quantile(sampled, [0.025, 0.975])
-    return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))

@@ -10,7 +10,7 @@ from jointwear.discovery.candidates import LINK_MASS, Candidate
 from jointwear.discovery.decide import Outcome
 from jointwear.effects import State, get_effect, make_state
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import inertial_regressor, to_joint_frame
+from jointwear.robots.inertia import gravity_regressor, inertial_regressor, to_joint_frame
 from jointwear.robots.robot import Robot
 
 DURATION, RATE, HARMONICS = 20.0, 50.0, 5
@@ -65,7 +65,8 @@ def _share(state: State, regressor: np.ndarray, factor: np.ndarray, first: Candi
     def columns(candidate: Candidate) -> np.ndarray:
         effect = get_effect(candidate.effect)
         if effect.whole_arm:
-            return effect.columns(state, 0, None, candidate.nonlinear)[:, axis, :4]
+            columns = effect.columns(state, 0, None, candidate.nonlinear)[:, axis]
+            return columns[:, : effect.leading or columns.shape[1]]
         return effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
 
     v = state.velocity[:, axis]
@@ -123,6 +124,7 @@ def propose(outcome: Outcome, seed: int = 0) -> Experiment | None:
             temperature=temperature,
             record=np.zeros(len(time[thin]), dtype=int),
             tip_regressor=lambda last=last: last,
+            gravity_regressor=lambda poses=q[thin]: gravity_regressor(robot, poses),
         )
         share = _share(state, regressor, problem.factor, *pair)
         if best is None or share > best[0]:

@@ -11,11 +11,8 @@ from itertools import pairwise
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Dictionary
-from jointwear.discovery.linear import Fit
-from jointwear.discovery.problem import White
-
-#: Energy over noise variance that an effect needs to be called identifiable.
-NEEDED = 60.0
+from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
 
 
 @dataclass(frozen=True)
@@ -76,8 +73,8 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
             continue
         _, gram = fit.gram(blocks)
         scaled = gram * std[:, None] * std
-        # The first four numbers, mass and first moments, are what a payload is known by.
-        energy = float(np.trace(scaled[:4, :4])) / 4
+        lead = get_effect(candidate.effect).leading or len(std)
+        energy = float(np.trace(scaled[:lead, :lead])) / lead
         found.append(Visible(candidate.effect, None, None, energy, "", energy))
     return found
 
@@ -87,16 +84,3 @@ def _std(dictionary: Dictionary, axis: int, columns: np.ndarray) -> np.ndarray:
         if where.start == columns[0]:
             return std
     raise KeyError(axis)
-
-
-def energy_after(fit: Fit, first: dict[int, np.ndarray], second: dict[int, np.ndarray]) -> float:
-    """Return the share of the energy of columns `first` left after the terms of `fit` and columns `second`."""
-    axis = next(iter(first))
-    joint = {a: np.concatenate([first[a], second[a]], axis=1) for a in first if a in second}
-    if axis not in joint:
-        return 1.0
-    k = first[axis].shape[1]
-    _, gram = fit.gram(joint)
-    inner = gram[k:, k:] + np.eye(len(gram) - k) * (1e-9 * np.trace(gram[k:, k:]) + 1e-12)
-    rest = gram[:k, :k] - gram[:k, k:] @ np.linalg.solve(inner, gram[k:, :k])
-    return float(max(np.trace(rest), 0.0) / max(np.trace(gram[:k, :k]), 1e-12))

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 from jointwear.discovery.candidates import Candidate, Dictionary
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.problem import Problem, White
+from jointwear.discovery.problem import Problem
+from jointwear.discovery.whitening import White
 
 
 @dataclass(frozen=True)
@@ -14,7 +15,10 @@ class Named:
     """An effect that was accepted, with its rivals.
 
     `evidence` [nats] is lost when the effect and the tolerance of its form are taken out of the final model;
-    `cross_validated` the share of the squared residual that it explains in records left out in turn.
+    `cross_validated` the share of the squared residual that it explains in records left out in turn, `gain_share` the
+    drop of the squared error there over the noise variance, `lowers_error` the probability that it drops.
+    `probability` that the effect is there; `repeated` share of the runs without one group of recordings that name it.
+    `misfit` says in words that the search for its parameters went wrong.
     """
 
     candidate: Candidate
@@ -22,6 +26,12 @@ class Named:
     form: Term | None
     evidence: float
     cross_validated: float = 0.0
+    gain_share: float = 0.0
+    lowers_error: float = 1.0
+    probability: float = 1.0
+    log_odds: float = 0.0
+    repeated: float | None = None
+    misfit: str = ""
     ties: tuple[Candidate, ...] = ()
 
     @property
@@ -43,15 +53,40 @@ class Unexplained:
     nats: float
 
 
+@dataclass(frozen=True)
+class Refusal:
+    """A candidate that a gate refused: what it reached and what the gate asks for."""
+
+    candidate: Candidate
+    evidence: float
+    gate: str
+    reached: float
+    needed: float
+
+
 @dataclass
 class Outcome:
-    """What the search found; `white` and `fit` are those of the final model."""
+    """What the search found; `white`, `fit` and `dictionary` are those of the final model, None where it failed.
+
+    `refusals` are candidates that a gate refused, `suspects` effects that were taken off an axis that stays
+    unexplained, with the reason, `not_tried` (effect, 0-based axis or None) -> reason.
+    """
 
     problem: Problem
-    white: White
-    fit: Fit
-    dictionary: Dictionary
+    white: White | None
+    fit: Fit | None
+    dictionary: Dictionary | None
     refused: set = field(default_factory=set)
     named: list[Named] = field(default_factory=list)
     unexplained: list[Unexplained] = field(default_factory=list)
     profile: list[Unexplained] = field(default_factory=list)
+    refusals: list[Refusal] = field(default_factory=list)
+    suspects: list[tuple[Named, str]] = field(default_factory=list)
+    not_tried: dict[tuple[str, int | None], str] = field(default_factory=dict)
+
+    @property
+    def noise_floor(self) -> list[float | None]:
+        """Standard deviation of the torque noise of every axis [N m], None where it cannot be judged."""
+        if self.white is None:
+            return [None] * self.problem.robot.joints
+        return [None if w is None else w.marginal for w in self.white.whiteners]

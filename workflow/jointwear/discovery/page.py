@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from jointwear.discovery.drawing import draw_all
 from jointwear.effects import library
 from jointwear.files.documents import read_yaml
+from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import number, percent
@@ -17,7 +17,7 @@ from jointwear.publishing.report.rendering import render_page
 
 _WORDS = {
     "none": "Nothing is missing",
-    "retuned": "Numbers are wrong, no effect is missing",
+    "retuned": "Parameters are wrong, no effect is missing",
     "effects": "The model lacks an effect",
     "unknown": "Part of the disagreement has no name",
 }
@@ -35,15 +35,20 @@ def lead(content: dict[str, Any]) -> list[str]:
     named = [name(e) for e in content["effects"]]
     sentences = []
     if content["verdict"] == "none":
-        sentences.append("Within the noise the nominal model explains the measured torque; no number needs to change.")
+        sentences.append("No effect is missing and no parameter needs to change.")
     elif content["verdict"] == "retuned":
-        sentences.append("New numbers for terms that the model has explain the measured torque; no effect is missing.")
+        sentences.append("No effect is missing; parameters of terms that the model has are wrong.")
     elif content["verdict"] == "effects":
-        sentences.append(f"The model lacks {'; '.join(named)}. With that, nothing beyond the noise is left.")
+        sentences.append(f"The model lacks {'; '.join(named)}.")
     elif named:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
     else:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
+    if content["verdict"] != "unknown":
+        sentences.append(_what_is_left(content))
+    if content["suspects"]:
+        suspects = "; ".join(name(e) for e in content["suspects"])
+        sentences.append(f"Suspects on joints that stay unexplained: {suspects}.")
     closed = _closed(content["gap"])
     if closed is not None:
         alone, augmented = (
@@ -54,6 +59,21 @@ def lead(content: dict[str, Any]) -> list[str]:
             f"the augmented model {augmented}."
         )
     return sentences
+
+
+def _what_is_left(content: dict[str, Any]) -> str:
+    """Say whether the held-out error is down to the noise, and where it is not."""
+    if content["to_the_noise"]:
+        return "On held-out motion nothing beyond the noise is left."
+    gap = content["gap"]
+    above = [
+        f"{a / f:.2g} times on joint {j}"
+        for j, (a, f) in enumerate(zip(gap["augmented"], gap["noise_floor"], strict=True), start=1)
+        if a is not None and f and a > 1.1 * f
+    ]
+    if not above:
+        return "The held-out error could not be compared with the noise."
+    return f"The error on held-out motion stays above the noise: {', '.join(above)}."
 
 
 def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
@@ -70,8 +90,23 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
     return tuple(1 - (root[k] - root["noise_floor"]) / width for k in ("retuned", "augmented"))
 
 
+def body_in_words(effect: Mapping[str, Any]) -> str:
+    """Return an effect given by mass and first moments as a body: mass, centre of mass, inertia; empty for others."""
+    value = {name: p["value"] for name, p in effect["parameters"].items()}
+    if not {"mass", "moment_x", "moment_y", "moment_z", "xx", "yy", "zz"} <= set(value) or value["mass"] <= 0:
+        return ""
+    com = [value[f"moment_{x}"] / value["mass"] for x in "xyz"]
+    # Steiner: from the origin of the link to the centre of mass.
+    square = sum(x * x for x in com)
+    moments = [value[k] - value["mass"] * (square - x * x) for k, x in zip(("xx", "yy", "zz"), com, strict=True)]
+    return (
+        f"{number(value['mass'])} kg with its centre of mass at ({', '.join(number(x) for x in com)}) m in the frame "
+        f"of the last link, moments of inertia about it {', '.join(number(x) for x in moments)} kg m2."
+    )
+
+
 def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return one row a joint: what was named, corrected and left, and the part of the gap that each model leaves."""
+    """Return one row per joint: what was named, corrected and left, and the part of the gap that each model leaves."""
     effects, gap = library(), content["gap"]
     whole = [effects[e["effect"]].phrase for e in content["effects"] if e["axis"] is None]
     rows = []
@@ -119,7 +154,7 @@ def write_page(
     ----------
     figures : folder for its SVG files. published : YAML file with values that others found, or None.
     """
-    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    content = read_json(verdict)
     files = draw_all(verdict, where, models, figures)
     effects = library()
     single = [n for n in content["not_identifiable"] if len(n["effects"]) == 1]
@@ -134,6 +169,7 @@ def write_page(
         "files": {name: Path(path).relative_to(Path(output).parent).as_posix() for name, path in files.items()},
         "single": single,
         "joints": joint_table(content),
+        "body": body_in_words,
         "published": None,
         "pairs": pairs,
     }

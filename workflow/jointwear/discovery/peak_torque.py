@@ -17,15 +17,14 @@ import numpy as np
 
 from jointwear.discovery.candidates import Candidate, Form, companion, form_of, possible, prior_std
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.problem import White
 from jointwear.discovery.refine import evidence_at, free_parameters
+from jointwear.discovery.whitening import White
 from jointwear.effects import Effect, State, get_effect
 
 DRAWS = 400
 #: Steps [standard deviations] at which a nonlinear parameter is tried, for an effect with one of them and with more.
 STEPS_OF_ONE, STEPS_OF_MANY = np.linspace(-2.5, 2.5, 11), np.linspace(-2.0, 2.0, 5)
-#: Arguments over which an effect may vanish anywhere, and how many places are tried.
-FLOATING = ("temperature", "position", "time", "time x direction")
+#: How many places are tried at which an effect may vanish, where that may be anywhere.
 ZEROS = 9
 #: Relative standard deviation of the largest torque of an effect: curves for the same physics that fit alike differ
 #: by this much where they are highest. An effect that acts after reversals is highest in the very samples beside
@@ -87,7 +86,7 @@ def _zeros(state: State, candidate: Candidate, used: np.ndarray) -> list[np.ndar
     not known, but for lying within the data.
     """
     effect = get_effect(candidate.effect)
-    if effect.argument not in FLOATING or effect.shape is None:
+    if not effect.floats or effect.shape is None:
         return [None]
     carrier, argument = effect.shape(state, candidate.axis, candidate.nonlinear)
     columns = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
@@ -102,7 +101,7 @@ def _zeros(state: State, candidate: Candidate, used: np.ndarray) -> list[np.ndar
 def shapes(white: White, candidate: Candidate, spreads: dict[str, float]) -> Iterator[Shape]:
     """Yield the possibilities that the data may leave for the columns of an effect."""
     problem, effect = white.problem, get_effect(candidate.effect)
-    state = problem.train_state
+    state = white.state_of(effect, candidate.axis)
     if effect.needs_source:
         for nonlinear in effect.grid(state, candidate.axis):
             one = replace(candidate, nonlinear=dict(nonlinear))
@@ -130,7 +129,9 @@ def _bends(white: White, form: Form, size: float) -> Term:
     # A piece of a table that few samples touch must not reach higher than others on motion that does touch it: the
     # pieces sum to the carrier.
     axis = form.candidate.axis
-    carrier = form.columns(white.problem.train_state).sum(axis=1)[white.problem.usable[:, axis]]
+    carrier = form.columns(white.state_of(get_effect(form.candidate.effect), axis)).sum(axis=1)[
+        white.problem.usable[:, axis]
+    ]
     return replace(term, std=np.minimum(term.std, 0.3 * size / height(carrier)))
 
 
@@ -169,10 +170,10 @@ def draw_torque(
     bends = fit.slices[-1] if form is not None else slice(0, 0)
     points = []
     for one in shapes(white, candidate, spreads):
-        columns = one.columns(white.problem.train_state)
+        columns = one.columns(white.state_of(effect, axis))
         if not np.isfinite(columns).all() or not np.any(columns):
             continue
-        std = prior_std(white, axis, columns)
+        std = prior_std(white, one.candidate, columns)
         b, cross = fit.projected({axis: (x := white.columns(axis, columns))})
         gram = x.T @ x - cross @ fit.covariance @ cross.T
         points.append((gain(b, gram, std), one, b, gram, std, cross))

@@ -1,28 +1,25 @@
-"""One data set against its nominal model, as a linear problem: targets, base regression, priors, whitening."""
+"""One data set against its nominal model, as a linear problem: discrepancy, base regression and its priors."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
-from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, corrected, estimate, whitenable
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.structure import axis_bases
-from jointwear.effects import State, effect_torque, library, make_state
+from jointwear.effects import State, effect_torque, make_state
 from jointwear.measurement.motion import Measured, low_pass, measure, runs
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import inertial_regressor, mass_direction, prior_factor, to_joint_frame
+from jointwear.robots.inertia import gravity_regressor, inertial_regressor, prior_factor, to_joint_frame
 from jointwear.robots.robot import Robot
 
 #: Fewest usable samples of an axis that a verdict is based on.
 FEWEST_SAMPLES = 60
+#: Poses over which the mass matrix is averaged.
+POSES = 200
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
@@ -73,6 +70,12 @@ class Problem:
         return fold
 
     @cached_property
+    def mass_squares(self) -> np.ndarray:
+        """(n, n) mean square over the training poses of the derivative of torque j by acceleration k [kg2 m4]."""
+        poses = self.state.position[self.train]
+        return np.mean(self.dynamics.mass_matrix(poses[:: max(1, len(poses) // POSES)]) ** 2, axis=0)
+
+    @cached_property
     def usable(self) -> np.ndarray:
         """(N_train, n) training samples that can be judged."""
         return self.measured.usable[self.train]
@@ -119,7 +122,9 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         temperature=measured.temperature,
         record=measured.trajectory,
         tip_regressor=lambda: last,
+        gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
     )
+    state = replace(state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side)
     nominal = state.torque + effect_torque(robot, state)
     train = np.isin(measured.trajectory, recording.train)
     factor = prior_factor(robot, settings.inertial_prior)
@@ -130,7 +135,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         dynamics=dynamics,
         settings=settings,
         measured=measured,
-        state=replace(state, tip_regressor=state.tip_regressor),
+        state=state,
         train=train,
         test=np.isin(measured.trajectory, recording.test),
         discrepancy=measured.torque - nominal,
@@ -164,161 +169,3 @@ def _smear(measured: Measured, state: State) -> np.ndarray:
                     rounded = low_pass(rigid[piece, axis], share * cutoff, measured.rate)
                     result[piece, axis, k] = rounded - rigid[piece, axis]
     return result
-
-
-def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None) -> list[Whitener | None]:
-    """Estimate the colour of the noise of every judged axis from a saturated fit.
-
-    The fit holds the base regression, the coarse structure bases and `extra` columns (N_train, k) an axis, so that
-    what is left is noise whether or not an effect is hidden. It is done twice, the second time whitened.
-    """
-    state, label = problem.train_state, problem.measured.trajectory[problem.train]
-    result: list[Whitener | None] = []
-    for axis in range(problem.robot.joints):
-        if axis not in problem.judged:
-            result.append(None)
-            continue
-        used = problem.usable[:, axis]
-        y = problem.discrepancy[problem.train, axis]
-        groups = [
-            problem.friction_columns(state, axis),
-            problem.inertial[problem.train, axis],
-            problem.smear[problem.train, axis],
-        ]
-        if extra is not None and axis in extra:
-            groups.append(extra[axis])
-        groups += [b.columns for b in axis_bases(state, axis, used, coarse=True)]
-        if used.sum() >= ROOM * sum(g.shape[1] for g in groups):
-            groups += _sequential_columns(state, axis)
-            groups.append(_beside_reversals(state, axis, label, problem.measured.rate))
-        columns = np.concatenate(groups, axis=1)
-        scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
-        # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
-        seen = np.sum(columns[whitenable(used, label, HIGHEST_ORDER)] ** 2, axis=0)
-        keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
-        columns = columns[:, keep] / scale[keep]
-        plain = _remover(columns, used, None)
-        white = estimate(plain(y), used, label)
-        take_off = _remover(columns, used, white)
-        white = corrected(estimate(take_off(y), used, label), take_off, label, problem.measured.rate)
-        result.append(white)
-    return result
-
-
-#: Samples for each column of the saturated fit from which it may hold still more columns.
-ROOM = 15
-#: Share of a column, by its square, that has to lie on samples whose predecessors are usable too.
-SEEN = 0.5
-#: Frequencies [Hz] above which a step at a reversal is kept.
-SHARP = (4.0, 6.0, 9.0)
-
-
-def _beside_reversals(state: State, axis: int, label: np.ndarray, rate: float) -> np.ndarray:
-    """Return what is sharp in the sign of the velocity, (N, 3): misfits beside reversals are not noise."""
-    sense = state.direction[:, axis]
-    result = np.zeros((len(sense), len(SHARP)))
-    for piece in runs(label):
-        for k, frequency in enumerate(SHARP):
-            result[piece, k] = sense[piece] - low_pass(sense[piece], frequency, rate)
-    return result
-
-
-def _sequential_columns(state: State, axis: int) -> list[np.ndarray]:
-    """Return the columns of effects that depend on the order of samples: no basis over an argument follows them."""
-    return [
-        effect.columns(state, axis, None, nonlinear)
-        for effect in library().values()
-        if effect.identifiable and effect.sequential
-        for nonlinear in effect.grid(state, axis)
-    ]
-
-
-def _remover(columns: np.ndarray, used: np.ndarray, white: Whitener | None) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the function that takes a ridge fit of `columns` off series (N,) or (N, k)."""
-    x = columns[used] if white is None else white(columns)
-    gram = x.T @ x
-    ridge = 1e-4 * np.trace(gram) / len(gram)
-    factor = cho_factor(gram + ridge * np.eye(len(gram)))
-
-    def take_off(series: np.ndarray) -> np.ndarray:
-        target = series[used] if white is None else white(series)
-        return series - columns @ cho_solve(factor, x.T @ target)
-
-    return take_off
-
-
-@dataclass(frozen=True)
-class White:
-    """The problem after whitening: targets and base terms, for the training samples."""
-
-    problem: Problem
-    whiteners: list[Whitener | None]
-    targets: list[np.ndarray]
-    base: list[Term]
-    directions: np.ndarray
-
-    def fit(self, extra: list[Term] = ()) -> Fit:
-        """Return the posterior of the base regression with `extra` terms."""
-        return Fit(self.targets, [*self.base, *extra])
-
-    def columns(self, axis: int, columns: np.ndarray) -> np.ndarray:
-        """Whiten columns (N_train, k) of one axis."""
-        return self.whiteners[axis](columns)
-
-    def raw(self, axis: int, columns: np.ndarray) -> np.ndarray:
-        """Return the rows of columns (N_train, k) that the whitened ones have."""
-        return columns[self.whiteners[axis].rows]
-
-    def raw_targets(self) -> list[np.ndarray]:
-        """Return the discrepancy [N m] on the rows of the whitened targets."""
-        train = self.problem.discrepancy[self.problem.train]
-        return [np.zeros(0) if w is None else train[w.rows, axis] for axis, w in enumerate(self.whiteners)]
-
-    def folds(self, axis: int) -> np.ndarray:
-        """Return the fold of cross-validation of each whitened row of `axis`, in order of time.
-
-        A fold is a record; fewer than three records are cut into contiguous blocks.
-        """
-        return self.problem.fold_of_sample[self.whiteners[axis].rows]
-
-
-def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
-    """Whiten targets and base regression; inertial directions that the data cannot see are dropped."""
-    state = problem.train_state
-    targets, base, inertial, raw_inertial = [], [], {}, {}
-    for axis in range(problem.robot.joints):
-        white = whiteners[axis]
-        if white is None:
-            targets.append(np.zeros(0))
-            continue
-        targets.append(white(problem.discrepancy[problem.train, axis]))
-        friction = problem.friction_columns(state, axis)
-        base.append(
-            Term(
-                f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: friction[white.rows]}
-            )
-        )
-        smear = problem.smear[problem.train, axis]
-        if np.any(smear):
-            # What the filter does is no part of the robot: a prediction in N m has to do without it.
-            nothing = np.zeros((len(white.rows), smear.shape[1]))
-            base.append(Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], 3.0), {axis: nothing}))
-        raw_inertial[axis] = problem.inertial[problem.train, axis][white.rows]
-        inertial[axis] = white(problem.inertial[problem.train, axis])
-    rank = problem.factor.shape[1]
-    gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
-    values, vectors = np.linalg.eigh(gram)
-    directions = vectors[:, values > 1e-2]
-    if directions.shape[1]:
-        blocks = {axis: x @ directions for axis, x in inertial.items()}
-        raw = {axis: x @ directions for axis, x in raw_inertial.items()}
-        base.append(Term("inertial", blocks, np.ones(directions.shape[1]), raw))
-    return White(problem, whiteners, targets, base, directions)
-
-
-def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:
-    """Return whitened columns for the mass and inertia of `link` growing by 100 %."""
-    problem = white.problem
-    direction = mass_direction(problem.robot, link)
-    torque = problem.regressor[problem.train] @ direction
-    return {axis: white.columns(axis, torque[:, [axis]]) for axis in problem.judged if np.any(torque[:, axis])}

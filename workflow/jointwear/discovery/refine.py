@@ -8,25 +8,16 @@ import numpy as np
 
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Fit, gain
-from jointwear.discovery.problem import White
-from jointwear.effects import get_effect
+from jointwear.discovery.whitening import White
+from jointwear.effects import Parameter, get_effect
 
-#: Effects with one parameter in which the torque is nearly, not quite, linear. The search moves it like a nonlinear
-#: one, with a coefficient of one; what the last fit makes of the coefficient scales it.
-SCALED = {"actuation_delay": "delay", "joint_flexibility": "inertia_over_stiffness"}
-
-#: How many values of that parameter the search may start from.
+#: How many values of the one parameter in which a torque is nearly linear the search may start from.
 STARTS = 16
 
 
-def free_parameters(candidate: Candidate) -> list:
+def free_parameters(candidate: Candidate) -> list[Parameter]:
     """The nonlinear parameters of a candidate that may be refined."""
-    if candidate.axis is None or get_effect(candidate.effect).needs_source:
-        return []
-    known = {p.name: p for p in get_effect(candidate.effect).parameters}
-    return [known[k] for k in candidate.nonlinear if not known[k].fixed and k != "order"] + [
-        known[k] for k in candidate.nonlinear if k == "order" and get_effect(candidate.effect).argument != "motor angle"
-    ]
+    return [] if candidate.axis is None else get_effect(candidate.effect).searched(candidate.nonlinear)
 
 
 def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
@@ -35,9 +26,11 @@ def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
     if not np.isfinite(columns).all():
         return -np.inf
     b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
-    if candidate.effect in SCALED:
+    effect = get_effect(candidate.effect)
+    if effect.scaled:
+        # Its size is in the columns: the coefficient is one.
         return float(b[0] - 0.5 * gram[0, 0])
-    return gain(b, gram, prior_std(white, candidate.axis, columns))
+    return gain(b, gram, prior_std(white, candidate, columns))
 
 
 def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
@@ -46,12 +39,14 @@ def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     Friction turns at another sample with each value: the evidence has many small peaks, and a search from one of them
     stays there.
     """
-    name = SCALED.get(candidate.effect)
-    if name is None:
-        return candidate
     effect = get_effect(candidate.effect)
+    name = effect.scaled
+    if not name:
+        return candidate
     grid = [float(p[name]) for p in effect.grid(white.problem.train_state, candidate.axis)]
-    values = np.geomspace(0.5 * min(grid), max(grid), STARTS)
+    sign = np.sign(candidate.nonlinear[name])
+    sizes = [abs(x) for x in grid if np.sign(x) == sign]
+    values = sign * np.geomspace(0.5 * min(sizes), max(sizes), STARTS)
     trials = [candidate, *(replace(candidate, nonlinear={**candidate.nonlinear, name: float(x)}) for x in values)]
     return max(trials, key=lambda c: evidence_at(white, fit, c))
 
@@ -59,15 +54,16 @@ def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
 def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = False) -> Candidate:
     """Move the nonlinear parameters of a candidate to the largest evidence, one after the other, twice.
 
-    Parameters that are positive are searched on a logarithmic scale, with steps that shrink. A delay is tried as a
-    dead time and as a lag; `other_form` says that this has been seen to.
+    Parameters keep their sign and are searched on a logarithmic scale, with steps that shrink. Where the effect names
+    alternatives these are tried too; `other_form` says that this has been seen to.
     """
     free = free_parameters(candidate)
     if not free:
         return candidate
-    if "lag" in candidate.nonlinear and not other_form:
-        other = replace(candidate, nonlinear={**candidate.nonlinear, "lag": 1 - candidate.nonlinear["lag"]})
-        found = [refine(white, fit, c, other_form=True) for c in (candidate, other)]
+    others = [] if other_form else get_effect(candidate.effect).alternatives(candidate.nonlinear)
+    if others:
+        trials = [candidate, *(replace(candidate, nonlinear=dict(p)) for p in others)]
+        found = [refine(white, fit, c, other_form=True) for c in trials]
         return max(found, key=lambda c: evidence_at(white, fit, c))
     candidate = best_start(white, fit, candidate)
     best, value = candidate, evidence_at(white, fit, candidate)
@@ -95,24 +91,24 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     """Return the candidate with the simplest form that the data do not contradict.
 
     A form that the data leave open says more than they do where there are none: between recordings, or beyond the
-    travel. Where an effect has a plain form it is taken; of waves over the travel those of the smallest amplitude,
-    because on a short travel a slow wave of large amplitude looks like a fast one of small amplitude.
+    travel. Where an effect has a plain form it is taken, of forms that look alike that of the smallest coefficients.
     """
     if candidate.axis is None or not free_parameters(candidate):
         return candidate
+    effect = get_effect(candidate.effect)
     best = evidence_at(white, fit, candidate)
-    for nonlinear in get_effect(candidate.effect).plain(white.problem.train_state, candidate.axis):
+    for nonlinear in effect.plain(white.problem.train_state, candidate.axis):
         trial = replace(candidate, nonlinear=dict(nonlinear))
         if evidence_at(white, fit, trial) > best - UNDECIDED:
             return trial
-    if "order" not in {p.name for p in free_parameters(candidate)}:
+    alike = effect.alike(candidate.nonlinear)
+    if not alike:
         return candidate
     found = []
-    for order in (float(candidate.nonlinear["order"]), 1.0, 1.5, 2.0, 3.0, 4.0):
-        trial = replace(candidate, nonlinear={**candidate.nonlinear, "order": order})
+    for trial in [candidate, *(replace(candidate, nonlinear=dict(p)) for p in alike)]:
         columns = raw_columns(white, trial)
         b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
-        std = prior_std(white, candidate.axis, columns)
+        std = prior_std(white, trial, columns)
         size = float(np.linalg.norm(np.linalg.solve(gram + np.diag(1 / std**2), b)))
         found.append((gain(b, gram, std), size, trial))
     best = max(value for value, _, _ in found)

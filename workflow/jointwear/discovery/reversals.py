@@ -15,8 +15,6 @@ from jointwear.measurement.motion import RESOLVED, Measured
 
 #: Time [s] left out on either side of a reversal that is not resolved.
 BESIDE = 0.1
-#: Effects that show in what happens at such instants.
-TIMING = ("actuation_delay", "joint_flexibility")
 
 
 def resolved_motion(measured: Measured) -> bool:

@@ -1,29 +1,68 @@
-"""Settings of discovery: the user's, and the thresholds that were chosen on tuning seeds."""
+"""What decides a verdict: the one record of every limit, each with its meaning."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What decides a verdict.
+    """Limits of discovery. Those without a source were chosen on choosing cases; none is a limit of a score.
 
     Attributes
     ----------
-    inertial_prior : relative standard deviation of the nominal inertial parameters.
+    inertial_prior : relative standard deviation of the nominal inertial parameters; the user's.
     most_effects : no more effects than this are named; `most_on_axis` on one axis.
-    accept : evidence [nats], after the price of complexity and of searching, that an effect needs.
-    share : a further effect on the same axis, and unexplained structure there, must be worth at least this share
-        of the evidence of the effects already named: a form is never known exactly.
+    accept : evidence [nats], after the price of complexity and of searching, that an effect needs. "Very strong" in
+        the scale of Kass and Raftery (1995) starts at 5.
+    certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
+    block : length of such a block [s]; the noise forgets within a third of a second.
+    smallest_share : drop of the mean squared error on records left out, over the noise variance of the axis, below
+        which an effect does not matter to a simulation.
+    predicted : share of the evidence of an effect that must show as nats gained on records left out, up to a limit.
+    worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
+    form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
+        and direction, because no form is known exactly.
     unexplained_p : structure is unexplained below this probability.
-    retuned_nats : evidence that a number of the model needs to be called wrong.
+    retuned_nats : evidence that a parameter of the model needs to be called wrong.
+    mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
+    not_worse : error on left-out training records, over that of the given robot, up to which a model is written.
+    near_the_floor : distance of the held-out error from the noise floor up to which nothing but noise is left.
+    visible : energy over noise variance from which this motion shows an effect: what `accept` needs after the price of
+        complexity and search.
+    judged_speed : the largest torque of an effect is stated for samples at least as fast [rad/s]: slower, friction
+        depends on more than the speed.
+    weak_nats : a name with less evidence must be found again in every run without one group of recordings.
+    groups : (name, trajectory labels) of days or sessions; the user's.
     """
 
     inertial_prior: float = 0.05
     most_effects: int = 6
     most_on_axis: int = 2
     accept: float = 9.0
-    share: float = 0.02
+    certainty: float = 0.99
+    block: float = 0.5
+    smallest_share: float = 0.001
+    predicted: float = 0.15
+    worst_record: float = -4.0
+    form_error: float = 0.05
     unexplained_p: float = 1e-8
     retuned_nats: float = 8.0
+    mass_sigmas: float = 3.0
+    not_worse: float = 1.05
+    near_the_floor: float = 0.10
+    visible: float = 40.0
+    judged_speed: float = 0.025
+    weak_nats: float = 100.0
+    groups: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+
+def settings_of(entry: Mapping[str, Any]) -> Settings:
+    """Return the settings that the entry of a data set asks for."""
+    given: dict[str, Any] = {}
+    if entry.get("inertial_prior") is not None:
+        given["inertial_prior"] = float(entry["inertial_prior"])
+    groups = entry.get("group") or {}
+    return Settings(**given, groups=tuple((str(name), tuple(labels)) for name, labels in groups.items()))

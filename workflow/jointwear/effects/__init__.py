@@ -5,28 +5,53 @@ An effect is one file of :mod:`jointwear.effects.entries` that defines ``EFFECT`
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
+import importlib.util
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
-from jointwear.effects.effect import Effect, Parameter, correction_torque
+from jointwear.effects.effect import Bend, Effect, Parameter, correction_torque
 from jointwear.effects.state import Drive, State, make_state
 from jointwear.files.errors import InputError, nearest
 from jointwear.robots.robot import Robot
+
+#: Folders whose files are effects too, besides :mod:`jointwear.effects.entries`.
+_MORE: list[Path] = []
 
 
 @cache
 def library() -> dict[str, Effect]:
     """Return every effect by identifier, in alphabetical order of the files."""
-    from jointwear.effects import entries as package
+    from jointwear.effects import entries
 
-    found = {}
-    for module in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
-        effect = importlib.import_module(f"{package.__name__}.{module.name}").EFFECT
-        found[effect.identifier] = effect
-    return found
+    folders = [*map(Path, entries.__path__), *_MORE]
+    files = sorted((p for f in folders for p in f.glob("*.py") if p.stem != "__init__"), key=lambda p: p.stem)
+    effects = (_effect_of(path) for path in files)
+    return {effect.identifier: effect for effect in effects}
+
+
+def _effect_of(path: Path) -> Effect:
+    if path.parent not in _MORE:
+        return importlib.import_module(f"jointwear.effects.entries.{path.stem}").EFFECT
+    spec = importlib.util.spec_from_file_location(f"jointwear_effect_{path.stem}", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.EFFECT
+
+
+@contextmanager
+def more_entries(folder: str | Path) -> Iterator[None]:
+    """Let the files of a further folder be effects of the library too, within a `with` statement."""
+    _MORE.append(Path(folder))
+    library.cache_clear()
+    try:
+        yield
+    finally:
+        _MORE.remove(Path(folder))
+        library.cache_clear()
 
 
 def get_effect(identifier: str) -> Effect:
@@ -85,11 +110,12 @@ def effect_torque(robot: Robot, state: State) -> np.ndarray:
     """Return the torque that the effects of `robot` add to the nominal model. Shape (..., n) [N m].
 
     A payload belongs to ``Robot.payload``, which the rigid-body dynamics already know; an entry `payload` in
-    ``effects`` is allowed where the state carries a `tip_regressor`.
+    ``effects`` is allowed where the state carries a `tip_regressor`. The same holds for a tilt of the base, which
+    ``Robot.gravity`` says, and the `gravity_regressor`.
 
     Raises
     ------
-    InputError : if an entry is unknown, or is a payload and the state has no `tip_regressor`.
+    InputError : if an entry is unknown, or acts on the whole arm and the state does not carry what it needs.
     """
     total = np.zeros(np.shape(state.position))
     for entry in robot.effects:
@@ -108,6 +134,7 @@ def effect_torque(robot: Robot, state: State) -> np.ndarray:
 
 
 __all__ = [
+    "Bend",
     "Drive",
     "Effect",
     "Parameter",
@@ -117,4 +144,5 @@ __all__ = [
     "get_effect",
     "library",
     "make_state",
+    "more_entries",
 ]

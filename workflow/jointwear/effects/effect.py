@@ -1,4 +1,4 @@
-"""The shape of one entry of the effect library."""
+"""The shape of one entry of the effect library: all that is special about an effect, so that nothing else knows it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.effects.needs import ALL as NEEDS
 from jointwear.effects.state import State
+from jointwear.robots.robot import Robot
 
 #: Names that begin with one of a person keep its capital within a sentence.
 _PEOPLE = ("Coulomb", "Stribeck")
@@ -20,7 +22,11 @@ AxisFunction = Callable[[State, int, "int | None", Parameters], np.ndarray]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of an effect. A `fixed` one is a convention (such as a reference temperature), never estimated."""
+    """A parameter of an effect.
+
+    A `fixed` one is a convention (such as a reference temperature), never estimated. One that is not `searched` stays
+    on the values of the grid, because between them the effect means nothing (waves per turn of a motor are whole).
+    """
 
     name: str
     unit: str
@@ -29,6 +35,25 @@ class Parameter:
     description: str
     default: float = 0.0
     fixed: bool = False
+    searched: bool = True
+
+
+@dataclass(frozen=True)
+class Bend:
+    """How the form of an effect may differ from that of its textbook.
+
+    Attributes
+    ----------
+    columns : (state, axis, source, nonlinear, knots) -> flexible columns (m, k) over the effect's own argument.
+    knots : (state, axis, source, nonlinear, used (m,)) -> knots (k,) of a table over that argument, empty where the
+        samples `used` leave no room for one; None as the attribute where `columns` needs no knots.
+    written : (parameters, knots, coefficients (k,)) -> the parameters of the entries of a robot file that hold the
+        effect and its bends; None where a robot file can only hold the textbook form.
+    """
+
+    columns: Callable[[State, int, int | None, Parameters, np.ndarray | None], np.ndarray]
+    knots: Callable[[State, int, int | None, Parameters, np.ndarray], np.ndarray] | None = None
+    written: Callable[[Parameters, np.ndarray | None, np.ndarray], list[dict[str, Any]]] | None = None
 
 
 @dataclass(frozen=True)
@@ -45,10 +70,27 @@ class Effect:
     columns : linear regressors at given nonlinear parameters, (..., k); whole arm (..., n, k).
     parameters_of : parameters from the nonlinear ones and the k coefficients of `columns`.
     grid : nonlinear parameters to try on a given state and axis; empty where the state cannot show the effect.
+    needs : what the data must hold for the effect to be tried, names of :data:`jointwear.effects.needs.ALL`.
     shape : (carrier, argument) with torque = carrier x function(argument), each (...,), or None. It lets the
         function be corrected by a table over the argument.
+    bend : how the form may differ from the textbook's, or None where it is exact.
     plain : nonlinear parameters of the simplest forms, simplest first, taken where the data do not decide.
+    alternatives : other nonlinear parameters of the same size that the search of a continuous one cannot reach.
+    alike : nonlinear parameters that look alike on a short travel; the one of the smallest coefficients is taken
+        where the data do not decide.
+    scaled : the one parameter in which the torque is nearly, not quite, linear: it is searched like a nonlinear one,
+        with a coefficient of one, and the last fit's coefficient scales it.
+    timing : made of rates of change of the torque, so that the noise of derived accelerations is part of the columns.
+    vanishes_at : the parameter that says at which argument the torque is zero ("reference" of a temperature).
+    floats : where the torque is zero is not known from the data, because a constant is a correction of the friction.
+    widths : prior standard deviations of the coefficients, as multiples of what is usual; empty: all usual.
+    waves : (state, axis, nonlinear) -> waves in one radian of the joint, where a fast joint may outrun the sampling.
+    regime : (state, axis, source, nonlinear) -> values (...,) of the argument; the argument of `shape` by default.
     needs_source : the effect comes from another axis. whole_arm : it acts on all axes at once.
+    prior : robot -> prior standard deviations (k,) of the coefficients of an effect on the whole arm.
+    leading : how many of the first coefficients an effect on the whole arm is known by; 0: all.
+    writes : (content of a robot file, parameters) -> content in which the effect is part of the robot itself, for an
+        effect that is no entry of `effects`.
     sequential : depends on the order of samples; without an order it acts in its settled limit, with zero torque.
     identifiable : False where torque and position alone cannot show it at all (`reason` says why).
     """
@@ -66,10 +108,24 @@ class Effect:
     columns: AxisFunction | None
     parameters_of: Callable[[Parameters, np.ndarray], dict[str, float]] | None
     grid: Callable[[State, int], Sequence[Parameters]]
+    needs: tuple[str, ...] = ()
     shape: Callable[[State, int, Parameters], tuple[np.ndarray, np.ndarray]] | None = None
+    bend: Bend | None = None
     plain: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
+    alternatives: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
+    alike: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
+    scaled: str = ""
+    timing: bool = False
+    vanishes_at: str = ""
+    floats: bool = False
+    widths: tuple[float, ...] = ()
+    waves: Callable[[State, int, Parameters], float] | None = None
+    regime: AxisFunction | None = None
     needs_source: bool = False
     whole_arm: bool = False
+    prior: Callable[[Robot], np.ndarray] | None = None
+    leading: int = 0
+    writes: Callable[[dict[str, Any], Parameters], dict[str, Any]] | None = None
     sequential: bool = False
     identifiable: bool = True
     reason: str = ""
@@ -79,9 +135,51 @@ class Effect:
         """The name as it stands within a sentence: "wear: growing Coulomb friction", but "Stribeck friction"."""
         return self.name if self.name.startswith(_PEOPLE) else self.name[0].lower() + self.name[1:]
 
+    @property
+    def follows_time(self) -> bool:
+        """Whether the torque changes with time itself, so that it must hold for the time to come."""
+        return "time" in self.needs
+
     def complete(self, parameters: Parameters) -> dict[str, Any]:
         """Return `parameters` with defaults filled in."""
         return {**{p.name: p.default for p in self.parameters}, **parameters}
+
+    def possible(self, parameters: Parameters) -> bool:
+        """Return whether every parameter lies within its bounds: no friction that drives, no delay of a second."""
+        return all(p.lower <= parameters.get(p.name, p.default) <= p.upper for p in self.parameters)
+
+    def bounded(self, parameters: Parameters) -> dict[str, Any]:
+        """Return `parameters` moved to the nearest values that a robot file takes; tables are left alone."""
+        bounds = {p.name: p for p in self.parameters}
+        return {
+            name: float(np.clip(value, bounds[name].lower, bounds[name].upper)) if name in bounds else value
+            for name, value in parameters.items()
+        }
+
+    def unmet(self, state: State, axis: int) -> str:
+        """Return in words why `state` does not allow the effect on `axis` to be tried; empty where it does."""
+        if not self.identifiable:
+            return self.reason
+        for need in self.needs:
+            why = NEEDS[need](state, axis)
+            if why:
+                return why
+        return ""
+
+    def searched(self, nonlinear: Parameters) -> list[Parameter]:
+        """Return the nonlinear parameters that a search may move off the grid."""
+        known = {p.name: p for p in self.parameters}
+        if self.needs_source or self.whole_arm:
+            return []
+        return [known[name] for name in nonlinear if known[name].searched and not known[name].fixed]
+
+    def argument_of(self, state: State, axis: int, source: int | None, nonlinear: Parameters) -> tuple[np.ndarray, str]:
+        """Return values (...,) and unit of the argument of the torque; the position where it is no plain function."""
+        if self.regime is not None:
+            return self.regime(state, axis, source, nonlinear), self.argument_unit
+        if self.shape is not None:
+            return self.shape(state, axis, nonlinear)[1], self.argument_unit
+        return state.position[..., axis], "rad"
 
 
 def correction_torque(effect: Effect, state: State, axis: int, parameters: Parameters) -> np.ndarray | float:

@@ -1,5 +1,7 @@
 """Time derivatives and delays along ordered samples; zero for unordered ones."""
 
+from __future__ import annotations
+
 import numpy as np
 from scipy.signal import lfilter
 
@@ -46,28 +48,51 @@ def lagged(state: State, values: np.ndarray, lag: float, velocity: np.ndarray | 
     """Return `values` (m,) behind a first-order lag of time constant `lag` [s]; unchanged without an order.
 
     The lag is exact for values that are straight between samples or, where `velocity` (m,) is given, for values that
-    stay constant until the velocity, straight between samples, changes its sign. A record starts settled.
+    stay constant until the velocity, straight between samples, changes its sign. A record starts settled. A negative
+    lag is that of the record played backwards: the values run ahead.
     """
-    if state.record is None or lag <= 0:
+    if state.record is None or lag == 0:
         return values
     result = np.array(values, dtype=float)
     for part in record_slices(state):
-        t, x = state.time[part], result[part]
-        if len(t) < 2:
+        if part.stop - part.start < 2:
             continue
-        step = np.diff(t)
-        # Samples are evenly spaced but for jitter.
-        keep = float(np.exp(-np.median(step) / lag))
-        if velocity is None:
-            share = (1 - keep) * lag / np.median(step)
-            drive = (share - keep) * x[:-1] + (1 - share) * x[1:]
-            start = x[0] - lag * (x[1] - x[0]) / step[0]
+        t, x, v = state.time[part], result[part], None if velocity is None else velocity[part]
+        if lag > 0:
+            result[part] = _lagged(t, x, lag, v)
         else:
-            v = velocity[part]
-            turn = v[:-1] * v[1:] < 0
-            after = np.where(turn, np.abs(v[1:]) / np.maximum(np.abs(v[1:]) + np.abs(v[:-1]), 1e-300), 1.0) * step
-            rest = np.where(turn, np.exp(-after / lag), keep)
-            drive = (rest - keep) * x[:-1] + (1 - rest) * np.where(turn, x[1:], x[:-1])
-            start = x[0]
-        result[part] = np.concatenate([[start], lfilter([1.0], [1.0, -keep], drive, zi=[keep * start])[0]])
+            result[part] = _lagged(-t[::-1], x[::-1], -lag, None if v is None else v[::-1])[::-1]
     return result
+
+
+def _lagged(t: np.ndarray, x: np.ndarray, lag: float, v: np.ndarray | None) -> np.ndarray:
+    """Return one record (m,) behind a lag [s]."""
+    step = np.diff(t)
+    # Samples are evenly spaced but for jitter.
+    keep = float(np.exp(-np.median(step) / lag))
+    if v is None:
+        share = (1 - keep) * lag / np.median(step)
+        drive = (share - keep) * x[:-1] + (1 - share) * x[1:]
+        start = x[0] - lag * (x[1] - x[0]) / step[0]
+    else:
+        turn = v[:-1] * v[1:] < 0
+        after = np.where(turn, np.abs(v[1:]) / np.maximum(np.abs(v[1:]) + np.abs(v[:-1]), 1e-300), 1.0) * step
+        rest = np.where(turn, np.exp(-after / lag), keep)
+        drive = (rest - keep) * x[:-1] + (1 - rest) * np.where(turn, x[1:], x[:-1])
+        start = x[0]
+    return np.concatenate([[start], lfilter([1.0], [1.0, -keep], drive, zi=[keep * start])[0]])
+
+
+def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
+    """Return the nominal torque (m,) of one axis as it was `delay` [s] earlier; negative: as it will be."""
+    # Coulomb friction jumps between two samples: the instant of reversal comes from the velocity, which does not.
+    velocity, torque = state.velocity[..., axis], state.torque[..., axis]
+    smooth = delayed(state, torque - state.drive.coulomb(axis, velocity), delay)
+    return smooth + state.drive.coulomb(axis, delayed(state, velocity, delay))
+
+
+def smoothed_torque(state: State, axis: int, lag: float) -> np.ndarray:
+    """Return the nominal torque (m,) of one axis behind a first-order lag [s]; negative: ahead of it."""
+    velocity, torque = state.velocity[..., axis], state.torque[..., axis]
+    level = state.drive.coulomb(axis, velocity)
+    return lagged(state, torque - level, lag) + lagged(state, level, lag, velocity)

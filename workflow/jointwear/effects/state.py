@@ -12,13 +12,14 @@ from jointwear.robots.robot import Robot
 
 @dataclass(frozen=True)
 class Drive:
-    """Facts about the drives that an effect may need, each of shape (n,); joint side."""
+    """Facts that an effect may need: shape (n,), joint side; `gravity` (3,) [m/s2] in the base frame."""
 
     gear_ratio: np.ndarray
     armature: np.ndarray
     viscous: np.ndarray
     coulomb_positive: np.ndarray
     coulomb_negative: np.ndarray
+    gravity: np.ndarray
 
     def coulomb(self, axis: int, velocity: np.ndarray) -> np.ndarray:
         """Return the Coulomb friction [N m] of one axis at velocities (...,), 0 at rest."""
@@ -42,6 +43,10 @@ class State:
         are unordered and sequential effects act in their settled limit, that is with zero torque.
     tip_regressor : function without arguments that returns the derivative of the torque by the ten inertial
         parameters of a payload in the last link frame, shape (..., n, 10), or None.
+    gravity_regressor : function without arguments that returns the derivative of the torque by the vector of gravity
+        in the base frame, shape (..., n, 3), or None.
+    torque_kind : where the torque that is to be explained was taken: "motor", "command" or "link_sensor".
+    encoder_side : whether positions are those of the "motor" (or unknown), or of the "link".
     """
 
     position: np.ndarray
@@ -54,6 +59,9 @@ class State:
     drive: Drive
     record: np.ndarray | None = None
     tip_regressor: Callable[[], np.ndarray] | None = None
+    gravity_regressor: Callable[[], np.ndarray] | None = None
+    torque_kind: str = "motor"
+    encoder_side: str = "motor"
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
 
@@ -67,7 +75,6 @@ class State:
 
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""
-        regressor = self.tip_regressor
         return replace(
             self,
             position=self.position[chosen],
@@ -78,13 +85,25 @@ class State:
             time=self.time[chosen],
             temperature=self.temperature[chosen],
             record=None if self.record is None else self.record[chosen],
-            tip_regressor=None if regressor is None else lambda: regressor()[chosen],
+            tip_regressor=_part_of(self.tip_regressor, chosen),
+            gravity_regressor=_part_of(self.gravity_regressor, chosen),
         )
+
+
+def _part_of(regressor: Callable[[], np.ndarray] | None, chosen: np.ndarray) -> Callable[[], np.ndarray] | None:
+    return None if regressor is None else lambda: regressor()[chosen]
 
 
 def drive_of(robot: Robot) -> Drive:
     """Return the drive facts of `robot`."""
-    return Drive(robot.gear_ratio, robot.armature, robot.viscous, robot.coulomb_positive, robot.coulomb_negative)
+    return Drive(
+        robot.gear_ratio,
+        robot.armature,
+        robot.viscous,
+        robot.coulomb_positive,
+        robot.coulomb_negative,
+        robot.gravity,
+    )
 
 
 def make_state(
@@ -97,6 +116,7 @@ def make_state(
     temperature: np.ndarray | None = None,
     record: np.ndarray | None = None,
     tip_regressor: Callable[[], np.ndarray] | None = None,
+    gravity_regressor: Callable[[], np.ndarray] | None = None,
 ) -> State:
     """Build a :class:`State` for `robot`.
 
@@ -114,18 +134,18 @@ def make_state(
     elif np.shape(temperature) != shape:
         temperature = np.asarray(temperature, dtype=float)
         temperature = np.broadcast_to(temperature[..., None] if temperature.ndim < len(shape) else temperature, shape)
-    level = np.where(velocity > 0, robot.coulomb_positive, 0.0) + np.where(velocity < 0, robot.coulomb_negative, 0.0)
     return State(
         position=position,
         velocity=velocity,
         acceleration=acceleration,
         load=rigid_torque - robot.armature * acceleration,
-        torque=rigid_torque + robot.viscous * velocity + level,
+        torque=rigid_torque + robot.viscous * velocity + robot.coulomb(velocity),
         time=np.zeros(shape[:-1]) if time is None else np.broadcast_to(np.asarray(time, dtype=float), shape[:-1]),
         temperature=np.asarray(temperature, dtype=float),
         drive=drive_of(robot),
         record=record,
         tip_regressor=tip_regressor,
+        gravity_regressor=gravity_regressor,
     )
 
 

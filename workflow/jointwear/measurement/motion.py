@@ -16,6 +16,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
+from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 
@@ -25,6 +26,8 @@ HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 SLOW_SHARE, SLOW = 0.02, 0.02
 #: Shortest run of samples that a zero-phase filter is asked to handle.
 SHORTEST = 24
+#: Share of the rate at which a noise floor is read: the middle of the upper third of the band.
+FLOOR_AT = 5 / 12
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
 RESOLVED = 0.155
 #: A measured velocity agrees with the positions where it differs from their derivative by no more than noise x this.
@@ -40,7 +43,7 @@ class Measured:
     whose band ends there did. `rate` [Hz].
     `speed_floor` (n,) [rad/s] below which a joint counts as at rest. `band` [Hz] above which the torque was filtered
     away, infinite where it was left alone. `reach` (n,) [Hz] up to which the positions hold a signal, where
-    accelerations were derived; else None.
+    accelerations were derived; else None. `noise` is that of the accelerations.
     """
 
     time: np.ndarray
@@ -57,6 +60,7 @@ class Measured:
     band: float = np.inf
     reach: np.ndarray | None = None
     fitted: bool = False
+    noise: DerivedNoise | None = None
 
 
 def runs(trajectory: np.ndarray) -> list[slice]:
@@ -134,6 +138,15 @@ def measure(recording: Recording) -> Measured:
     acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
     source = position if velocity is None else velocity
     reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
+    signals = {2: position, 1: velocity, 0: acceleration}
+    orders = (0,) if acceleration is not None else (2,) if velocity is None else (2, 1)
+    densities = np.array([[noise_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders])
+    if orders == (2, 1):
+        # A velocity with a lower floor than the derivative of the positions has been made of them, and filtered.
+        made = densities[1] < (2 * np.pi * FLOOR_AT * rate) ** 2 * densities[0]
+        densities[1][made] = 0.0
+    if orders[0] == 2 and recording.encoder_step is not None:
+        densities[0] = np.maximum(densities[0], quantisation_density(recording.encoder_step, rate))
     for j in range(n):
         density, end = noise_floor([source[p, j] for p in pieces], rate)
         if velocity is None or acceleration is None:
@@ -225,6 +238,7 @@ def measure(recording: Recording) -> Measured:
         0.5 * out_rate if factor > 1 else np.inf,
         reach if derived else None,
         splines,
+        DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines),
     )
 
 

@@ -22,6 +22,9 @@ class Recording:
     position : (m, n) [rad]. torque : (m, n) on the joint side [N m].
     velocity, acceleration : (m, n) or None, then derived from the position.
     temperature : (m,) or (m, n) [degC], or None.
+    encoder_step : resolution of the positions [rad], or None where it is estimated from them.
+    torque_kind : what was logged as torque: that of the "motor" (from its current), the "command" of the controller,
+        or that of a "link_sensor" behind the gear. encoder_side : whether positions are of the "motor" or the "link".
     train, test : labels to learn from and to hold out; None takes the last fifth of the trajectories as test.
     """
 
@@ -35,6 +38,9 @@ class Recording:
     train: tuple[int, ...] | None = None
     test: tuple[int, ...] | None = None
     name: str = "recording"
+    encoder_step: float | None = None
+    torque_kind: str = "motor"
+    encoder_side: str = "motor"
 
     @property
     def joints(self) -> int:

@@ -92,6 +92,9 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         train=labels_of("train"),
         test=labels_of("test"),
         name=name,
+        encoder_step=None if entry.get("encoder_step") is None else float(entry["encoder_step"]),
+        torque_kind=entry.get("torque_kind") or "motor",
+        encoder_side=entry.get("encoder_side") or "motor",
     )
 
 
@@ -217,6 +220,9 @@ def write_recording(recording: Recording, path: str | Path, settings: Mapping[st
             variables[role] = Variable(("instant", "joint"), values, f"measured {role}", unit)
     attributes = provenance.attributes(f"measured data set {recording.name}, checked", settings)
     attributes |= {"dataset": recording.name, "train": list(recording.train), "test": list(recording.test)}
+    attributes |= {"torque_kind": recording.torque_kind, "encoder_side": recording.encoder_side}
+    if recording.encoder_step is not None:
+        attributes["encoder_step"] = recording.encoder_step
     write_dataset(path, variables, attributes)
 
 
@@ -225,10 +231,13 @@ def read_recording(path: str | Path) -> Recording:
     with open_dataset(path) as dataset:
         name = str(read_attribute(dataset, path, "dataset"))
         labels = [np.atleast_1d(read_attribute(dataset, path, k)) for k in ("train", "test")]
+        known = set(dataset.ncattrs()) & {"encoder_step", "torque_kind", "encoder_side"}
+        told = {k: getattr(dataset, k) for k in known}
     try:
         train, test = (tuple(int(x) for x in given) for given in labels)
     except (TypeError, ValueError):
         raise InputError(f"{path}: 'train' and 'test' must be numbers; delete it and run again") from None
+    step = told.get("encoder_step")
     found, _ = _from_netcdf(Path(path), {role: role for role in ROLES}, set())
     return Recording(
         time=found["time"],
@@ -241,4 +250,7 @@ def read_recording(path: str | Path) -> Recording:
         train=train,
         test=test,
         name=name,
+        encoder_step=None if step is None else float(step),
+        torque_kind=str(told.get("torque_kind", "motor")),
+        encoder_side=str(told.get("encoder_side", "motor")),
     )

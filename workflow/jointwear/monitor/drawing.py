@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import UTC, datetime
+from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +19,13 @@ MOST_POINTS = 360
 FEW_POINTS = 40
 
 
-def _time_axis(state: State) -> tuple[np.ndarray, str]:
+def _time_axis(state: State, zone: tzinfo) -> tuple[np.ndarray, str]:
     """Return where the windows are on the axis of time, and its label."""
     middle = (state.start + state.end) / 2
     if state.dated:
-        return np.array([datetime.fromtimestamp(t, tz=UTC).replace(tzinfo=None) for t in middle]), "time, UTC"
+        # Dates go to matplotlib as UTC, in which no hour comes twice; only the labels are in the zone.
+        moments = np.array([datetime.fromtimestamp(t, tz=UTC) for t in middle])
+        return moments, f"time, {getattr(zone, 'key', 'UTC')}"
     return (middle, "time of the logs [s]") if state.short else (middle / 3600, "time of the logs [h]")
 
 
@@ -38,10 +40,10 @@ def _thin(values: np.ndarray, std: np.ndarray, groups: list[np.ndarray]) -> tupl
     return mean, error
 
 
-def draw_timeline(state: State, name: str, output: str | Path) -> None:
-    """Draw an estimate of every axis over time, two standard deviations around it, baseline and alarms."""
+def draw_timeline(state: State, name: str, output: str | Path, zone: tzinfo = UTC) -> None:
+    """Draw an estimate of every axis over time in `zone`, with two standard deviations, baseline and alarms."""
     values, std, unit = state.estimates[name]
-    time, label = _time_axis(state)
+    time, label = _time_axis(state, zone)
     w, n = values.shape
     groups = np.array_split(np.arange(w), min(w, MOST_POINTS))
     at = time[[g[len(g) // 2] for g in groups]]
@@ -68,7 +70,7 @@ def draw_timeline(state: State, name: str, output: str | Path) -> None:
     panels[-1].set_xlabel(label)
     if state.dated:
         figure.autofmt_xdate(rotation=0, ha="center")
-        _date_labels(panels[-1])
+        _date_labels(panels[-1], zone)
     title = f"{name.replace('_', ' ')} of every axis over time"
     save(figure, output, title, f"{title}; {'; '.join(told)}.")
 
@@ -81,12 +83,12 @@ def _told(state: State, j: int, mean: np.ndarray) -> str:
     return f"axis {j + 1} from {known[0]:.3g} to {known[-1]:.3g}, {word}"
 
 
-def _date_labels(axes) -> None:
+def _date_labels(axes, zone: tzinfo) -> None:
     from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 
-    locator = AutoDateLocator(minticks=3, maxticks=8)
+    locator = AutoDateLocator(minticks=3, maxticks=8, tz=zone)
     axes.xaxis.set_major_locator(locator)
-    axes.xaxis.set_major_formatter(ConciseDateFormatter(locator))
+    axes.xaxis.set_major_formatter(ConciseDateFormatter(locator, tz=zone))
 
 
 def draw_temperature(state: State, name: str, axes_shown: Sequence[int], output: str | Path) -> None:
@@ -112,4 +114,4 @@ def draw_temperature(state: State, name: str, axes_shown: Sequence[int], output:
         axes.set_xlabel("temperature [°C]")
         axes.set_ylabel(f"[{unit}]")
     title = f"{name.replace('_', ' ')} over temperature"
-    save(figure, output, title, f"{title}, a point a window with two standard deviations.")
+    save(figure, output, title, f"{title}, one point per window with two standard deviations.")

@@ -168,11 +168,11 @@ def coulomb_estimates(sums: Sums, normal: Normal) -> tuple[np.ndarray, np.ndarra
     NaN where a window shows nothing. The standard deviation holds what the noise and the scatter of the normal
     windows tell; the error of the normal mean, common to all windows, is not in it (:attr:`Normal.weight`).
     """
-    raw, variance = _raw(sums, normal.held, normal.free, normal.variance)
+    raw, variance = column_estimate(sums, normal.held, normal.free, normal.variance)
     return raw - normal.mean[..., None, :], np.sqrt(variance * normal.spread[..., None, :])
 
 
-def _raw(
+def column_estimate(
     sums: Sums, held: np.ndarray, free: np.ndarray, pooled: np.ndarray, target: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return an estimate and the variance that white noise explains, NaN where unknown."""
@@ -199,7 +199,7 @@ def other_estimates(sums: Sums, normal: Normal, name: str) -> tuple[np.ndarray, 
     All columns are free; NaN where the motion does not tell them apart.
     """
     target, free = COLUMNS.index(name), np.ones_like(normal.free)
-    estimate, variance = _raw(sums, normal.held, free, normal.variance, target)
+    estimate, variance = column_estimate(sums, normal.held, free, normal.variance, target)
     clear = contrast(sums.gram, free, target)[1] > 0.02 * sums.gram[..., target, target]
     with np.errstate(invalid="ignore"):
         estimate = estimate - normal.held[..., None, :, target]
@@ -223,7 +223,7 @@ def learn_normal(sums: Sums, scale: np.ndarray, price: float = PRICE) -> Normal:
     held = pooled_fit(gram, moment, variance, scale)
     one = gram.reshape(-1, *gram.shape[-3:])[0]
     free = choose_free(one, price)
-    raw, white = _raw(sums, held, free, variance)
+    raw, white = column_estimate(sums, held, free, variance)
     good = np.isfinite(raw) & (white > 0)
     weight = np.where(good, 1.0 / np.where(good, white, 1.0), 0.0)
     total = weight.sum(axis=-2)

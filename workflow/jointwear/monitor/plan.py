@@ -6,8 +6,10 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import re
+import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from glob import glob, has_magic
@@ -21,6 +23,8 @@ from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 #: Keys of an entry that decide how a log is read; its windows depend on no other.
 READING_KEYS = ("variables", "units", "joints", "topic", "window", "dead_band")
+#: Where `learn_normal` leaves the robot file of a robot.
+LEARNED = "results/learned/{name}/robot.yaml"
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 
@@ -88,9 +92,14 @@ def find_logs(patterns: Iterable[str], where: str = "logs") -> list[str]:
                     "name the folder that it is in"
                 )
         found += known
-    # Files inside a bag's folder belong to the bag.
-    bags = {Path(m) for m in found if Path(m).is_dir()}
-    return sorted({m for m in found if not bags & set(Path(m).parents)}, key=_natural)
+    return in_order(found)
+
+
+def in_order(logs: Iterable[str]) -> list[str]:
+    """Return logs each once, numbers in names in their natural order; files inside a bag's folder belong to the bag."""
+    logs = set(logs)
+    bags = {Path(m) for m in logs if Path(m).is_dir()}
+    return sorted((m for m in logs if not bags & set(Path(m).parents)), key=_natural)
 
 
 def log_key(path: str) -> str:
@@ -99,14 +108,13 @@ def log_key(path: str) -> str:
     return f"{stem}-{hashlib.sha256(os.fsencode(path)).hexdigest()[:8]}"
 
 
-def check_robots(config: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Check the entries of ``monitor.robots`` and return the logs of every robot.
+def check_robots(config: Mapping[str, Any]) -> None:
+    """Check the entries of ``monitor.robots``, without looking for their logs.
 
     Raises
     ------
     InputError : one line naming the robot, the key and what is allowed.
     """
-    logs = {}
     read_once = cache(read_robot_file)  # a fleet shares its robot files
     for name, entry in config["monitor"]["robots"].items():
         where = f"monitor.robots.{name}"
@@ -141,12 +149,58 @@ def check_robots(config: Mapping[str, Any]) -> dict[str, list[str]]:
                     f"config: '{where}.baseline.until' is {baseline['until']!r}; allowed: ISO 8601, as "
                     "2026-01-15T00:00:00Z, or seconds for logs without a date"
                 ) from None
-        logs[name] = find_logs(entry["logs"], f"{where}.logs")
-    return logs
+
+
+def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict[str, str]]:
+    """Return the logs of every robot, and for every robot whose logs could not all be reached the reason.
+
+    A folder that cannot be reached concerns its robot alone: a call for many robots goes on without it.
+    """
+    logs, silent = {}, {}
+    for name, entry in config["monitor"]["robots"].items():
+        found: set[str] = set()
+        reasons = []
+        for pattern in entry["logs"]:
+            try:
+                found.update(find_logs([pattern], f"monitor.robots.{name}.logs"))
+            except InputError as error:
+                reasons.append(str(error))
+            except OSError as error:
+                reasons.append(f"config: 'monitor.robots.{name}.logs' holds '{pattern}': {error.strerror or error}")
+        logs[name] = in_order(found)
+        if reasons:
+            silent[name] = reasons[0]
+    return logs, silent
 
 
 def batches_of(logs: Sequence[str], entry: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return key -> logs of every batch: `files_per_job` logs are read by one job, named after its first."""
+    """Return key -> logs of every batch; about `files_per_job` logs are read by one job, named after its first.
+
+    A batch ends after a log whose name says so, one name in `files_per_job`: a log that is added or removed anywhere
+    changes the batch that it falls into and no other.
+    """
     size = int(entry.get("files_per_job", 1))
-    groups = [list(logs[k : k + size]) for k in range(0, len(logs), size)]
-    return {log_key(group[0]): group for group in groups}
+    groups: list[list[str]] = [[]]
+    for log in logs:
+        groups[-1].append(log)
+        if zlib.crc32(os.fsencode(log)) % size == 0:
+            groups.append([])
+    return {log_key(group[0]): group for group in groups if group}
+
+
+def model_file(name: str, entry: Mapping[str, Any]) -> str:
+    """Return the robot file that a robot is monitored with: what `learn_normal` wrote, if it has, else the entry's."""
+    learned = Path(LEARNED.format(name=name))
+    return learned.as_posix() if entry.get("use_learned", True) and learned.is_file() else entry["robot"]
+
+
+def surveyed_log(survey: str | Path, logs: Sequence[str]) -> str:
+    """Return the log that a robot's survey rests on: that of the file `survey` once there is one, else the first.
+
+    A log that sorts before all others, or one that is no longer kept, changes nothing of what was worked out before.
+    """
+    try:
+        kept = json.loads(Path(survey).read_text(encoding="utf-8")).get("log")
+    except (OSError, ValueError):
+        kept = None
+    return kept or logs[0]

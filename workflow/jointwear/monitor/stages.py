@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jointwear.files.errors import InputError
-from jointwear.files.storage import open_dataset
 from jointwear.measurement.formats import layout_of
-from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.assembly import Piece, assemble
+from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import window_seconds
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import read_survey, survey_log
-from jointwear.monitor.window_files import read_statistics, write_statistics
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
 
@@ -40,10 +37,8 @@ def survey_logs(log: str, robot: str | Path, entry: Mapping[str, Any], output: s
     survey_log(log, layout, model, window_seconds(entry.get("window", "1h")), entry.get("dead_band")).write(output)
 
 
-def accumulate_windows(
-    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], output: str | Path
-) -> list[str]:
-    """Turn a batch of logs into window statistics; return what was refused, which is told in the file too."""
+def log_pieces(logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any]) -> list[Piece]:
+    """Return the statistics of logs, each a piece of its own; a log that is refused is a piece that says so."""
     model = TorqueModel(load_robot(robot))
     layout, found = layout_of(entry, model.robot.joint_names), read_survey(survey)
     length = window_seconds(entry.get("window", "1h"))
@@ -51,54 +46,21 @@ def accumulate_windows(
     for log in logs:
         done = log_statistics(log, layout, model, found, length)
         pieces.append(Piece(log, done.statistics, done.first, done.last, done.refused))
-    whole = assemble(pieces)
-    more = {
-        "logs": json.dumps([p.log for p in pieces]),
-        "refused": json.dumps([list(p.refused) for p in pieces]),
-        "first": np.array([p.first for p in whole.pieces]),
-        "last": np.array([p.last for p in whole.pieces]),
-    }
-    write_statistics(whole.statistics, output, "statistics of the windows of a log", dict(entry), more)
+    return pieces
+
+
+def accumulate_windows(
+    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], output: str | Path
+) -> list[str]:
+    """Turn a batch of logs into window statistics; return what was refused, which is told in the file too."""
+    pieces = log_pieces(logs, survey, robot, entry)
+    write_pieces(pieces, output, entry)
     return [line for piece in pieces for line in piece.refused]
 
 
-def read_piece(path: str | Path) -> Piece:
-    """Read what :func:`accumulate_windows` wrote as one piece."""
-    statistics = read_statistics(path)
-    with open_dataset(path) as dataset:
-        logs, refused = json.loads(dataset.logs), json.loads(dataset.refused)
-        first, last = np.atleast_1d(dataset.first), np.atleast_1d(dataset.last)
-    told = tuple(line for lines in refused for line in lines)
-    with np.errstate(all="ignore"):
-        edges = (np.fmin.reduce(first), np.fmax.reduce(last))
-    return Piece(" + ".join(logs), statistics, float(edges[0]), float(edges[1]), told)
-
-
 def baseline_windows(statistics: WindowStatistics, baseline: Mapping[str, Any]) -> int:
-    """Return how many windows, from the first, are the baseline.
-
-    Raises
-    ------
-    InputError : if that is fewer than :data:`FEWEST_BASELINE`, or a date is given for logs without.
-    """
-    if "until" in baseline:
-        until = baseline["until"]
-        if isinstance(until, str):
-            if not statistics.dated:
-                raise InputError(
-                    f"config: 'baseline.until' is {until}, but the logs have no dates; give seconds of "
-                    "the log's clock, or 'windows'"
-                )
-            until = utc_seconds(until)
-        count = int(np.sum(statistics.end <= float(until)))
-        given = f"'baseline.until' leaves {count} windows"
-    else:
-        asked = int(baseline["windows"])
-        count = min(asked, statistics.windows)
-        given = f"'baseline.windows' is {asked}, the logs fill {statistics.windows} windows"
-    if count < FEWEST_BASELINE:
-        raise InputError(f"config: {given}; at least {FEWEST_BASELINE} are needed to know what is normal")
-    return count
+    """Return how many windows, from the first, end with the baseline; see :mod:`jointwear.monitor.baseline`."""
+    return choose_baseline(statistics, baseline).count
 
 
 def judge_windows(
@@ -120,12 +82,32 @@ def judge_windows(
     ------
     InputError : if no log could be used, or the baseline is too short.
     """
+    pieces = [piece for path in windows for piece in read_pieces(path)]
+    judge_pieces(pieces, robot, entry, state, alarms, name)
+
+
+def judge_pieces(
+    pieces: Sequence[Piece],
+    robot: str | Path,
+    entry: Mapping[str, Any],
+    state: str | Path,
+    alarms: str | Path,
+    name: str | None = None,
+) -> None:
+    """Judge the statistics of logs, in the order of the logs; see :func:`judge_windows`."""
     arm = load_robot(robot)
-    whole = assemble([read_piece(path) for path in windows])
+    whole = assemble(pieces)
     if not whole.statistics.windows:
         reasons = [line for p in whole.pieces for line in p.refused]
         raise InputError(f"no log could be used: {reasons[0] if reasons else 'they hold no samples'}")
-    baseline = baseline_windows(whole.statistics, entry["baseline"])
-    judgement = judge(whole.statistics, baseline, settings_of(arm, entry))
-    write_state(state, judgement, whole, baseline, arm, entry, name or arm.name)
+    kept = Path(state).parent / "baseline.nc"
+    statistics, baseline = with_kept_baseline(whole.statistics, entry["baseline"], kept)
+    keep_baseline(statistics, baseline, entry["baseline"], kept)
+    whole = replace(whole, statistics=statistics)
+    judgement = judge(statistics, baseline.mask, settings_of(arm, entry))
+    if baseline.words:
+        begin = float(statistics.start[0])
+        told = {"time": begin, "axes": [], "kind": "baseline", "words": baseline.words}
+        judgement = replace(judgement, findings=[told, *judgement.findings])
+    write_state(state, judgement, whole, baseline.count, arm, entry, name or arm.name)
     write_alarms(alarms, judgement.alarms, whole.statistics.dated)

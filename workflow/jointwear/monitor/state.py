@@ -21,6 +21,7 @@ from jointwear.files.text_files import replace_text
 from jointwear.monitor.assembly import History
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import Judgement
+from jointwear.monitor.records import Reason
 from jointwear.robots.robot import Robot
 
 ALARM_COLUMNS = (
@@ -91,6 +92,14 @@ def write_state(
         words = key.replace("_", " ")
         variables[key] = Variable(pair, values, words, unit)
         variables[f"{key}_std"] = Variable(pair, std, f"standard deviation of {words}", unit)
+    for k, end in enumerate(("", "_low", "_high")):
+        words = "hours to the limit at the last judged window; infinite where it may never be reached"
+        variables[f"hours_to_limit{end}"] = Variable(("axis",), judgement.hours_to_limit[:, k], words, "h")
+    variables["unjudged_reason"] = Variable(pair, judgement.reason, "why an axis is not judged", "1", kind="i4")
+    variables["unjudged_reason"].attributes.update(
+        flag_values=np.array([int(r) for r in Reason], dtype=np.int32),
+        flag_meanings=" ".join(r.name.lower() for r in Reason),
+    )
     pieces = history.pieces
     text = {
         "log": ([p.log for p in pieces], "log"),
@@ -108,6 +117,7 @@ def write_state(
         "dated": int(s.dated),
         "laid_end_to_end": int(history.shifted),
         "alarms": json.dumps(as_json(judgement.alarms)),
+        "findings": json.dumps(as_json(judgement.findings)),
     }
     write_dataset(path, variables, attributes)
 
@@ -121,7 +131,11 @@ def estimates_of(judgement: Judgement) -> dict[str, tuple[np.ndarray, np.ndarray
 
 @dataclass(frozen=True)
 class State:
-    """What :func:`write_state` wrote. Arrays (window, axis) unless stated; `estimates`: name -> (values, std, unit)."""
+    """What :func:`write_state` wrote. Arrays (window, axis) unless stated; `estimates`: name -> (values, std, unit).
+
+    `findings`: what is no alarm but must be told; `reason`: of :class:`~jointwear.monitor.records.Reason`;
+    `hours_to_limit` (axis, 3): median, low and high.
+    """
 
     name: str
     robot: str
@@ -139,6 +153,9 @@ class State:
     friction_speed: np.ndarray
     estimates: dict[str, tuple[np.ndarray, np.ndarray, str]]
     alarms: list[dict[str, Any]]
+    findings: list[dict[str, Any]]
+    reason: np.ndarray
+    hours_to_limit: np.ndarray
     logs: tuple[str, ...]
     refused: tuple[str, ...]
     first: np.ndarray
@@ -184,6 +201,9 @@ def read_state(path: str | Path) -> State:
             friction_speed=get("friction_speed"),
             estimates=estimates,
             alarms=json.loads(dataset.alarms),
+            findings=json.loads(dataset.findings),
+            reason=get("unjudged_reason"),
+            hours_to_limit=np.stack([get(f"hours_to_limit{end}") for end in ("", "_low", "_high")], axis=1),
             logs=tuple(str(x) for x in get("log")),
             refused=tuple(str(x) for x in get("log_refused")),
             first=get("log_first"),

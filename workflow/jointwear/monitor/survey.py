@@ -42,7 +42,7 @@ class Survey:
 
     `cutoff` [Hz] of the filter for what is derived; `dead_band` [rad/s]; `torque_reference` [N m]; `rate` [Hz];
     `dated`; `measured`: roles that the log has; `left`: share of the squared torque that the model leaves, or None;
-    `block` [s] of :class:`~jointwear.monitor.accumulate.WindowSettings`.
+    `block` [s] of :class:`~jointwear.monitor.accumulate.WindowSettings`; `log`: the log itself.
     """
 
     dated: bool
@@ -53,6 +53,7 @@ class Survey:
     measured: list[str]
     left: list[float | None]
     block: float
+    log: str = ""
 
     def write(self, path: str | Path) -> None:
         """Keep the survey as JSON."""
@@ -126,6 +127,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         measured=roles,
         left=left,
         block=_block_length(chunk, stretch, motion, model, dead_bands, length, rate),
+        log=str(path),
     )
 
 

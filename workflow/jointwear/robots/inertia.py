@@ -24,6 +24,12 @@ def inertial_regressor(dynamics: Dynamics, position, velocity, acceleration) -> 
     return result
 
 
+def gravity_regressor(robot: Robot, position: np.ndarray) -> np.ndarray:
+    """Return the derivative (m, n, 3) of the torques by gravity in the base frame, in which they are linear."""
+    pulls = [Dynamics(replace(robot, gravity=unit)).gravity_torque(position) for unit in np.eye(3)]
+    return np.stack(pulls, axis=-1)
+
+
 def link_frames(robot: Robot) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return rotation (3, 3) and origin (3,) of each link frame in its joint frame.
 
@@ -44,17 +50,20 @@ def _skew(c):
     return np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
 
 
-_SIX = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
+#: Order of the six entries of an inertia among the ten parameters: xx xy yy xz yz zz.
+SIX = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 
 
-def _unpack(mass, com, inertia) -> np.ndarray:
+def parameters_of_body(mass: float, com: np.ndarray, inertia: np.ndarray) -> np.ndarray:
+    """Return the ten parameters of a body from its mass, centre of mass (3,) and inertia (3, 3) about that."""
     about_origin = inertia + mass * _skew(com).T @ _skew(com)
-    return np.array([mass, *(mass * com), *(about_origin[i] for i in _SIX)])
+    return np.array([mass, *(mass * com), *(about_origin[i] for i in SIX)])
 
 
-def _matrix(six) -> np.ndarray:
+def matrix_of_six(six: np.ndarray) -> np.ndarray:
+    """Return the inertia matrix (3, 3) from its six entries among the ten parameters."""
     m = np.zeros((3, 3))
-    for value, (i, j) in zip(six, _SIX, strict=True):
+    for value, (i, j) in zip(six, SIX, strict=True):
         m[i, j] = m[j, i] = value
     return m
 
@@ -80,11 +89,11 @@ def to_joint_frame(robot: Robot, link: int) -> np.ndarray:
 
 def _moved(pi: np.ndarray, rotation: np.ndarray, origin: np.ndarray) -> np.ndarray:
     """Parameters about the origin of a frame at (rotation, origin), seen from the outer frame; linear in pi."""
-    mass, moment, inertia = pi[0], rotation @ pi[1:4], rotation @ _matrix(pi[4:]) @ rotation.T
+    mass, moment, inertia = pi[0], rotation @ pi[1:4], rotation @ matrix_of_six(pi[4:]) @ rotation.T
     # Steiner, linear in mass and first moment: I' = I + S(p)'S(mc) + S(mc)'S(p) + m S(p)'S(p).
     p, h = _skew(origin), _skew(moment)
     inertia = inertia + p.T @ h + h.T @ p + mass * p.T @ p
-    return np.array([mass, *(moment + mass * origin), *(inertia[i] for i in _SIX)])
+    return np.array([mass, *(moment + mass * origin), *(inertia[i] for i in SIX)])
 
 
 def prior_factor(robot: Robot, relative: float) -> np.ndarray:
@@ -97,21 +106,21 @@ def prior_factor(robot: Robot, relative: float) -> np.ndarray:
     columns = []
     for link, (mass, com, inertia) in enumerate(bodies(robot)):
         frame = to_joint_frame(robot, link)
-        base = np.concatenate([[mass], com, [inertia[i] for i in _SIX]])
+        base = np.concatenate([[mass], com, [inertia[i] for i in SIX]])
         moments = np.abs(np.diag(inertia))
         spread = np.empty(10)
         spread[0] = relative * mass
         spread[1:4] = relative * (np.abs(com) + 0.25 * np.linalg.norm(com))
         spread[4:] = [
             relative * (abs(inertia[i, j]) + (0.0 if i == j else 0.1 * np.sqrt(moments[i] * moments[j])))
-            for i, j in _SIX
+            for i, j in SIX
         ]
         for k in range(10):
             if spread[k] <= 0:
                 continue
             step = np.zeros(10)
             step[k] = spread[k]
-            up, down = (_unpack(b[0], b[1:4], _matrix(b[4:])) for b in (base + step, base - step))
+            up, down = (parameters_of_body(b[0], b[1:4], matrix_of_six(b[4:])) for b in (base + step, base - step))
             column = np.zeros(10 * robot.joints)
             column[10 * link : 10 * link + 10] = frame @ (up - down) / 2
             columns.append(column)
@@ -122,7 +131,7 @@ def mass_direction(robot: Robot, link: int) -> np.ndarray:
     """Return how the parameters (10 n,) change when mass and inertia of `link` grow by 100 %."""
     mass, com, inertia = bodies(robot)[link]
     direction = np.zeros(10 * robot.joints)
-    direction[10 * link : 10 * link + 10] = to_joint_frame(robot, link) @ _unpack(mass, com, inertia)
+    direction[10 * link : 10 * link + 10] = to_joint_frame(robot, link) @ parameters_of_body(mass, com, inertia)
     return direction
 
 
@@ -150,10 +159,10 @@ def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
     result = []
     for link, (mass, com, inertia) in enumerate(bodies(robot)):
         change = np.linalg.solve(to_joint_frame(robot, link), delta[10 * link : 10 * link + 10])
-        pi = _unpack(mass, com, inertia) + change
+        pi = parameters_of_body(mass, com, inertia) + change
         new_mass = float(max(pi[0], 0.0))
         new_com = pi[1:4] / pi[0] if pi[0] > 1e-9 else np.zeros(3)
-        about = _matrix(pi[4:]) - new_mass * _skew(new_com).T @ _skew(new_com)
+        about = matrix_of_six(pi[4:]) - new_mass * _skew(new_com).T @ _skew(new_com)
         if robot.links is not None:
             about = _of_a_body(about)
         result.append(
@@ -163,4 +172,16 @@ def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
                 "inertia": [float(about[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
             }
         )
+    return result
+
+
+def written_change(robot: Robot, delta: np.ndarray) -> np.ndarray:
+    """Return the change (10 n,) of the parameters that :func:`links_from_parameters` writes when asked for `delta`."""
+    result = np.zeros(10 * robot.joints)
+    nominal = bodies(robot)
+    for link, body in enumerate(links_from_parameters(robot, delta)):
+        xx, yy, zz, xy, yz, xz = body["inertia"]
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        new = parameters_of_body(body["mass"], np.array(body["com"]), inertia)
+        result[10 * link : 10 * link + 10] = to_joint_frame(robot, link) @ (new - parameters_of_body(*nominal[link]))
     return result

@@ -21,6 +21,8 @@ from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
 from jointwear.running.shipped import ROOT, shipped, shipped_glob
 
+#: Keys of `monitor` that a config may leave out.
+MONITOR_DEFAULTS: dict[str, Any] = {"robots": {}, "time_zone": "UTC", "stale_after": "72h", "notify": []}
 #: The experiment that comes with the workflow, and the user's own in the working directory.
 CONFIG = "config/config.yaml"
 _NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
@@ -142,7 +144,7 @@ def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict
     config = normalise_numbers(config, schema)
     config["reading"] = {a.name: config["reading"].get(a.name, a.default) for a in readings.ambiguities().values()}
     config.setdefault("discover", {}).setdefault("datasets", {})
-    config.setdefault("monitor", {}).setdefault("robots", {})
+    config["monitor"] = {**MONITOR_DEFAULTS, **config.get("monitor", {})}
     config = dict(beside_workflow(config))
     if config["report"]["replicate"] > config["replicates"]:
         raise InputError(

@@ -5,33 +5,66 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.errors import InputError
+from jointwear.files.errors import InputError, nearest
 from jointwear.files.registered import will_be_fetched
 from jointwear.files.regular_files import check_regular
 from jointwear.robots.robot_file import robot_sources
 
+_WRITTEN = re.compile(r"^(?:\./)?results/discover/([A-Za-z][A-Za-z0-9_]*)/robot\.yaml$")
+
+
+def written_for(robot: str | Path) -> str | None:
+    """Return the data set whose augmented robot a path stands for, None for any other robot file."""
+    found = _WRITTEN.match(str(robot))
+    return found.group(1) if found else None
+
 
 def check_datasets(config: Mapping[str, Any]) -> None:
-    """Check that the files named by every data set exist.
+    """Check that the files named by every data set exist, or are made by another data set of the config.
 
     Raises
     ------
     InputError : one line naming the data set, the key and the nearest file.
     """
-    for name, entry in config["discover"]["datasets"].items():
+    datasets = config["discover"]["datasets"]
+    for name, entry in datasets.items():
         for key in ("measured", "robot"):
+            made_for = written_for(entry[key]) if key == "robot" else None
+            if made_for in datasets:
+                _check_order(name, datasets)
+                continue
             if will_be_fetched(entry[key]):
                 continue
+            if made_for is not None and not Path(entry[key]).is_file():
+                raise InputError(
+                    f"config: 'discover.datasets.{name}.robot' is {entry[key]}, which does not exist, and the config "
+                    f"has no data set '{made_for}' that would make it{nearest(made_for, datasets)}"
+                )
             try:
                 if key == "measured" and Path(entry[key]).is_dir():
                     continue  # a bag
                 check_regular(entry[key])
             except InputError as error:
                 raise InputError(f"config: 'discover.datasets.{name}.{key}' is {error}") from None
+        if written_for(entry["robot"]) in datasets:
+            continue
         for path in robot_sources(entry["robot"])[1:]:
             if not Path(path).exists() and not will_be_fetched(path):
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
+
+
+def _check_order(name: str, datasets: Mapping[str, Any]) -> None:
+    """Refuse data sets whose robots wait for each other."""
+    seen = [name]
+    while (source := written_for(datasets[seen[-1]]["robot"])) in datasets:
+        if source in seen:
+            raise InputError(
+                f"config: 'discover.datasets.{name}.robot' is the robot that data set '{source}' makes, which waits "
+                f"for {' and '.join(seen)}; one of them needs a robot file of its own"
+            )
+        seen.append(source)

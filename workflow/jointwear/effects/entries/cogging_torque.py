@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import harmonics_bend
 from jointwear.effects.effect import Effect, Parameter
 
 
@@ -20,7 +21,7 @@ EFFECT = Effect(
     equation="A sin(k G q + phi)",
     parameters=(
         Parameter("amplitude", "N m", 0.0, 1e4, "A"),
-        Parameter("order", "1", 0.05, 400.0, "k, waves in one turn of the motor", 1.0),
+        Parameter("order", "1", 0.05, 400.0, "k, waves in one turn of the motor", 1.0, searched=False),
         Parameter("phase", "rad", -6.3, 6.3, "phi"),
     ),
     confused_with=("torque_constant_ripple",),
@@ -36,5 +37,8 @@ EFFECT = Effect(
         "phase": float(np.arctan2(c[1], c[0])),
     },
     grid=lambda state, axis: [{"order": float(k)} for k in range(1, 25)],
+    needs=("gear", "motor torque"),
+    bend=harmonics_bend(_columns),
+    waves=lambda state, axis, p: p["order"] * abs(float(state.drive.gear_ratio[axis])),
     shape=lambda state, axis, p: (np.ones(state.position.shape[:-1]), np.mod(_angle(state, axis, p), 2 * np.pi)),
 )

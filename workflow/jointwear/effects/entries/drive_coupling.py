@@ -2,13 +2,27 @@
 
 import numpy as np
 
-from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.effect import Bend, Effect, Parameter
+from jointwear.effects.tables import hats, knots_of
+
+#: Speed [rad/s] below which the shared drive may stick: its friction is then anything up to Coulomb friction.
+_STICKS = 0.02
+
+
+def _speed(state, axis, source, p):
+    return p["own"] * state.velocity[..., axis] + p["other"] * state.velocity[..., source]
 
 
 def _columns(state, axis, source, p):
     # The share of this axis in viscous friction and inertia is part of its own numbers in the robot file.
-    speed = p["own"] * state.velocity[..., axis] + p["other"] * state.velocity[..., source]
-    return np.stack([np.sign(speed), state.velocity[..., source], state.acceleration[..., source]], axis=-1)
+    speed = _speed(state, axis, source, p)
+    level = np.where(np.abs(speed) > _STICKS, np.sign(speed), 0.0)
+    return np.stack([level, state.velocity[..., source], state.acceleration[..., source]], axis=-1)
+
+
+def _bent(state, axis, source, p, knots):
+    speed = _speed(state, axis, source, p)
+    return np.sign(speed)[:, None] * hats(np.abs(speed), knots)
 
 
 EFFECT = Effect(
@@ -38,5 +52,7 @@ EFFECT = Effect(
         {"own": 1.0, "other": 1.0},
         {"own": 1.0, "other": -1.0},
     ],
+    bend=Bend(_bent, lambda state, axis, source, p, used: knots_of(np.abs(_speed(state, axis, source, p))[used], 5)),
+    regime=lambda state, axis, source, p: state.velocity[..., source],
     needs_source=True,
 )

@@ -2,11 +2,16 @@
 
 import numpy as np
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
 
 def _columns(state, axis, source, p):
     return (np.abs(state.velocity[..., axis]) ** p["exponent"] * state.direction[..., axis])[..., None]
+
+
+def _shape(state, axis, p):
+    return state.direction[..., axis], np.abs(state.velocity[..., axis])
 
 
 EFFECT = Effect(
@@ -26,5 +31,7 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "coefficient": float(c[0])},
     grid=lambda state, axis: [{"exponent": a} for a in (0.45, 0.6, 0.75, 1.4, 1.7, 2.0, 2.5, 3.0)],
-    shape=lambda state, axis, p: (state.direction[..., axis], np.abs(state.velocity[..., axis])),
+    shape=_shape,
+    bend=table_bend(_shape),
+    regime=lambda state, axis, source, p: state.velocity[..., axis],
 )

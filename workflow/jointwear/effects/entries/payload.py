@@ -1,20 +1,60 @@
 """A mass at the last link that the model does not know."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from jointwear.effects.effect import Effect, Parameter
+from jointwear.files.errors import InputError
+from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body
 
 _NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
+#: What a payload is likely to be: this share of the mass of the arm, at this lever [m].
+_SHARE, _LEVER = 0.05, 0.15
 
 
 def _columns(state, axis, source, p):
     if state.tip_regressor is None:
-        from jointwear.files.errors import InputError
-
         raise InputError(
             "a payload among the 'effects' needs the tip regressor; write it as 'payload' of the robot file"
         )
     return state.tip_regressor()
+
+
+def _prior(robot):
+    mass = _SHARE * sum(b[0] for b in bodies(robot))
+    return np.array([mass, *[mass * _LEVER] * 3, *[mass * _LEVER**2] * 6])
+
+
+def _numbers(parameters):
+    return np.array([parameters.get(name, 0.0) for name in _NAMES])
+
+
+def _body_of(content):
+    """Return mass, centre of mass and inertia about it of a body as a robot file has it; nothing for none."""
+    content = content or {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
+    xx, yy, zz, xy, yz, xz = content.get("inertia") or [0.0] * 6
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return float(content["mass"]), np.array(content["com"], dtype=float), inertia
+
+
+def _written(content, parameters):
+    """Return the body of a robot file that is the sum of `content` and a payload; the nearest that is a body."""
+    total = parameters_of_body(*_body_of(content)) + _numbers(parameters)
+    mass = float(total[0])
+    if mass <= 1e-9:
+        return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
+    com = total[1:4] / mass
+    about = matrix_of_six(total[4:]) - mass * (com @ com * np.eye(3) - np.outer(com, com))
+    moments, axes = np.linalg.eigh((about + about.T) / 2)
+    # A shade more than nothing, so that rounding makes no moment negative.
+    least = 1e-10 * max(float(moments[-1]), 0.0)
+    about = (axes * np.maximum(moments, least)) @ axes.T
+    return {
+        "mass": mass,
+        "com": [float(x) for x in com],
+        "inertia": [float(about[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
+    }
 
 
 EFFECT = Effect(
@@ -31,9 +71,14 @@ EFFECT = Effect(
     source="standard; e.g. Khalil and Dombre 2002",
     argument="pose",
     argument_unit="rad",
-    torque=lambda state, axis, source, p: _columns(state, axis, source, p) @ np.array([p[name] for name in _NAMES]),
+    torque=lambda state, axis, source, p: _columns(state, axis, source, p) @ _numbers(p),
     columns=_columns,
     parameters_of=lambda p, c: {**p, **dict(zip(_NAMES, map(float, c), strict=True))},
-    grid=lambda state, axis: [{}] if state.tip_regressor is not None else [],
+    grid=lambda state, axis: [{}],
+    needs=("tip",),
     whole_arm=True,
+    prior=_prior,
+    # Mass and first moments; the inertia of what a hand holds is hardly ever seen.
+    leading=4,
+    writes=lambda content, p: {**content, "payload": _written(content.get("payload"), p)},
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
 
@@ -13,6 +14,10 @@ def _columns(state, axis, source, p):
 def _torque(state, axis, source, p):
     angle = p["order"] * state.position[..., axis] + p["phase"]
     return p["amplitude"] * np.sin(angle) * state.direction[..., axis]
+
+
+def _shape(state, axis, p):
+    return state.direction[..., axis], state.position[..., axis]
 
 
 EFFECT = Effect(
@@ -37,5 +42,8 @@ EFFECT = Effect(
         "phase": float(np.arctan2(c[1], c[0])),
     },
     grid=lambda state, axis: [{"order": float(n)} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)],
-    shape=lambda state, axis, p: (state.direction[..., axis], state.position[..., axis]),
+    shape=_shape,
+    bend=table_bend(_shape, per_wave=8),
+    # On a short travel a slow wave of large amplitude looks like a fast one of small amplitude.
+    alike=lambda p: [{**p, "order": order} for order in (1.0, 1.5, 2.0, 3.0, 4.0)],
 )

@@ -1,9 +1,13 @@
 """Friction that builds up over a short travel after each reversal (Dahl's model)."""
 
 import numpy as np
+from scipy.optimize import nnls
 
-from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.effect import Bend, Effect, Parameter
 from jointwear.effects.state import record_slices
+
+#: Travels [rad] over which friction may build up.
+DISTANCES = (4e-3, 1.0)
 
 
 def bristle(position, direction, distance):
@@ -42,13 +46,37 @@ def _columns(state, axis, source, p):
     return column[..., None]
 
 
+#: Distances of further loops, as shares of that of the first, that bend the form together.
+_FACTORS = (0.3, 0.6, 1.7, 3.5)
+
+
+def _bent(state, axis, source, p, knots):
+    loops = [_columns(state, axis, source, {**p, "distance": f * p["distance"]}) for f in _FACTORS]
+    return np.concatenate(loops, axis=1)
+
+
+def _written(parameters, knots, coefficients):
+    """Return the loops, none of which may drive, whose sum builds up most like that of the fit."""
+    distances = parameters["distance"] * np.array([1.0, *_FACTORS])
+    allowed = np.clip(distances, DISTANCES[0], DISTANCES[1])
+    travel = np.linspace(0.0, 3.0 * distances.max(), 400)[:, None]
+    wanted = np.exp(-travel / distances) @ np.array([parameters["level"], *coefficients])
+    levels, _ = nnls(np.exp(-travel / allowed), wanted)
+    found = [
+        {**parameters, "level": float(level), "distance": float(distance)}
+        for level, distance in zip(levels, allowed, strict=True)
+        if level > 0
+    ]
+    return found or [{**parameters, "level": 0.0}]
+
+
 EFFECT = Effect(
     identifier="presliding_hysteresis",
     name="Pre-sliding hysteresis",
     equation="Fc (z - sign(v)), dz/dq = (1 - sign(v) z)/x0",
     parameters=(
         Parameter("level", "N m", 0.0, 1e4, "Fc, friction that builds up"),
-        Parameter("distance", "rad", 4e-3, 1.0, "x0, travel over which it builds up", 0.03),
+        Parameter("distance", "rad", *DISTANCES, "x0, travel over which it builds up", 0.03),
     ),
     confused_with=("actuation_delay", "stribeck_friction"),
     excitation="many reversals at different accelerations",
@@ -59,5 +87,7 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "level": float(c[0])},
     grid=lambda state, axis: [{"distance": float(x)} for x in np.geomspace(0.005, 0.16, 7)],
+    needs=("order",),
+    bend=Bend(_bent, None, _written),
     sequential=True,
 )

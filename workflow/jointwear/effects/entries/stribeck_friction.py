@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
 _SPEEDS = np.geomspace(0.025, 0.4, 8)
@@ -13,6 +14,10 @@ def _curve(state, axis, p):
 
 def _columns(state, axis, source, p):
     return (_curve(state, axis, p) * state.direction[..., axis])[..., None]
+
+
+def _shape(state, axis, p):
+    return state.direction[..., axis], np.abs(state.velocity[..., axis])
 
 
 EFFECT = Effect(
@@ -33,5 +38,7 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "excess": float(c[0])},
     grid=lambda state, axis: [{"speed": float(v), "exponent": d} for v in _SPEEDS for d in (1.0, 2.0)],
-    shape=lambda state, axis, p: (state.direction[..., axis], np.abs(state.velocity[..., axis])),
+    shape=_shape,
+    bend=table_bend(_shape),
+    regime=lambda state, axis, source, p: state.velocity[..., axis],
 )

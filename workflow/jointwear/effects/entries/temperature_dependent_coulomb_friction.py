@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.temperature import reference_temperature, temperature_shape, warming
 
@@ -19,6 +20,8 @@ def _grid(state, axis):
     reference = reference_temperature(state, axis)
     return [] if reference is None else [{"reference": reference, "scale": s} for s in (_STRAIGHT, 100.0, 40.0)]
 
+
+_SHAPE = temperature_shape(lambda state, axis: state.direction[..., axis])
 
 EFFECT = Effect(
     identifier="temperature_dependent_coulomb_friction",
@@ -41,5 +44,9 @@ EFFECT = Effect(
     parameters_of=lambda p, c: {**p, "slope": float(c[0])},
     grid=_grid,
     plain=lambda state, axis: _grid(state, axis)[:1],
-    shape=temperature_shape(lambda state, axis: state.direction[..., axis]),
+    needs=("temperature",),
+    shape=_SHAPE,
+    bend=table_bend(_SHAPE, 4),
+    vanishes_at="reference",
+    floats=True,
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.temperature import reference_temperature, temperature_shape, warming
 
@@ -15,6 +16,8 @@ def _grid(state, axis):
     reference = reference_temperature(state, axis)
     return [] if reference is None else [{"reference": reference, "scale": s} for s in (12.0, 30.0, 90.0)]
 
+
+_SHAPE = temperature_shape(lambda state, axis: state.velocity[..., axis])
 
 EFFECT = Effect(
     identifier="temperature_dependent_viscous_friction",
@@ -36,5 +39,9 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "coefficient": float(c[0])},
     grid=_grid,
-    shape=temperature_shape(lambda state, axis: state.velocity[..., axis]),
+    needs=("temperature",),
+    shape=_SHAPE,
+    bend=table_bend(_SHAPE, 4),
+    vanishes_at="reference",
+    floats=True,
 )

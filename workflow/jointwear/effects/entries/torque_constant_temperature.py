@@ -1,11 +1,12 @@
-"""Torque constant that falls as the magnets warm."""
+"""Torque constant, or gain of the torque measurement, that changes as magnets and electronics warm."""
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.temperature import reference_temperature, temperature_shape, warming
 
 
 def _columns(state, axis, source, p):
-    return (-warming(state, axis, p["reference"]) * state.torque[..., axis])[..., None]
+    return (warming(state, axis, p["reference"]) * state.torque[..., axis])[..., None]
 
 
 def _grid(state, axis):
@@ -13,12 +14,14 @@ def _grid(state, axis):
     return [] if reference is None else [{"reference": reference}]
 
 
+_SHAPE = temperature_shape(lambda state, axis: state.torque[..., axis])
+
 EFFECT = Effect(
     identifier="torque_constant_temperature",
     name="Temperature-dependent torque constant",
-    equation="-a (T - T0) tau",
+    equation="a (T - T0) tau; a torque constant that falls makes a torque computed from current rise, a > 0",
     parameters=(
-        Parameter("slope", "1/K", 0.0, 0.1, "a, fall of the gain per kelvin"),
+        Parameter("slope", "1/K", -0.1, 0.1, "a, growth of the measured torque per kelvin"),
         Parameter("reference", "degC", -50.0, 200.0, "T0, at which the gain is right", 25.0, fixed=True),
     ),
     confused_with=("temperature_dependent_viscous_friction", "temperature_dependent_coulomb_friction"),
@@ -30,5 +33,9 @@ EFFECT = Effect(
     columns=_columns,
     parameters_of=lambda p, c: {**p, "slope": float(c[0])},
     grid=_grid,
-    shape=temperature_shape(lambda state, axis: state.torque[..., axis]),
+    needs=("temperature",),
+    shape=_SHAPE,
+    bend=table_bend(_SHAPE, 4),
+    vanishes_at="reference",
+    floats=True,
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
 
@@ -48,6 +49,10 @@ def _plain(state, axis):
     return [{"start": start, "time_constant": 20.0 * span}] if span > 0 else []
 
 
+def _shape(state, axis, p):
+    return np.ones(np.shape(state.time)), state.time
+
+
 EFFECT = Effect(
     identifier="torque_offset_drift",
     name="Drifting torque offset",
@@ -70,5 +75,8 @@ EFFECT = Effect(
     parameters_of=_parameters_of,
     grid=_grid,
     plain=_plain,
-    shape=lambda state, axis, p: (np.ones(np.shape(state.time)), state.time),
+    shape=_shape,
+    bend=table_bend(_shape, 6),
+    needs=("time",),
+    floats=True,
 )

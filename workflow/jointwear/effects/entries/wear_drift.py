@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
 
@@ -29,6 +30,10 @@ def _plain(state, axis):
     return [{"start": start, "rate": 0.3 / span, "exponent": 1.0}] if span > 0 else []
 
 
+def _shape(state, axis, p):
+    return state.direction[..., axis], state.time
+
+
 EFFECT = Effect(
     identifier="wear_drift",
     name="Wear: growing Coulomb friction",
@@ -49,5 +54,8 @@ EFFECT = Effect(
     parameters_of=lambda p, c: {**p, "level": float(c[0])},
     grid=_grid,
     plain=_plain,
-    shape=lambda state, axis, p: (state.direction[..., axis], state.time),
+    shape=_shape,
+    bend=table_bend(_shape, 5),
+    needs=("time",),
+    floats=True,
 )

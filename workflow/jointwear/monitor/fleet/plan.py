@@ -1,13 +1,43 @@
-"""Which robots share a job. Read by the Snakefile at every call: nothing heavy is imported here."""
+"""Which robots share a job, and what the job depends on. Read by the Snakefile at every call: nothing heavy here."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from jointwear.monitor.plan import log_sources
 
 ROBOTS_PER_JOB = 50
 
 
 def batches(robots: Sequence[str], size: int = ROBOTS_PER_JOB) -> dict[str, list[str]]:
-    """Return robots by the name of their job, in order: `0000`, `0001` ..."""
-    starts = range(0, len(robots), size)
-    return {f"{index:04d}": list(robots[start : start + size]) for index, start in enumerate(starts)}
+    """Return robots by the name of their job, in order.
+
+    A job is named after its robots, so that the jobs of two configurations do not take each other for their own.
+    """
+    groups = [list(robots[start : start + size]) for start in range(0, len(robots), size)]
+    return {digest(group)[:12]: group for group in groups}
+
+
+def seen(logs: Sequence[str], reason: str = "") -> str:
+    """Return a digest of the logs as they are on disk (names, sizes, times) and of why some cannot be reached."""
+    return digest([[stamp_of(log) for log in logs], reason])
+
+
+def stamp_of(log: str) -> list[list[str | int]]:
+    """Return path, size and time of change of the files of a log; a file that is gone has none."""
+    stamps: list[list[str | int]] = []
+    for path in log_sources(log):
+        try:
+            found = Path(path).stat()
+            stamps.append([path, found.st_size, found.st_mtime_ns])
+        except OSError:
+            stamps.append([path])
+    return stamps
+
+
+def digest(content: Mapping | Sequence | str) -> str:
+    """Return a digest of what JSON can hold."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()

@@ -1,49 +1,113 @@
-"""Judge a batch of robots in one process; one robot that is refused does not stop the others."""
+"""Judge a batch of robots in one process; one robot that is refused, or breaks, does not stop the others."""
 
 from __future__ import annotations
 
-import csv
-import io
 import json
+import sys
 import time
+import traceback
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
-from jointwear.files.storage import open_dataset
 from jointwear.files.text_files import replace_text
-from jointwear.monitor.plan import READING_KEYS
-from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
+from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
+from jointwear.monitor.fleet.history import write_history
+from jointwear.monitor.fleet.plan import digest
+from jointwear.monitor.fleet.reading import Readings, code_of, model_of
+from jointwear.monitor.page import write_page
+from jointwear.monitor.stages import judge_pieces
+from jointwear.monitor.standing import NOTHING, standing
+from jointwear.monitor.state import read_state
 
-COLUMNS = ("robot", "result", "alarms", "axes_changed", "reason")
+#: Robots of a fleet up to which each gets a page; in a larger one those on which something is to be checked.
+PAGES = 50
+#: Files of a judgement, which a robot that is refused must not leave behind.
+JUDGEMENT = ("state.nc", "alarms.csv", "monitor.html", "history.parquet")
 
 
-def watch_robot(name: str, entry: Mapping[str, Any], logs: Sequence[str], folder: Path) -> dict[str, Any]:
-    """Survey, accumulate and judge the logs of one robot; files go to `folder`/`name`.
+def own_folder(folder: Path, name: str, entry: Mapping[str, Any]) -> Path:
+    """Return the folder of a robot: `folder`/`name`, made if it is not there.
 
-    Returns `robot`, `result` (judged or refused), `alarms`, `axes_changed` and `reason` (of a refusal).
+    A robot of the same name with other logs, of another configuration, has a folder of its own.
     """
-    own = folder / name
-    own.mkdir(parents=True, exist_ok=True)
-    reading = {key: entry[key] for key in READING_KEYS if key in entry}
-    row = {"robot": name, "result": "judged", "alarms": 0, "axes_changed": "", "reason": ""}
+    whose = digest(list(entry.get("logs", ())))
+    for own in (folder / name, folder / f"{name}_{whose[:8]}"):
+        mark = own / "whose.txt"
+        if not mark.exists() or mark.read_text(encoding="utf-8").strip() == whose:
+            break
+    replace_text(mark, whose + "\n")
+    return own
+
+
+def watch_robot(
+    name: str,
+    entry: Mapping[str, Any],
+    logs: Sequence[str],
+    folder: Path,
+    *,
+    unreachable: str = "",
+    time_zone: str | None = None,
+    page: bool = True,
+) -> dict[str, Any]:
+    """Read what is new of one robot and judge it; files go to `folder`/`name`.
+
+    Parameters
+    ----------
+    logs : that can be reached now, in order. unreachable : why some cannot; what was read of them before counts.
+    time_zone : of the page. page : whether a healthy robot has one too.
+
+    Returns
+    -------
+    dict : `robot`, `folder`, `result` (judged or refused), `reason` of a refusal or of logs that cannot be reached,
+        `logs_read` by this call, and what :func:`~jointwear.monitor.standing.standing` says.
+    """
+    own = own_folder(folder, name, entry)
+    row = {"robot": name, "folder": own.name, "result": "judged", "logs_read": 0, **NOTHING, "reason": unreachable}
+    readings = Readings(own)
     try:
-        survey_logs(logs[0], entry["robot"], reading, own / "survey.json")
-        accumulate_windows(logs, own / "survey.json", entry["robot"], reading, own / "windows.nc")
-        judge_windows([str(own / "windows.nc")], entry["robot"], entry, own / "state.nc", own / "alarms.csv")
+        row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows")) if logs else 0
+        if not readings.logs:
+            raise InputError(unreachable or "there is no log yet")
+        judging = [entry, model_of(entry["robot"]), readings.stamp, code_of("judge_windows"), code_of("watch_fleet")]
+        judged = digest([judging, time_zone, page])
+        if judged != readings.judged or not (own / "state.nc").is_file():
+            readings.judged = ""
+            judge_pieces(readings.pieces(), entry["robot"], entry, own / "state.nc", own / "alarms.csv", name)
+            state = read_state(own / "state.nc")
+            write_history(own / "history.parquet", state, name)
+            levels = {axis["level"] for axis in standing(state)["axes"]}
+            if page or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
+                write_page(own / "state.nc", own / "monitor.html", own / "figures", time_zone)
+            else:
+                (own / "monitor.html").unlink(missing_ok=True)
+            readings.judged = judged
+            readings.save()
+        row.update(standing(read_state(own / "state.nc")))
+        row["kept_logs"] = len(set(readings.logs) - set(logs))
+        row["page"] = "monitor.html" if (own / "monitor.html").is_file() else None
+        return row
     except InputError as error:
-        return {**row, "result": "refused", "reason": str(error)}
-    with (own / "alarms.csv").open(encoding="utf-8") as file:
-        row["alarms"] = sum(1 for _ in csv.DictReader(file))
-    with open_dataset(own / "state.nc") as state:
-        last = state["status"][-1]
-        row["axes_changed"] = " ".join(str(axis + 1) for axis, word in enumerate(last) if word == "changed")
-    return row
+        reason = str(error)
+    except Exception as error:  # a robot that breaks the library must not cost the others their judgement
+        traceback.print_exc(file=sys.stderr)
+        reason = f"internal error, please report it: {type(error).__name__}: {error}"
+    for file in JUDGEMENT:
+        (own / file).unlink(missing_ok=True)
+    refused = {"logs": len(logs), "refused_logs": len(logs)}
+    return {**row, **NOTHING, **refused, "result": "refused", "reason": " ".join(reason.split())}
 
 
 def watch_robots(
-    entries: Mapping[str, Mapping[str, Any]], logs: Mapping[str, Sequence[str]], folder: str | Path, output: str | Path
+    entries: Mapping[str, Mapping[str, Any]],
+    logs: Mapping[str, Sequence[str]],
+    folder: str | Path,
+    output: str | Path,
+    *,
+    unreachable: Mapping[str, str] | None = None,
+    time_zone: str | None = None,
+    robots: int | None = None,
 ) -> None:
     """Judge every robot of a batch and write what came out as JSON.
 
@@ -53,18 +117,17 @@ def watch_robots(
     logs : the logs of every robot, in order of time.
     folder : where each robot gets a folder of its own.
     output : the JSON file: `robots`, one row each, and `process_seconds`, the processor time of the judging alone.
+    unreachable : of robots whose logs cannot all be reached, why. time_zone : of the pages.
+    robots : number of robots of the whole fleet, which decides who has a page.
     """
     begin = time.process_time()
-    rows = [watch_robot(name, entry, logs[name], Path(folder)) for name, entry in entries.items()]
+    page = (robots or len(entries)) <= PAGES
+    silent = unreachable or {}
+    rows = []
+    for name, entry in entries.items():
+        told = silent.get(name, "")
+        rows.append(
+            watch_robot(name, entry, logs[name], Path(folder), unreachable=told, time_zone=time_zone, page=page)
+        )
     spent = time.process_time() - begin
     replace_text(output, json.dumps({"robots": rows, "process_seconds": round(spent, 3)}, indent=1) + "\n")
-
-
-def summarise_fleet(batches: Sequence[str | Path], output: str | Path) -> None:
-    """Write one CSV table of all robots: result, alarms, axes changed at the end, reason of a refusal."""
-    text = io.StringIO()
-    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    table.writeheader()
-    for path in batches:
-        table.writerows(json.loads(Path(path).read_text(encoding="utf-8"))["robots"])
-    replace_text(output, text.getvalue())

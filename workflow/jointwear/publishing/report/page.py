@@ -15,6 +15,7 @@ from jointwear.files.provenance import check_lineage
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report import origin
 from jointwear.publishing.report.assembly import Results, assemble
+from jointwear.publishing.report.first_screen import claims, left_out
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.rendering import render_chapters, render_page
 from jointwear.publishing.report.wording import summary
@@ -82,7 +83,9 @@ def write_report(
     """
     check_lineage(results.computed(), settings_behind(config))
     data = assemble(results, config)
+    further = {name: read_chapter(path) for name, path in (chapters or {}).items()}
     words = summary(data)
+    words |= {"claims": claims(data, words["statements"]), "left_out": left_out(data, further)}
     source = {"version": __version__, "commit": origin.commit(root), "packages": origin.versions()}
     kept = {k: v for k, v in data.items() if k not in ("rows", "assumptions", "paper")}
     content = {"summary": words, **kept, "seed": config["seed"], "source": source}
@@ -95,7 +98,7 @@ def write_report(
         "figure_files": {name: os.path.relpath(path, Path(output).parent) for name, path in figures.items()},
         "times": origin.rule_times(Path(root) / ".snakemake" / "metadata"),
         "pages": other_pages(Path(output).parent.parent),
-        **{name: read_chapter(path) for name, path in (chapters or {}).items()},
+        **further,
     }
     context["chapters"] = render_chapters(context)
     replace_text(numbers, json.dumps(as_json(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")

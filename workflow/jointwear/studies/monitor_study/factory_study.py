@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from jointwear.discovery.stages import decide_effects, ingest_recording
+from jointwear.discovery.stages import discover_dataset
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.files.text_files import replace_text
@@ -83,17 +83,12 @@ def discover_effects(factory: Factory, robot: str | Path, folder: Path) -> tuple
         place = folder / f"round_{turn}"
         place.mkdir(exist_ok=True)
         entry = {"measured": str(measured), "robot": str(current), "inertial_prior": 0.05}
-        recording, decision, augmented = place / "recording.nc", place / "decision.json", place / "robot.yaml"
-        ingest_recording(f"factory_{factory.scenario}", entry, current, recording)
-        decide_effects(
-            recording, current, entry, decision, augmented, place / "retuned.yaml", place / "evidence.nc"
-        )  # fmt: skip
-        decisions.append(json.loads(decision.read_text(encoding="utf-8")))
+        found = discover_dataset(f"factory_{factory.scenario}", entry, current, place)
+        decisions.append(found.data)
         if not decisions[-1]["effects"] and turn > 1:
             break
         current = place / "robot_of_bodies.yaml"
-        data = yaml.safe_load(augmented.read_text(encoding="utf-8"))
-        replace_text(current, yaml.safe_dump(of_bodies(data), sort_keys=False, width=120))
+        replace_text(current, yaml.safe_dump(of_bodies(found.augmented_robot), sort_keys=False, width=120))
     return decisions, current
 
 

@@ -1,0 +1,129 @@
+"""The fleet reads each log once, keeps what it read, and loses no robot to another."""
+
+import json
+import os
+
+import pytest
+from monitor_logs import ROBOT, START, columns, make_log, write_csv, write_parquet
+
+from jointwear.monitor.fleet import reading, watch
+from jointwear.monitor.fleet.plan import seen
+from jointwear.monitor.fleet.watch import watch_robot, watch_robots
+
+ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "12s", "baseline": {"windows": 8}}
+
+
+def day(folder, number, seconds=36.0, **scaled):
+    """A log of three windows."""
+    log = columns(make_log(seconds, seed=number, start=START + 60.0 * number))
+    return str(write_parquet(folder / f"day_{number:02d}.parquet", log))
+
+
+@pytest.fixture
+def logs(tmp_path):
+    (tmp_path / "logs").mkdir()
+    return [day(tmp_path / "logs", number) for number in range(4)]
+
+
+def watched(logs, folder, **more):
+    return watch_robot("arm", more.pop("entry", ENTRY), logs, folder / "robots", page=False, **more)
+
+
+def test_each_log_is_read_once(logs, tmp_path):
+    first = watched(logs, tmp_path)
+    assert (first["result"], first["logs_read"], first["windows"]) == ("judged", 4, 12)
+    state = (tmp_path / "robots/arm/state.nc").stat().st_mtime_ns
+    assert watched(logs, tmp_path)["logs_read"] == 0
+    assert (tmp_path / "robots/arm/state.nc").stat().st_mtime_ns == state, "nothing new, nothing judged"
+    logs.append(day(tmp_path / "logs", 4))
+    again = watched(logs, tmp_path)
+    assert (again["logs_read"], again["windows"]) == (1, 15)
+
+
+def test_a_log_that_sorts_first_costs_itself(logs, tmp_path):
+    watched(logs, tmp_path)
+    survey = (tmp_path / "robots/arm/survey.json").read_bytes()
+    early = columns(make_log(36.0, seed=9, start=START - 600.0))
+    logs.insert(0, str(write_parquet(tmp_path / "logs/a.parquet", early)))
+    assert watched(logs, tmp_path)["logs_read"] == 1
+    assert (tmp_path / "robots/arm/survey.json").read_bytes() == survey
+
+
+def test_a_log_that_changes_is_read_again(logs, tmp_path):
+    watched(logs, tmp_path)
+    day(tmp_path / "logs", 2, seconds=48.0)
+    found = watched(logs, tmp_path)
+    assert (found["logs_read"], found["windows"]) == (1, 13)
+
+
+def test_settings_of_the_judgement_read_nothing_and_those_of_reading_all(logs, tmp_path):
+    watched(logs, tmp_path)
+    assert watched(logs, tmp_path, entry=ENTRY | {"limits": {"coulomb_increase_percent": 30.0}})["logs_read"] == 0
+    assert watched(logs, tmp_path, entry=ENTRY | {"window": "6s", "baseline": {"windows": 8}})["logs_read"] == 4
+
+
+def test_what_was_read_of_logs_that_are_gone_counts_on(logs, tmp_path):
+    watched(logs, tmp_path)
+    found = watched(logs[2:], tmp_path)
+    assert (found["logs"], found["kept_logs"], found["windows"]) == (4, 2, 12)
+    lost = watched([], tmp_path, unreachable="config: there is no folder logs")
+    assert (lost["result"], lost["windows"], lost["kept_logs"]) == ("judged", 12, 4)
+    assert lost["reason"] == "config: there is no folder logs"
+
+
+def test_a_folder_that_was_never_reached_is_a_refusal_with_its_reason(tmp_path):
+    found = watched([], tmp_path, unreachable="config: there is no folder logs")
+    assert (found["result"], found["reason"]) == ("refused", "config: there is no folder logs")
+
+
+def test_many_small_files_become_one(logs, tmp_path, monkeypatch):
+    monkeypatch.setattr(reading, "SAVE_EVERY", 1)
+    monkeypatch.setattr(reading, "MOST_FILES", 2)
+    whole = watched(logs, tmp_path)
+    assert len(list((tmp_path / "robots/arm/windows").glob("*.nc"))) == 1
+    logs.append(day(tmp_path / "logs", 4))
+    assert watched(logs, tmp_path)["windows"] == whole["windows"] + 3
+
+
+def test_a_log_that_cannot_be_read_is_counted_and_stops_nothing(logs, tmp_path):
+    logs.append(str(write_csv(tmp_path / "logs/bad.csv", {"time": [0.0], "what": [1.0]})))
+    logs.insert(0, str(tmp_path / "logs/a_broken.parquet"))
+    (tmp_path / "logs/a_broken.parquet").write_bytes(b"PAR1")
+    found = watched(logs, tmp_path)
+    assert (found["result"], found["logs"], found["refused_logs"]) == ("judged", 6, 2)
+    assert any("bad.csv" in told for told in found["refusals"])
+
+
+def test_robots_of_one_name_and_different_logs_do_not_mix(logs, tmp_path):
+    ours = watched(logs, tmp_path)
+    theirs = watched(logs[:3], tmp_path, entry=ENTRY | {"logs": ["elsewhere/*"]})
+    assert ours["folder"] == "arm"
+    assert theirs["folder"].startswith("arm_")
+    assert watched(logs, tmp_path)["logs_read"] == 0
+
+
+def test_a_robot_that_breaks_does_not_stop_the_others(logs, tmp_path, monkeypatch, capsys):
+    judge = watch.judge_pieces
+
+    def broken(pieces, robot, entry, state, alarms, name):
+        if name == "two":
+            raise KeyError("nobody thought of this")
+        judge(pieces, robot, entry, state, alarms, name)
+
+    monkeypatch.setattr(watch, "judge_pieces", broken)
+    entries = dict.fromkeys(("one", "two", "three"), ENTRY)
+    watch_robots(entries, dict.fromkeys(entries, logs), tmp_path / "robots", tmp_path / "b.json", robots=1000)
+    rows = {row["robot"]: row for row in json.loads((tmp_path / "b.json").read_text())["robots"]}
+    assert [rows[name]["result"] for name in entries] == ["judged", "refused", "judged"]
+    assert "nobody thought of this" in rows["two"]["reason"]
+    assert "Traceback" in capsys.readouterr().err
+    assert not (tmp_path / "robots/two/alarms.csv").exists()
+
+
+def test_what_a_batch_has_seen_changes_with_its_logs_alone(logs, tmp_path):
+    before = seen(logs)
+    assert seen(logs) == before
+    os.utime(logs[0], ns=(1, 1))
+    assert seen(logs) != before
+    assert seen(logs, "lost") != seen(logs)
+    assert seen([*logs, str(tmp_path / "nowhere.nc")]) != seen(logs)

@@ -1,0 +1,174 @@
+"""The page, table, metrics and history of a fleet: urgency first, nothing refused or silent looks healthy."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pyarrow.parquet as parquet
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from prometheus_client.parser import text_string_to_metric_families
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.fleet.history import ESTIMATES, join_histories
+from jointwear.monitor.fleet.ranking import ORDER, as_of, ranked
+from jointwear.monitor.fleet.summary import summarise_fleet
+from jointwear.monitor.local_time import local_time, zone_of
+from jointwear.monitor.standing import NOTHING
+from jointwear.monitor.words import outlook_words
+
+NOW = 1_767_225_600.0
+DAY = 86400.0
+
+
+def axis(number=1, level=HEALTHY, **more):
+    calm = {"reached": False, "growth": 0.1, "growth_std": 0.1, "limit": 20.0, "hours": None, "quantity": "",
+            "change": None, "unit": "", "since": None, "alarms": 0, "check": ""}  # fmt: skip
+    if level in (CHANGED, UNRESOLVED):
+        calm |= {"quantity": "coulomb friction", "since": NOW - DAY, "alarms": 3, "check": "check the gear"}
+    return {"axis": number, "joint": f"joint_{number}", "level": level, **calm, **more}
+
+
+def robot(name, *axes, **more):
+    found = {"robot": name, "folder": name, "result": "judged", "logs": 10, "windows": 240, "last_sample": NOW - 3600,
+             "rhythm_hours": 24.0, "window_hours": 1.0, "dated": True, "axes": list(axes) or [axis()]}  # fmt: skip
+    return {**NOTHING, **found, **more}
+
+
+FLEET = [
+    robot("calm"),
+    robot("worn", axis(2, CHANGED, growth=12.0, hours=[200.0, 90.0, None])),
+    robot("sooner", axis(3, CHANGED, growth=9.0, hours=[80.0, 40.0, 400.0])),
+    robot("done", axis(1, CHANGED, growth=23.0, hours=[0.0, 0.0, 0.0], reached=True)),
+    robot("broken", result="refused", reason="degrees <b>", axes=[], refused_logs=10),
+    robot("odd", axis(2, UNRESOLVED)),
+    robot("silent", last_sample=NOW - 5 * DAY),
+    robot("still", axis(1, UNJUDGED), unjudged_logs=10, unjudged_windows=240),
+]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fleet")
+    (folder / "batch.json").write_text(json.dumps({"robots": FLEET}))
+    names = ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json")
+    files = (folder / name for name in names)
+    (folder / "outbox.json").write_text(json.dumps({"told": {}, "waiting": [{"channel": "shift"}] * 2}))
+    more = {"time_zone": "America/New_York", "now": NOW, "outbox": folder / "outbox.json"}
+    summarise_fleet([folder / "batch.json"], folder / "robots", *files, **more)
+    return folder
+
+
+def test_the_most_urgent_robot_comes_first(built):
+    text = (built / "index.html").read_text()
+    order = re.findall(r"<h3>(?:<a [^>]*>)?(\w+)", text)
+    assert order == ["done", "sooner", "worn", "broken", "odd", "silent", "still"]
+    assert "7 of 8 robots to look at" in text
+    assert "limit not before Sun 2026-01-04" in text
+    assert "limit reached" in text
+    assert "degrees &lt;b&gt;" in text
+    assert "2025-12-31 19:00 EST" in text
+    assert "shift 2" in text
+    assert "silent for 5 days" in text
+
+
+def test_the_table_counts_what_was_refused_stale_or_not_judged(built):
+    with (built / "fleet.csv").open() as file:
+        rows = {row["robot"]: row for row in csv.DictReader(file)}
+    assert list(rows) == ["done", "sooner", "worn", "broken", "odd", "silent", "still", "calm"]
+    assert (rows["broken"]["urgency"], rows["broken"]["refused_logs"]) == ("refused", "10")
+    assert (rows["silent"]["stale_logs"], rows["silent"]["stale_windows"]) == ("5", "120")
+    assert (rows["still"]["unjudged_logs"], rows["still"]["unjudged_windows"]) == ("10", "240")
+    assert (rows["still"]["urgency"], rows["still"]["axes_unjudged"]) == (UNJUDGED, "1")
+    assert (rows["worn"]["hours_to_limit_low"], rows["worn"]["hours_to_limit_high"]) == ("90.0", "")
+    assert rows["calm"]["what_to_check"] == ""
+
+
+def test_metrics_are_what_prometheus_reads(built):
+    found = {}
+    for family in text_string_to_metric_families((built / "metrics.prom").read_text()):
+        for sample in family.samples:
+            found[sample.name, *sorted(sample.labels.values())] = sample.value
+    assert found["jointwear_axis_coulomb_growth_ratio", "2", "joint_2", "worn"] == 0.12
+    assert found["jointwear_axis_hours_to_limit", "2", "high", "joint_2", "worn"] == np.inf
+    assert found["jointwear_robot_urgency", "broken", "refused"] == 1
+    assert found["jointwear_robot_stale_logs", "silent"] == 5
+    assert found["jointwear_run_timestamp_seconds",] == NOW
+
+
+def test_an_empty_history_is_a_table_all_the_same(built, tmp_path):
+    table = parquet.read_table(built / "history.parquet")
+    assert table.num_rows == 0
+    assert {"robot", "axis", "end", "status", *ESTIMATES} <= set(table.column_names)
+    (tmp_path / "x.parquet").write_bytes(b"PAR1")
+    with pytest.raises(InputError, match=r"x\.parquet: is no history"):
+        join_histories([tmp_path / "x.parquet"], tmp_path / "all.parquet")
+    assert not (tmp_path / "all.parquet").exists()
+
+
+def test_a_broken_batch_is_named(tmp_path):
+    (tmp_path / "b.json").write_text("[]")
+    files = [tmp_path / name for name in "cpmhr"]
+    with pytest.raises(InputError, match=r"b\.json"):
+        summarise_fleet([tmp_path / "b.json"], tmp_path / "robots", *files)
+
+
+@given(
+    st.lists(st.sampled_from([HEALTHY, CHANGED, UNRESOLVED, UNJUDGED]), min_size=1, max_size=6),
+    st.floats(0, 2000),
+    st.integers(0, 3),
+    st.booleans(),
+)
+def test_healthy_means_that_nothing_is_known_against_it(levels, silence, refused, judged):
+    axes = [axis(k + 1, level) for k, level in enumerate(levels)]
+    more = {} if judged else {"result": "refused", "axes": []}
+    row = robot("x", *axes, logs=3, refused_logs=refused, last_sample=NOW - 3600 * silence, **more)
+    found = as_of(row, NOW)
+    fine = judged and silence <= 72 and refused < 3 and HEALTHY in levels and not {CHANGED, UNRESOLVED} & set(levels)
+    assert (found["urgency"] == HEALTHY) == fine
+    assert (found["stale_windows"] > 0) == (found["stale_logs"] > 0) == (silence > 72)
+    assert found["urgency"] in ORDER
+
+
+@given(st.permutations(FLEET))
+def test_the_order_of_the_config_does_not_matter(rows):
+    assert ranked([as_of(r, NOW) for r in rows]) == ranked([as_of(r, NOW) for r in FLEET])
+
+
+@pytest.mark.parametrize(
+    ("hours", "words"),
+    [
+        (None, ""),
+        ([0.0, 0.0, 0.0], "limit reached"),
+        ([30.0, 10.0, None], "limit not within 10 h"),
+        ([None, 100.0, None], "limit not within 4 days"),
+        ([None, None, None], "no limit in sight"),
+        ([30.0, 10.0, 100.0], "limit in 30 h (10 h to 4 days)"),
+    ],
+)
+def test_forecasts_in_words(hours, words):
+    assert outlook_words({"dated": False, "last_sample": 0.0}, {"hours": hours}, zone_of(None)) == words
+
+
+def test_times_are_local_and_say_so():
+    berlin = zone_of("Europe/Berlin")
+    assert local_time(1_774_746_000.0, berlin) == "2026-03-29 03:00 CEST"
+    assert local_time(1_774_742_400.0, berlin) == "2026-03-29 01:00 CET"
+    with pytest.raises(InputError, match="did you mean 'Europe/Berlin'"):
+        zone_of("Europe/Berln")
+
+
+def test_the_board_asks_for_metrics_that_there_are(built, root):
+    board = json.loads((root / "config/examples/grafana_fleet.json").read_text())
+    asked = {
+        name
+        for panel in board["panels"]
+        for target in panel["targets"]
+        for name in re.findall(r"jointwear_\w+", target["expr"])
+    }
+    there = set(re.findall(r"^# TYPE (\w+)", (built / "metrics.prom").read_text(), re.MULTILINE))
+    assert asked - {"jointwear_messages_waiting"} <= there
+    assert len(asked) >= 8

@@ -1,0 +1,167 @@
+"""Learning a robot's own model from the logs of its baseline: what is read, which programs, what is handed on."""
+
+import json
+from contextlib import nullcontext
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from monitor_logs import ROBOT, START, columns, layout, make_log, model, write_csv, write_parquet
+
+from jointwear.discovery.written_robot import WrittenRobot
+from jointwear.files.errors import InputError
+from jointwear.monitor.learned import stage
+from jointwear.monitor.learned.gather import Piece, baseline_pieces
+from jointwear.monitor.learned.programs import programs_of
+from jointwear.monitor.learned.selection import HELD_OUT, MOST_PIECES, choose, recording_of
+from jointwear.monitor.learned.stage import dropped, learn_normal, steady, worse
+from jointwear.monitor.plan import model_file
+from jointwear.robots.robot import load_robot
+
+ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "1h", "baseline": {"windows": 10}}
+
+
+def hourly(folder, count, temperature=None, seconds=5.0, friction=1.0, name="log"):
+    """One log an hour, its Coulomb friction `friction` times the model's."""
+    paths, robot = [], model().robot
+    level = (robot.coulomb_positive - robot.coulomb_negative) / 2
+    for hour in range(count):
+        # Another part of the cycle each time.
+        log = make_log(seconds + 7.0 * (hour % 5), seed=hour, noise=0.01)
+        log = log.part(log.time >= log.time[-1] - seconds)
+        torque = log.torque + (friction - 1) * level * np.sign(log.velocity)
+        log = replace(log, time=log.time - log.time[0] + START + 3600.0 * hour, torque=torque)
+        table = columns(log, "position", "velocity", "acceleration", "torque")
+        if temperature is not None:
+            table["temperature"] = np.full(len(log.time), temperature(hour))
+        paths.append(str(write_parquet(folder / f"{name}_{hour:02d}.parquet", table)))
+    return paths
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("baseline")
+    return hourly(folder, 14, lambda hour: 20.0 + hour % 7, friction=1.3)
+
+
+def test_the_baseline_ends_where_the_entry_says(logs):
+    for baseline, count in (
+        ({"windows": 10}, 10),
+        ({"until": "2026-01-01T06:00:00Z"}, 6),
+        ({"until": START + 6 * 3600}, 6),
+        ({"from": "2026-01-01T02:00:00Z", "until": "2026-01-01T06:00:00Z"}, 4),
+        ({"windows": 100}, 14),
+    ):
+        pieces, refused = baseline_pieces(logs, layout(), ENTRY | {"baseline": baseline})
+        assert (len(pieces), refused) == (count, [])
+    assert pieces[3].warmth == 23.0
+
+
+def test_a_log_that_cannot_be_read_is_told_and_left(logs, tmp_path):
+    bad = str(write_csv(tmp_path / "bad.csv", {"time": [0.0], "what": [1.0]}))
+    pieces, refused = baseline_pieces([bad, *logs], layout(), ENTRY)
+    assert len(pieces) == 10
+    assert len(refused) == 1
+    assert "bad.csv" in refused[0]
+
+
+def test_undated_logs_whose_clock_starts_anew_follow_each_other(tmp_path):
+    paths = []
+    for k in range(4):
+        paths.append(str(write_parquet(tmp_path / f"{k}.parquet", columns(make_log(12.0, seed=k)))))
+    pieces, _ = baseline_pieces(paths, layout(), ENTRY | {"window": "12s"})
+    assert [round(p.begin) for p in pieces] == [0, 12, 24, 36]
+
+
+def path(centre, phase, length=1.0, n=3):
+    angle = np.linspace(phase, phase + 2 * np.pi * length, 300)
+    return np.stack([centre + np.cos(angle + j) for j in range(n)], axis=1)
+
+
+@given(st.lists(st.tuples(st.sampled_from([0.0, 4.0, 9.0]), st.floats(0, 6.28)), min_size=2, max_size=12))
+@settings(max_examples=30, deadline=None)
+def test_pieces_over_one_path_are_one_program_wherever_they_begin(drawn):
+    label = programs_of([path(centre, phase) for centre, phase in drawn])
+    for a, (one, _) in enumerate(drawn):
+        for b, (other, _) in enumerate(drawn):
+            assert (label[a] == label[b]) == (one == other)
+    assert np.sum(label == 0) == np.bincount(label).max()
+
+
+def test_parts_of_a_cycle_are_joined_by_what_they_share():
+    parts = [path(0.0, phase, 0.5) for phase in np.arange(0, 6.2, 0.8)]
+    assert set(programs_of([*parts, path(5.0, 0.0)])) == {0, 1}
+    assert programs_of([np.zeros((50, 3))] * 2).tolist() == [0, 0]
+    assert programs_of([]).tolist() == []
+
+
+def test_what_is_learnt_from_spans_the_temperatures(logs):
+    pieces, _ = baseline_pieces(logs, layout(), ENTRY | {"baseline": {"windows": 14}})
+    many = [replace_begin(p, k) for k in range(4) for p in pieces]
+    chosen = choose(many)
+    assert len(chosen) <= MOST_PIECES < len(many)
+    assert {min(p.warmth for p in chosen), max(p.warmth for p in chosen)} == {20.0, 26.0}
+    assert [p.begin for p in chosen] == sorted(p.begin for p in chosen)
+    recording = recording_of(chosen, "arm")
+    assert not set(recording.train) & set(recording.test)
+    assert len(recording.test) >= len(chosen) // HELD_OUT
+    assert recording.velocity is not None
+    assert recording.temperature.shape == recording.position.shape
+
+
+def replace_begin(piece, day):
+    return Piece(piece.log, replace(piece.chunk, time=piece.chunk.time + 86400.0 * day))
+
+
+def test_a_robot_learns_its_friction_and_the_monitor_takes_it(logs, tmp_path, monkeypatch):
+    told = learn_normal("arm", ENTRY, tmp_path / "results/learned/arm", logs)
+    assert told["adopted"] in ("augmented", "retuned")
+    assert told["programs"][0]["temperature"] == [20.0, 26.0]
+    learnt, given_arm = load_robot(tmp_path / "results/learned/arm/robot.yaml"), model().robot
+    moving = [0, 1, 2]
+    ratio = (learnt.coulomb_positive / given_arm.coulomb_positive)[moving]
+    assert np.abs(ratio - 1.3).max() < 0.1
+    assert np.nanmax(np.array(told["error"]["augmented"][0][:3]) / told["error"]["given"][0][:3]) < 0.7
+    assert json.loads((tmp_path / "results/learned/arm/verdict.json").read_text())["dataset"] == "arm"
+    monkeypatch.chdir(tmp_path)
+    assert model_file("arm", ENTRY) == "results/learned/arm/robot.yaml"
+    assert model_file("arm", ENTRY | {"use_learned": False}) == str(ROBOT)
+    assert model_file("other", ENTRY) == str(ROBOT)
+
+
+def test_a_model_that_follows_any_axis_worse_is_not_handed_on(logs, tmp_path, monkeypatch):
+    (tmp_path / "robot.yaml").write_text("an earlier one")
+
+    found = SimpleNamespace(
+        verdict="retuned",
+        problem=SimpleNamespace(measured=None),
+        files={kind: WrittenRobot({"effects": []}, None) for kind in stage.KINDS},
+        to_json=lambda: "{}",
+    )
+    monkeypatch.setattr(stage, "discover", lambda recording, arm: found)
+    monkeypatch.setattr(WrittenRobot, "robot", lambda self: nullcontext())
+    errors = iter([[np.array([1.0, 1.0])], [np.array([0.5, 1.2])], [np.array([0.7, 1.1])]])
+    monkeypatch.setattr(stage, "_errors", lambda *_: next(errors))
+    assert learn_normal("arm", ENTRY, tmp_path, logs)["adopted"] == "given"
+    assert not (tmp_path / "robot.yaml").exists()
+
+
+def test_too_short_a_baseline_is_refused(logs, tmp_path):
+    with pytest.raises(InputError, match=r"monitor\.robots\.arm.*holds 3 uninterrupted pieces"):
+        learn_normal("arm", ENTRY, tmp_path, logs[:3])
+
+
+def test_effects_that_follow_time_are_not_handed_on():
+    effects = [{"effect": "wear_drift", "axis": 2}, {"effect": "stribeck_friction", "axis": 1}]
+    file = WrittenRobot({"name": "arm", "effects": effects}, None)
+    assert [e["effect"] for e in steady(file).data["effects"]] == ["stribeck_friction"]
+    assert dropped(file) == ["wear_drift of axis 2"]
+
+
+def test_worse_means_on_any_axis_and_no_motion_says_nothing():
+    given_arm = [np.array([1.0, np.nan])]
+    assert worse([np.array([1.1, np.nan])], given_arm)
+    assert not worse([np.array([0.2, np.nan])], given_arm)

@@ -1,0 +1,235 @@
+"""Messages: each alarm once and its end too, nothing lost to a service that is down, no secret in what is kept."""
+
+import json
+import socketserver
+import threading
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, HTTPServer
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.notify.channels import blot
+from jointwear.monitor.notify.notices import Notice, notices
+from jointwear.monitor.notify.outbox import Outbox
+from jointwear.monitor.notify.plan import check_channels
+from jointwear.monitor.notify.stage import notify
+
+SECRET = "Zk4-topsecret"
+HOUR = 1_767_225_600.0
+
+
+def episode(axis=3, active=True, detector="model", key="3|coulomb friction|model|"):
+    return {
+        "key": key, "axis": axis, "quantity": "coulomb friction", "detector": detector, "first": HOUR, "last": HOUR,
+        "alarms": 2, "open": active, "change": 1.0, "change_low": 0.5, "change_high": 1.5, "unit": "N m",
+    }  # fmt: skip
+
+
+def axis_row(level="changed"):
+    return {
+        "axis": 3, "joint": "elbow", "level": level, "reached": False, "growth": 7.5, "growth_std": 0.5, "limit": 20.0,
+        "hours": [100.0, 50.0, None], "quantity": "coulomb friction", "change": 1.0, "unit": "N m", "since": HOUR,
+        "alarms": 2, "check": "check the gear",
+    }  # fmt: skip
+
+
+def robot(*episodes, name="cell_3", **more):
+    return {
+        "robot": name, "folder": name, "result": "judged", "reason": "", "stale": False, "silence_hours": 1.0,
+        "dated": True, "last_sample": HOUR, "axes": [axis_row()], "episodes": list(episodes), **more,
+    }  # fmt: skip
+
+
+class Desk:
+    """A fleet on disk and the calls of `notify` on it."""
+
+    def __init__(self, folder, channels):
+        self.folder, self.channels = folder, channels
+
+    def call(self, *rows, **more):
+        (self.folder / "rows.json").write_text(json.dumps({"robots": rows}))
+        files = (self.folder / name for name in ("outbox.json", "messages.prom"))
+        return notify(self.folder / "rows.json", self.channels, *files, now=HOUR, **more)
+
+    @property
+    def kept(self):
+        return "".join(path.read_text() for path in self.folder.iterdir())
+
+
+@contextmanager
+def serving(server):
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
+    thread.start()
+    try:
+        yield server
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
+class Mail(socketserver.StreamRequestHandler):
+    """As much of SMTP as a client needs."""
+
+    def handle(self):
+        self.wfile.write(b"220 here\r\n")
+        while line := self.rfile.readline():
+            verb = line[:4].upper()
+            if verb == b"DATA":
+                self.wfile.write(b"354 go on\r\n")
+                lines = iter(self.rfile.readline, b".\r\n")
+                self.server.mails.append(b"".join(lines).decode())
+            self.wfile.write(b"221 bye\r\n" if verb == b"QUIT" else b"250 ok\r\n")
+            if verb == b"QUIT":
+                return
+
+
+class Hook(BaseHTTPRequestHandler):
+    """Keeps what is posted; answers with the server's status."""
+
+    def do_POST(self):
+        self.server.posts.append(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
+        self.send_response(self.server.status)
+        self.end_headers()
+
+    def log_message(self, *words):
+        pass
+
+
+@contextmanager
+def web():
+    with serving(HTTPServer(("127.0.0.1", 0), Hook)) as server:
+        server.posts, server.status = [], 200
+        yield server
+
+
+def test_an_alarm_goes_to_a_webhook_once_and_its_end_too(tmp_path, monkeypatch):
+    with web() as server:
+        monkeypatch.setenv("HOOK", f"json://127.0.0.1:{server.server_port}/{SECRET}")
+        desk = Desk(tmp_path, [{"name": "hook", "env": "HOOK"}])
+        assert desk.call(robot(episode()), time_zone="Europe/Berlin") == []
+        assert desk.call(robot(episode())) == []
+        assert desk.call(robot()) == []
+        assert desk.call(robot()) == []
+    first, last = [post["message"] for post in server.posts]
+    assert "ALARM  cell_3, axis 3 (elbow): coulomb friction; Coulomb friction +7.5 % now, limit 20 %" in first
+    assert "limit not before Sat 2026-01-03" in first
+    assert "first alarm 2026-01-01 01:00 CET" in first
+    assert last == "ENDED  cell_3, axis 3 (elbow): resolved"
+    assert SECRET not in desk.kept
+
+
+def test_an_alarm_goes_out_by_mail(tmp_path):
+    with serving(socketserver.ThreadingTCPServer(("127.0.0.1", 0), Mail)) as server:
+        server.mails = []
+        address = f"mailto://127.0.0.1:{server.server_address[1]}?from=robots@example.org&to=shift@example.org"
+        (tmp_path / "address").mkdir()
+        (tmp_path / "address/mail").write_text(f"# the shift\n{address}\n")
+        (tmp_path / "desk").mkdir()
+        desk = Desk(tmp_path / "desk", [{"name": "mail", "file": str(tmp_path / "address/mail")}])
+        assert desk.call(robot(episode())) == []
+        assert desk.call(robot(episode())) == []
+    assert len(server.mails) == 1
+    assert "Robot wear: 1 new" in server.mails[0].replace("_", " ").replace("=3A", ":")
+    assert "shift@example.org" not in desk.kept
+
+
+def test_a_service_that_is_down_loses_nothing_and_stops_nothing(tmp_path, monkeypatch):
+    with web() as server:
+        monkeypatch.setenv("HOOK", f"json://127.0.0.1:{server.server_port}/{SECRET}")
+        desk = Desk(tmp_path, [{"name": "lost", "env": "NOT_SET"}, {"name": "hook", "env": "HOOK"}])
+        server.status = 500
+        failed = desk.call(robot(episode()))
+        assert [line.split(":")[0] for line in failed] == ["lost", "hook"]
+        assert "environment variable NOT_SET is not set" in failed[0]
+        assert SECRET not in "".join(failed)
+        assert 'jointwear_messages_waiting{channel="hook"} 1.0' in desk.kept
+        desk.call(robot())
+        server.status, server.posts = 200, []
+        failed = desk.call(robot())
+    assert [line.split(":")[0] for line in failed] == ["lost"]
+    assert ["ALARM" in server.posts[0]["message"], "ENDED" in server.posts[1]["message"]] == [True, True]
+    waiting = json.loads((tmp_path / "outbox.json").read_text())["waiting"]
+    assert [message["channel"] for message in waiting] == ["lost", "lost"]
+    assert 'jointwear_messages_waiting{channel="hook"} 0.0' in desk.kept
+
+
+def test_friction_that_comes_back_by_itself_is_told_as_such_and_again_when_it_returns(tmp_path):
+    said = []
+    desk = Desk(tmp_path, [{"name": "x", "env": "X"}])
+    for active in (True, False, False, True):
+        desk.call(robot(episode(active=active)), send=lambda channel, message: said.append(message["body"]) or "")
+    assert [body.split()[0] for body in said] == ["ALARM", "ENDED", "AGAIN"]
+    assert "no event says why" in said[1]
+
+
+def test_a_robot_that_is_refused_has_not_recovered(tmp_path):
+    said = []
+    desk = Desk(tmp_path, [{"name": "x", "env": "X"}])
+    refused = robot(result="refused", reason="the folder is gone", axes=[])
+    for row in (robot(episode()), refused, refused, robot(episode())):
+        desk.call(row, send=lambda channel, message: said.append(message["body"]) or "")
+    assert [body.split()[0] for body in said] == ["ALARM", "ALARM", "ENDED"]
+    assert "refused: the folder is gone" in said[1]
+    assert said[2] == "ENDED  cell_3: resolved"
+
+
+def test_channels_hear_of_their_robots_and_the_paper_repeats_nothing(tmp_path):
+    said = []
+    desk = Desk(tmp_path, [{"name": "x", "env": "X", "robots": ["a"]}, {"name": "y", "env": "Y"}])
+    paper = episode(detector="paper", key="3|torque histogram|paper|")
+    rows = [robot(episode(), paper, name="a"), robot(paper, name="b")]
+    desk.call(*rows, send=lambda channel, message: said.append((channel["name"], message["title"])) or "")
+    assert said == [("x", "Robot wear: 1 new"), ("y", "Robot wear: 2 new")]
+    assert len(notices(rows, zone_of(None))) == 2
+
+
+def test_a_broken_outbox_is_not_thrown_away(tmp_path):
+    (tmp_path / "outbox.json").write_text("{")
+    with pytest.raises(InputError, match="messages may wait in it"):
+        Desk(tmp_path, []).call(robot())
+    assert (tmp_path / "outbox.json").read_text() == "{"
+
+
+@given(st.lists(st.tuples(st.frozensets(st.integers(1, 4)), st.booleans()), max_size=12))
+@settings(max_examples=60, deadline=None)
+def test_what_was_heard_is_what_is(history):
+    """However services fail, a channel that is reached at last knows every alarm that is there, each told once."""
+    box, heard = Outbox("/dev/null"), []
+    box.save = lambda: None
+    for keys, up in [*history, (frozenset(), True)]:
+        found = [Notice(f"r|{key}", "r", f"axis {key}", "words") for key in sorted(keys)]
+        box.note("x", found, {"r"}, 0.0)
+        box.deliver(["x"], lambda _, message, up=up: heard.extend(message["body"].splitlines()) or "" if up else "down")
+        if up:
+            open_now = [line.split(":")[0].split("  ")[1] for line in heard if line.startswith("ALARM")]
+            for line in heard:
+                if line.startswith("ENDED"):
+                    open_now.remove(line.split(":")[0].split("  ")[1])
+            assert sorted(open_now) == [f"axis {key}" for key in sorted(keys)]
+            assert not box.waiting
+
+
+def test_secrets_are_blotted_out():
+    told = blot(f"https://hooks.example.org/{SECRET}/x refused user bob99", [f"slack://bob99@{SECRET}/x"])
+    assert SECRET not in told
+    assert "bob99" not in told
+
+
+@pytest.mark.parametrize(
+    ("channel", "words"),
+    [
+        ({"name": "a"}, "either by 'env'"),
+        ({"name": "a", "env": "A", "file": "b"}, "either by 'env'"),
+        ({"name": "a", "env": "A", "robots": ["cell_4"]}, "did you mean 'cell_3'"),
+    ],
+)
+def test_a_wrong_channel_is_named(channel, words):
+    with pytest.raises(InputError, match=words):
+        check_channels({"notify": [channel], "robots": {"cell_3": {}}})
+    with pytest.raises(InputError, match="given twice"):
+        check_channels({"notify": [{"name": "a", "env": "A"}] * 2, "robots": {}})

@@ -1,0 +1,97 @@
+"""What monitoring costs end to end, on logs of the simulated shop floor.
+
+Ten robots of both types with a month of logs each are judged by one call of ``snakemake fleet``; a new day of logs
+arrives for all of them; the logs of one robot around the clock (720,000 samples) are read and judged in a process of
+their own. Writing the logs is not counted. Prints JSON; `largest_mib` is that of the largest process.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from jointwear.studies.shop_floor.cell import draw_cell
+from jointwear.studies.shop_floor.log_files import write_fleet, write_robot_logs
+from jointwear.studies.shop_floor.month import DAYS
+
+ROOT = Path(__file__).resolve().parents[2]
+ROBOTS, SAMPLES, FIRST_DAYS = 10, 720_000, DAYS - 1
+#: A process that reads and judges the logs of one robot, and prints processor seconds, samples and memory [MiB].
+ALONE = """
+import json, resource, sys, time
+from pathlib import Path
+import yaml
+from jointwear.monitor.fleet.watch import watch_robot
+config, name = sys.argv[1:3]
+entry = yaml.safe_load(Path(config).read_text())["monitor"]["robots"][name]
+logs = sorted(str(p) for pattern in entry["logs"] for p in Path().glob(pattern))
+begin, clock = time.process_time(), time.perf_counter()
+row = watch_robot(name, entry, logs, Path("alone"))
+print(json.dumps({"seconds": round(time.perf_counter() - clock, 2), "processor": round(time.process_time() - begin, 2),
+    "mib": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024), "result": row["result"]}))
+"""
+
+
+def fleet(folder: Path) -> float:
+    """Run `snakemake fleet` in a folder and return its seconds."""
+    command = [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "--directory", str(folder)]
+    begin = time.perf_counter()
+    done = subprocess.run(
+        [*command, "--cores", "2", "--configfile", str(folder / "fleet.yaml"), "--quiet", "all", "--", "fleet"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        sys.exit(done.stderr[-4000:])
+    return time.perf_counter() - begin
+
+
+def main() -> None:
+    """Measure and print."""
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        write_fleet(folder, "choose", range(ROBOTS), days=range(FIRST_DAYS))
+        whole = fleet(folder)
+        again = fleet(folder)
+        for index in range(ROBOTS):
+            cell = draw_cell("choose", index)
+            write_robot_logs(cell, folder / "logs" / cell.name, range(FIRST_DAYS, DAYS))
+        day = fleet(folder)
+        steady = draw_cell("choose", 1)
+        count, days = 0, 0
+        while count < SAMPLES:
+            chosen = (steady.logged // 24) == days
+            count, days = count + int(steady.samples[chosen].sum()), days + 1
+        write_fleet(folder / "one", "choose", [1], days=range(days))
+        environment = {**os.environ, "PYTHONPATH": str(ROOT / "workflow")}
+        done = subprocess.run(
+            [sys.executable, "-c", ALONE, "fleet.yaml", steady.name],
+            cwd=folder / "one", env=environment, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode:
+            sys.exit(done.stderr[-4000:])
+        alone = json.loads(done.stdout.splitlines()[-1])
+    print(
+        json.dumps(
+            {
+                "robots": ROBOTS,
+                "fleet_seconds": round(whole, 1),
+                "nothing_new_seconds": round(again, 1),
+                "new_day_seconds": round(day, 1),
+                "samples": count,
+                "samples_seconds": alone["seconds"],
+                "samples_processor_seconds": alone["processor"],
+                "samples_result": alone["result"],
+                "largest_mib": max(alone["mib"], round(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024)),
+            }
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,128 @@
+"""Put a model back, axis by axis, where it predicts records left out worse than the robot that was given.
+
+A fit may buy a better likelihood with parameters that make slow torque worse, or that hold for the records it has
+seen. A robot file is used for motion to come: on no axis may it be worse than the one it replaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from jointwear.discovery.linear import Term
+from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import White
+
+#: Time in motion [s] from which a record is asked by itself.
+ASKED_ALONE = 5.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """Something that can be given up: what it is in words, and its terms."""
+
+    words: str
+    terms: tuple[Term, ...]
+
+    def taken_off(self, terms: list[Term]) -> list[Term]:
+        """Return `terms` without those of this step."""
+        return [t for t in terms if not any(t is own for own in self.terms)]
+
+
+def left_out_ratio(white: White, terms: list[Term]) -> np.ndarray:
+    """Return the RMS error [N m] of a model on records left out in turn over that of the given robot, (n,).
+
+    It is that over all records or that of the worst record, whichever is larger: what helps in most records and
+    harms in one is not a better robot. Records of a few seconds are too short to be asked one by one. Axes that
+    cannot be judged get 0.
+    """
+    sizes = [len(t.std) for t in terms]
+    edges = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+    total = int(edges[-1])
+    precision = np.concatenate([1.0 / t.std**2 for t in terms]) if terms else np.zeros(0)
+    parts: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    raw: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+    targets = white.raw_targets()
+    for axis, y in enumerate(white.targets):
+        if not len(y):
+            continue
+        active = [i for i, t in enumerate(terms) if axis in t.blocks]
+        where = np.concatenate([np.arange(edges[i], edges[i + 1]) for i in active] or [np.zeros(0, int)])
+        design = np.concatenate([terms[i].blocks[axis] for i in active] or [np.zeros((len(y), 0))], axis=1)
+        seen = np.concatenate([terms[i].raw[axis] for i in active] or [np.zeros((len(y), 0))], axis=1)
+        label = white.folds(axis)
+        raw[axis] = (seen, where, label)
+        for record in np.unique(label):
+            rows = label == record
+            gram, right = parts.setdefault(int(record), (np.zeros((total, total)), np.zeros(total)))
+            gram[np.ix_(where, where)] += design[rows].T @ design[rows]
+            right[where] += design[rows].T @ y[rows]
+    whole = sum(g for g, _ in parts.values()), sum(r for _, r in parts.values())
+    square: dict[int, list[tuple[float, float, bool]]] = {axis: [] for axis in raw}
+    for record, (gram, right) in parts.items():
+        theta = cho_solve(cho_factor(whole[0] - gram + np.diag(precision)), whole[1] - right) if total else right
+        for axis, (seen, where, label) in raw.items():
+            rows = label == record
+            given = targets[axis][rows]
+            left = given - seen[rows] @ theta[where]
+            alone = rows.sum() >= ASKED_ALONE * white.problem.measured.rate
+            square[axis].append((float(left @ left), float(given @ given), alone))
+    ratio = np.zeros(len(white.targets))
+    for axis, found in square.items():
+        if found:
+            both = [*(record[:2] for record in found if record[2]), tuple(np.sum(found, axis=0)[:2])]
+            ratio[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in both)
+    return ratio
+
+
+def put_back(
+    white: White, terms: list[Term], steps: dict[int, list[Step]], model: str
+) -> tuple[list[Term], tuple[FallBack, ...]]:
+    """Give up parts of a model until no axis is predicted worse than by the given robot.
+
+    Parameters
+    ----------
+    steps : 0-based axis -> what can be given up for its sake, the least loss first.
+    model : name of the model in the verdict.
+
+    Returns
+    -------
+    the terms that are kept, and what was given up and why.
+    """
+    limit = white.problem.settings.not_worse
+    kept, given_up = list(terms), []
+    ratio = left_out_ratio(white, kept)
+    while True:
+        bad = [j for j in np.argsort(-ratio) if ratio[j] > limit]
+        chosen = next(((int(j), s) for j in bad if (s := _best_step(white, kept, steps, int(j), ratio[j]))), None)
+        if chosen is None:
+            return kept, tuple(given_up)
+        axis, step = chosen
+        given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
+        kept = step.taken_off(kept)
+        ratio = left_out_ratio(white, kept)
+
+
+def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axis: int, ratio: float) -> Step | None:
+    """Return the first step that mends an axis, else the one that helps most, else all at once; None if none is left.
+
+    Parameters
+    ----------
+    ratio : error of the model as it is over that of the given robot.
+    """
+    everything = Step("everything of this joint as given", tuple(t for s in steps.get(axis, []) for t in s.terms))
+    best: tuple[float, Step] | None = None
+    for step in steps.get(axis, []):
+        rest = step.taken_off(kept)
+        if len(rest) == len(kept):
+            continue
+        after = float(left_out_ratio(white, rest)[axis])
+        if after <= white.problem.settings.not_worse:
+            return step
+        if best is None or after < best[0]:
+            best = (after, step)
+    if best is None:
+        return None
+    return best[1] if best[0] < ratio else everything

@@ -1,0 +1,288 @@
+"""From estimates to the entries of the verdict: named effects, wrong parameters, what is left, what cannot be told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from jointwear.discovery.candidates import LINK_MASS, Candidate, scan
+from jointwear.discovery.estimation import Estimate, Final
+from jointwear.discovery.identifiability import Visible
+from jointwear.discovery.linear import Fit, gain
+from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.problem import FRICTION, Problem
+from jointwear.discovery.verdict import (
+    Gap,
+    Lost,
+    NamedEffect,
+    NotIdentifiable,
+    NotTried,
+    PeakTorque,
+    Quantity,
+    Regime,
+    Retuned,
+    Structure,
+    Suspect,
+    Verdict,
+)
+from jointwear.effects import get_effect, library
+from jointwear.files.json_values import six_digits
+from jointwear.robots.inertia import bodies
+
+_FRICTION_UNITS = ("N m", "N m", "N m s/rad", "kg m2")
+#: Entries of lists that a reader looks through: unexplained structure, candidates that came close.
+LONGEST_LIST = 12
+
+
+def make_verdict(
+    name: str,
+    final: Final,
+    seen: list[Visible],
+    torques: Mapping[str, np.ndarray],
+    restrictions: list[str],
+) -> Verdict:
+    """Put names, parameters, what is left and what cannot be told into one verdict.
+
+    Parameters
+    ----------
+    seen : what the motion can show. torques : (m, n) [N m] of the nominal, retuned and augmented model.
+    """
+    outcome, problem = final.outcome, final.outcome.problem
+    effects = sorted((_named_effect(final, e) for e in final.estimates), key=lambda e: -e.evidence_nats)
+    retuned = [] if outcome.white is None else _retuned(final)
+    left = outcome.unexplained[:LONGEST_LIST]
+    if left:
+        word = "unknown"
+    elif effects:
+        word = "effects"
+    else:
+        word = "retuned" if retuned else "none"
+    gap = measure_gap(problem, torques, outcome.noise_floor)
+    return Verdict(
+        dataset=name,
+        verdict=word,
+        effects=tuple(effects),
+        retuned=tuple(retuned),
+        unexplained=tuple(
+            Structure(u.axis + 1, u.argument, (six_digits(u.low), six_digits(u.high)), u.unit, six_digits(u.p_value))
+            for u in left
+        ),
+        suspects=tuple(_suspects(outcome)),
+        gap=gap,
+        to_the_noise=_to_the_noise(gap, problem.settings.near_the_floor),
+        lost=tuple(_lost(outcome)),
+        not_tried=tuple(_not_tried(outcome)),
+        not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
+        fallbacks=final.fallbacks,
+        misfits=final.misfits,
+        restrictions=tuple(restrictions),
+        filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
+    )
+
+
+def measure_gap(problem: Problem, torques: Mapping[str, np.ndarray], floor: Iterable[float | None]) -> Gap:
+    """Return the RMS error of every model over moving samples of the test trajectories, with the noise floor."""
+    usable = problem.measured.usable & problem.test[:, None]
+
+    def errors(kind: str) -> tuple[float | None, ...]:
+        square = (problem.measured.torque - torques[kind]) ** 2
+        return tuple(
+            six_digits(np.sqrt(np.mean(square[usable[:, j], j]))) if usable[:, j].any() else None
+            for j in range(square.shape[1])
+        )
+
+    return Gap(errors("nominal"), errors("retuned"), errors("augmented"), tuple(map(_rounded, floor)))
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else six_digits(value)
+
+
+def _to_the_noise(gap: Gap, margin: float) -> bool:
+    pairs = [(a, f) for a, f in zip(gap.augmented, gap.noise_floor, strict=True) if a is not None and f is not None]
+    return bool(pairs) and all(a <= (1 + margin) * f for a, f in pairs)
+
+
+def _places(candidate: Candidate) -> dict[str, int | None]:
+    return {
+        "axis": None if candidate.axis is None else candidate.axis + 1,
+        "source_axis": None if candidate.source is None else candidate.source + 1,
+    }
+
+
+def _lost(outcome: Outcome) -> Iterable[Lost]:
+    named = {n.candidate.key for n in outcome.named}
+    last = {r.candidate.key: r for r in outcome.refusals if r.candidate.effect != LINK_MASS}
+    found = sorted((r for key, r in last.items() if key not in named), key=lambda r: -r.evidence)
+    for r in found[:LONGEST_LIST]:
+        yield Lost(
+            r.candidate.effect,
+            **_places(r.candidate),
+            evidence_nats=six_digits(r.evidence),
+            gate=r.gate,
+            reached=six_digits(r.reached),
+            needed=six_digits(r.needed),
+        )
+
+
+def _suspects(outcome: Outcome) -> Iterable[Suspect]:
+    for one, reason in outcome.suspects:
+        yield Suspect(
+            one.candidate.effect, **_places(one.candidate), evidence_nats=six_digits(one.evidence), reason=reason
+        )
+
+
+def _not_tried(outcome: Outcome) -> Iterable[NotTried]:
+    """Yield what could not be tested, once where the reason is the same on every axis."""
+    axes: dict[tuple[str, str], list[int | None]] = {}
+    for (effect, axis), reason in outcome.not_tried.items():
+        axes.setdefault((effect, reason), []).append(axis)
+    for (effect, reason), found in axes.items():
+        everywhere = set(outcome.problem.judged) <= set(found)
+        for axis in [None] if everywhere or found == [None] else found:
+            yield NotTried(effect, None if axis is None else axis + 1, reason)
+
+
+def _named_effect(final: Final, e: Estimate) -> NamedEffect:
+    candidate, named = e.named.candidate, e.named
+    effect = get_effect(candidate.effect)
+    units = {p.name: p.unit for p in effect.parameters}
+    ties = [candidate.effect]
+    for other in named.ties:
+        if other.effect != LINK_MASS and other.effect not in ties:
+            ties.append(other.effect)
+    return NamedEffect(
+        effect=candidate.effect,
+        **_places(candidate),
+        tie_set=tuple(ties),
+        parameters={
+            name: Quantity(six_digits(value), six_digits(e.std[name]) if name in e.std else None, units[name])
+            for name, value in e.parameters.items()
+        },
+        regime=_regime(final, e),
+        peak_torque=PeakTorque(six_digits(e.peak), six_digits(e.peak_low), six_digits(e.peak_high)),
+        form_corrected=e.form is not None,
+        evidence_nats=six_digits(named.evidence),
+        probability=six_digits(named.probability),
+        log_odds=six_digits(named.log_odds),
+        cross_validated_gain=six_digits(named.cross_validated),
+        lowers_error=six_digits(named.lowers_error),
+        gain_share=six_digits(named.gain_share),
+        repeated=_rounded(named.repeated),
+    )
+
+
+def _argument(words: str, candidate: Candidate) -> str:
+    return words if candidate.source is None else words.replace("the other axis", f"joint {candidate.source + 1}")
+
+
+def _regime(final: Final, e: Estimate) -> Regime:
+    """Return the range of the effect's argument over the training samples that could be judged."""
+    problem, candidate = final.outcome.problem, e.named.candidate
+    effect, state = get_effect(candidate.effect), problem.train_state
+    axis = candidate.axis if candidate.axis is not None else 0
+    used = problem.usable[:, axis]
+    values, unit = effect.argument_of(state, axis, candidate.source, candidate.nonlinear)
+    values = values[used]
+    return Regime(
+        _argument(effect.argument, candidate),
+        (six_digits(values.min()), six_digits(values.max())),
+        unit,
+    )
+
+
+def _retuned(final: Final) -> list[Retuned]:
+    """Return the parameters of the model that the data contradict, by the evidence that moving each is worth."""
+    problem = final.outcome.problem
+    robot, need = problem.robot, problem.settings.retuned_nats
+    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
+    delta = final.delta_friction * np.array([1, -1, 1, 1])
+    found = []
+    for axis in problem.judged:
+        prior = problem.friction_prior(axis)
+        for k, name in enumerate(FRICTION):
+            std = final.std_friction[axis, k]
+            if std <= 0:
+                continue
+            nats = 0.5 * (delta[axis, k] / std) ** 2 - np.log(max(prior[k] / std, 1.0))
+            if nats > need and abs(delta[axis, k]) > 0.02 * nominal[axis, k]:
+                gear = abs(robot.gear_ratio[axis])
+                # The parameters of a robot file: motor side.
+                side = gear if k < 2 else gear**2
+                sign = -1.0 if name == "coulomb_negative" else 1.0
+                found.append(
+                    Retuned(
+                        parameter=name,
+                        axis=axis + 1,
+                        nominal=six_digits(sign * nominal[axis, k] / side),
+                        value=six_digits(sign * (nominal[axis, k] + delta[axis, k]) / side),
+                        std=six_digits(std / side),
+                        unit=_FRICTION_UNITS[k],
+                    )
+                )
+    return found + _wrong_mass(final)
+
+
+def _wrong_mass(final: Final) -> list[Retuned]:
+    """Return the link whose mass best explains that inertial parameters are not nominal, if they are not."""
+    outcome, problem = final.outcome, final.outcome.problem
+    white = outcome.white
+    named = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
+    fixed = [t for t in white.base if t.label != "inertial"]
+    effects = [t for n in outcome.named if n.candidate.effect != LINK_MASS for t in n.terms]
+    fit = Fit(white.targets, [*fixed, *effects])
+    full = white.fit([*effects])
+    if not named and full.evidence - fit.evidence < problem.settings.retuned_nats:
+        return []
+    keys = {(LINK_MASS, link, None) for link in range(problem.robot.joints)}
+    found = scan(white, outcome.dictionary, fit, keys)
+    best = next((s for s in found if np.isfinite(s.evidence)), None)
+    if named:
+        best = next((s for s in found if s.candidate.key == named[0].candidate.key), best)
+    if best is None:
+        return []
+    b, gram = fit.gram(best.blocks)
+    if gain(b, gram, best.std) < problem.settings.retuned_nats and not named:
+        return []
+    share = float(b[0] / (gram[0, 0] + 1 / best.std[0] ** 2))
+    mass = bodies(problem.robot)[best.candidate.axis][0]
+    return [
+        Retuned(
+            parameter="link_mass",
+            axis=best.candidate.axis + 1,
+            nominal=six_digits(mass),
+            value=six_digits(mass * (1 + share)),
+            std=six_digits(mass / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2)),
+            unit="kg",
+        )
+    ]
+
+
+def _not_identifiable(effects: list[NamedEffect], seen: list[Visible], needed: float) -> Iterable[NotIdentifiable]:
+    for e in effects:
+        for other in e.tie_set[1:]:
+            yield NotIdentifiable(
+                (e.effect, other), e.axis, "the data explain both equally well: this motion does not tell them apart"
+            )
+    best: dict[tuple, Visible] = {}
+    for v in seen:
+        key = (v.effect, v.axis)
+        if key not in best or v.energy > best[key].energy:
+            best[key] = v
+    for (effect, place), v in best.items():
+        axis = None if place is None else place + 1
+        if v.energy < needed:
+            yield NotIdentifiable(
+                (effect,),
+                axis,
+                f"at 30 % of the friction it would leave {v.energy:.3g} times the noise variance, "
+                f"less than {needed:.0f}",
+            )
+        elif v.left < needed:
+            yield NotIdentifiable(
+                (effect, v.rival), axis, f"after {v.rival} only {v.left:.3g} times the noise variance is left of it"
+            )
+    for effect in library().values():
+        if not effect.identifiable:
+            yield NotIdentifiable((effect.identifier,), None, effect.reason)

@@ -1,0 +1,136 @@
+"""Structure that the named effects leave, and what it means for those on the same axis."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import gammaincc
+
+from jointwear.discovery.acceptance import predictive
+from jointwear.discovery.candidates import LINK_MASS, resolved
+from jointwear.discovery.linear import Term, chi_square
+from jointwear.discovery.outcome import Named, Outcome, Unexplained
+from jointwear.discovery.structure import Basis, axis_bases, strongest_line
+from jointwear.discovery.tolerance import with_tolerances
+
+#: Share of the squared error beyond the noise from which an effect is most of what an axis lacks, and from which it is
+#: so nearly all of it that no structure left beside it puts it in doubt.
+MOST, NEARLY_ALL = 0.5, 0.8
+#: A basis of structure that is put into the model may be worth this many times the friction of its axis.
+BASIS_SIZE = 2.0
+
+
+def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]:
+    """Test every axis for structure over every argument.
+
+    Returns
+    -------
+    the structure that is significant and large enough to matter, and the full profile (one entry per basis).
+    """
+    problem, white = outcome.problem, outcome.white
+    # What a form that is a little off leaves behind is no structure of its own.
+    fit = white.fit(with_tolerances(white, outcome.named))
+    settings = problem.settings
+    state = problem.train_state
+    found, profile = [], []
+    for axis in problem.judged:
+        used = problem.usable[:, axis]
+        for basis in axis_bases(white.axis_state(axis), axis, used):
+            if basis.argument == "motor angle" and not resolved(white, axis, 6.0):
+                continue
+            columns = white.columns(axis, basis.columns)
+            columns = columns[:, np.sum(columns**2, axis=0) > 1e-9]
+            if not columns.shape[1]:
+                continue
+            b, gram = fit.gram({axis: columns})
+            statistic, freedom = chi_square(b, gram, columns.T @ columns)
+            if not freedom:
+                continue
+            # The colour of the noise is estimated too: 3 % is what that does to a chi-square.
+            p = float(gammaincc(freedom / 2, statistic / 2 / 1.03))
+            nats = 0.5 * (statistic - freedom)
+            low, high = _where(basis, b, gram, white.whiteners[axis].rows)
+            entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats)
+            profile.append(entry)
+            if p < settings.unexplained_p and nats > settings.accept:
+                found.append(entry)
+        line = strongest_line(fit.residual[axis], white.whiteners[axis].rows, state, problem.measured.rate)
+        if line is not None:
+            entry = Unexplained(
+                axis,
+                "line over time",
+                "Hz",
+                line.frequency,
+                line.frequency + abs(line.rate),
+                max(line.p_value, 1e-300),
+                line.power,
+            )
+            profile.append(entry)
+            if line.p_value < settings.unexplained_p and line.power > settings.accept:
+                found.append(entry)
+    found.sort(key=lambda u: -u.nats)
+    return found, profile
+
+
+def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> tuple[float, float]:
+    """Return the range of the argument that the strongest columns of a basis cover."""
+    size = np.abs(b) / np.sqrt(np.maximum(np.diag(gram), 1e-12))
+    columns = basis.columns[rows]
+    strong = np.flatnonzero(size > 0.7 * size.max())
+    strong = strong[strong < columns.shape[1]]
+    chosen = np.any(np.abs(columns[:, strong]) > 0.5 * np.abs(columns[:, strong]).max(), axis=1)
+    values = basis.values[rows][chosen]
+    return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
+
+
+def stand_alone(outcome: Outcome) -> None:
+    """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
+
+    An effect stands on its own where it is nearly all of what the axis lacked, or most of it and still passes the
+    gates of prediction with all the unexplained structure of its axis in the model. Changes `outcome`.
+    """
+    kept: list[Named] = []
+    for one in outcome.named:
+        axis = one.candidate.axis
+        if axis is None or one.candidate.effect == LINK_MASS or not any(u.axis == axis for u in outcome.unexplained):
+            kept.append(one)
+            continue
+        others = [t for n in outcome.named if n is not one for t in n.terms]
+        found, failed = predictive(outcome.white, others, one)
+        if failed is not None:
+            reason = f"{failed.gate}: {failed.reached:.3g}, needed {failed.needed:.3g}"
+        elif found.share <= MOST:
+            reason = f"explains {100 * found.share:.0f} % of what joint {axis + 1} lacks, and structure is left there"
+        elif (
+            found.share > NEARLY_ALL or predictive(outcome.white, [*others, *_structure(outcome, axis)], one)[1] is None
+        ):
+            kept.append(one)
+            continue
+        else:
+            reason = f"the structure that is left on joint {axis + 1} could stand for it as well"
+        outcome.suspects.append((one, reason))
+    if len(kept) != len(outcome.named):
+        outcome.named = kept
+        outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
+        outcome.unexplained, outcome.profile = unexplained(outcome)
+
+
+def _passes_beside(outcome: Outcome, one: Named, others: list[Term]) -> bool:
+    """Return whether an effect predicts with the unexplained structure of its axis in the model."""
+    structure = _structure(outcome, one.candidate.axis)
+    return predictive(outcome.white, [*others, *structure], one)[1] is None
+
+
+def _structure(outcome: Outcome, axis: int) -> list[Term]:
+    """Return terms for the unexplained structure of one axis."""
+    problem, white = outcome.problem, outcome.white
+    wanted = {u.argument for u in outcome.unexplained if u.axis == axis}
+    terms = []
+    for basis in axis_bases(white.axis_state(axis), axis, problem.usable[:, axis]):
+        if basis.argument not in wanted:
+            continue
+        columns = white.columns(axis, basis.columns)
+        good = np.sum(columns**2, axis=0) > 1e-9
+        std = np.full(int(good.sum()), BASIS_SIZE * problem.scale[axis])
+        raw = white.raw(axis, basis.columns[:, good])
+        terms.append(Term(f"structure over {basis.argument}", {axis: columns[:, good]}, std, {axis: raw}))
+    return terms

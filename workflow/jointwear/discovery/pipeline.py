@@ -1,0 +1,180 @@
+"""Discovery from a recording to everything that its files, its page and the studies need: one function, one order."""
+
+from __future__ import annotations
+
+import traceback
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.discovery.base_parameters import free_identification
+from jointwear.discovery.decide import search, unexplained
+from jointwear.discovery.estimation import Final, finalise
+from jointwear.discovery.experiment import Experiment, propose
+from jointwear.discovery.findings import make_verdict
+from jointwear.discovery.identifiability import Visible, identifiability
+from jointwear.discovery.outcome import Outcome, Unexplained
+from jointwear.discovery.problem import Problem, build_problem
+from jointwear.discovery.repeatability import check_groups, repeat
+from jointwear.discovery.restrictions import motion_restrictions
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.verdict import Verdict
+from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
+from jointwear.files.errors import InputError
+from jointwear.measurement.checks import check_recording
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import Recording, split
+from jointwear.robots.robot import Robot
+
+MODELS = ("nominal", "retuned", "augmented")
+
+
+@dataclass
+class Discovery:
+    """What was found in one recording.
+
+    Attributes
+    ----------
+    recording : split into training and test trajectories.
+    content : the verdict. final : estimates, terms and the search behind it. map : what this motion can show.
+    files : the robot files "retuned" and "augmented".
+    torques : (m, n) torque [N m] of nominal, retuned and augmented model at the samples used, each as its robot file
+        gives it. load : (m, n) rigid-body torque of the nominal model without motor inertia.
+    """
+
+    recording: Recording
+    content: Verdict
+    final: Final = field(repr=False)
+    map: list[Visible] = field(repr=False)
+    files: dict[str, WrittenRobot] = field(repr=False)
+    torques: dict[str, np.ndarray] = field(repr=False)
+
+    @property
+    def problem(self) -> Problem:
+        """The recording against the nominal model."""
+        return self.final.outcome.problem
+
+    @property
+    def verdict(self) -> str:
+        """none, retuned, effects or unknown."""
+        return self.content.verdict
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """The verdict as plain dicts and lists, in the layout of verdict.json."""
+        return self.content.to_data()
+
+    @property
+    def effects(self) -> list[dict[str, Any]]:
+        """The named effects, strongest evidence first."""
+        return self.data["effects"]
+
+    def to_json(self) -> str:
+        """Return the text of verdict.json."""
+        return self.content.to_json()
+
+    @property
+    def augmented_robot(self) -> dict[str, Any]:
+        """Content of the robot file with what was found."""
+        return self.files["augmented"].data
+
+    @property
+    def sample_time(self) -> np.ndarray:
+        """(m,) time of the samples used [s]."""
+        return self.problem.measured.time
+
+    @property
+    def sample_trajectory(self) -> np.ndarray:
+        """(m,) trajectory of the samples used."""
+        return self.problem.measured.trajectory
+
+    @cached_property
+    def where(self) -> list[Unexplained]:
+        """Structure that retuning leaves, by axis and argument."""
+        white = self.final.outcome.white
+        if white is None:
+            return []
+        return unexplained(Outcome(self.problem, white, white.fit(), self.final.outcome.dictionary))[1]
+
+    @cached_property
+    def experiment(self) -> Experiment | None:
+        """The motion that separates what this one leaves together, None where nothing does."""
+        return propose(self.final.outcome) if self.final.outcome.named else None
+
+    @cached_property
+    def free_identification(self) -> list[float | None]:
+        """RMS error (n,) [N m] on held-out motion of a fit of all parameters without a prior."""
+        return free_identification(self.problem)
+
+
+def discover(recording: Recording, robot: Robot, settings: Settings | None = None) -> Discovery:
+    """Compare a recording with the nominal model of `robot` and say what is missing.
+
+    Parameters
+    ----------
+    recording : measured motion and torque; its `test` trajectories take no part in any choice.
+    robot : the nominal model, its own effects included.
+    settings : default :class:`Settings`.
+
+    Raises
+    ------
+    Refused : an InputError with a suggestion, where the recording cannot belong to the robot as it stands.
+    """
+    settings = settings or Settings()
+    recording = split(recording)
+    check_groups(recording, settings.groups)
+    measured = cache(lambda: measure(recording))
+    restrictions = check_recording(recording, robot, measured)
+    problem = build_problem(recording, robot, settings, measured())
+    restrictions += motion_restrictions(problem)
+    try:
+        return _judge(recording, problem, restrictions)
+    except InputError:
+        raise
+    except (np.linalg.LinAlgError, ArithmeticError, ValueError, LookupError) as error:
+        # A recording that was not refused gets a verdict: that nothing could be decided, and why.
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"{Path(last.filename).stem}, line {last.lineno}"
+        return _undecided(recording, problem, restrictions, f"the search ended in an error ({where}: {error})")
+
+
+def _judge(recording: Recording, problem: Problem, restrictions: list[str]) -> Discovery:
+    outcome = repeat(search(problem))
+    final, files, torques = _written(problem, finalise(outcome))
+    if _worse(problem, torques):
+        # What bounds and bodies made of the numbers in the file is not what was fitted: leave the links alone.
+        final, files, torques = _written(problem, finalise(outcome, frozenset({"inertial"})))
+    seen = identifiability(outcome.white, outcome.dictionary)
+    content = make_verdict(recording.name, final, seen, torques, restrictions)
+    return Discovery(recording, content, final, seen, files, torques)
+
+
+def _undecided(recording: Recording, problem: Problem, restrictions: list[str], why: str) -> Discovery:
+    """Return the verdict of a recording about which nothing can be said: unknown, with the given robot as it is."""
+    n = problem.robot.joints
+    nothing = np.zeros((n, 4)), np.zeros((n, 4)), np.zeros(10 * n), np.zeros((n, 4)), np.zeros(10 * n)
+    final = Final(Outcome(problem, None, None, None), None, (), *nothing, misfits=(why,))
+    final, files, torques = _written(problem, final)
+    content = replace(make_verdict(recording.name, final, [], torques, restrictions), verdict="unknown", retuned=())
+    return Discovery(recording, content, final, [], files, torques)
+
+
+def _written(problem: Problem, final: Final) -> tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]:
+    """Return a model with its robot files and the torque that each of them gives."""
+    files = {"retuned": written_robot(final, False), "augmented": written_robot(final)}
+    torques = {"nominal": problem.measured.torque - problem.discrepancy}
+    for kind, file in files.items():
+        with file.robot() as arm:
+            torques[kind] = simulate_robot(arm, problem.measured)[0]
+    return final, files, torques
+
+
+def _worse(problem: Problem, torques: dict[str, np.ndarray]) -> bool:
+    """Return whether a written robot follows the training motion worse than the given one on any axis."""
+    used = problem.measured.usable & problem.train[:, None]
+    square = {k: np.sum(np.where(used, (problem.measured.torque - v) ** 2, 0.0), axis=0) for k, v in torques.items()}
+    limit = problem.settings.not_worse**2 * square["nominal"]
+    return any(np.any(square[kind] > limit) for kind in ("retuned", "augmented"))

@@ -1,0 +1,58 @@
+"""How probable a named effect is, against the sets of effects that come next, and which it is tied with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import logsumexp
+
+from jointwear.discovery.candidates import Scored, scan
+from jointwear.discovery.linear import Fit
+from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.whitening import White
+
+#: Rivals of one effect that are weighed with the tolerance of their form.
+BEAM = 8
+#: Evidence counts for less the more of it there is, because no form is exact: a coarsened posterior (Miller and
+#: Dunson 2019), in which so many nats make up one.
+COARSE = 0.005
+#: Coarsened log odds and the share of names that were right there: a monotone table fitted on choosing cases of the
+#: hidden-effect tests (docs/decisions/deciding.md). Below zero something else in the library is more likely.
+CALIBRATION = ((-20.0, 0.0), (0.0, 0.5), (5.0, 0.8), (20.0, 0.87), (100.0, 0.92), (200.0, 0.96))
+
+
+def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored], float]) -> Named:
+    """Return a named effect with evidence, rivals that the data do not exclude, and its probability.
+
+    The sets weighed are those with the effect, with each rival in its place, and with neither; the evidence of each
+    is exact for given forms, averaged over the grid of a family and over whether a form is bent.
+
+    Parameters
+    ----------
+    with_form : evidence [nats] of a scored family when its form may bend.
+    """
+    white = outcome.white
+    rest = [n for n in outcome.named if n is not one]
+    others = [t for n in rest for t in n.terms]
+    fit = white.fit(others)
+    taken = {n.candidate.key for n in rest} | {r.candidate.key for r in outcome.refusals}
+    found = [s for s in scan(white, outcome.dictionary, fit) if s.candidate.key not in taken]
+    close = [s for s in found[:BEAM] if s.evidence > 0.6 * found[0].evidence - 5.0]
+    scores = {s.candidate.key: with_form(white, fit, s) for s in close}
+    own = scores.get(one.candidate.key, one.evidence)
+    margin = max(2.0, 0.01 * own)
+    ties = [
+        s.candidate for s in close if s.candidate.key != one.candidate.key and scores[s.candidate.key] > own - margin
+    ]
+    rivals = [v for key, v in scores.items() if key != one.candidate.key] + [0.0]
+    evidence = white.fit([*others, *one.terms]).evidence - fit.evidence
+    score = (own - float(logsumexp(rivals))) / (1.0 + COARSE * max(own, 0.0))
+    return replace(one, ties=tuple(ties), evidence=evidence, log_odds=score, probability=calibrated(score))
+
+
+def calibrated(score: float) -> float:
+    """Return the probability that an effect is there, from its coarsened log odds: :data:`CALIBRATION`."""
+    scores, probabilities = zip(*CALIBRATION, strict=True)
+    return float(np.interp(score, scores, probabilities))

@@ -1,0 +1,273 @@
+"""Before the run: what was recorded, whether it can belong to the robot, and what this motion can and cannot show.
+
+Nothing is fitted to the torque but the level and colour of its noise, so that the check takes seconds and says nothing
+of what discovery will find.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.discovery.candidates import build_dictionary
+from jointwear.discovery.identifiability import Visible, identifiability
+from jointwear.discovery.problem import Problem, build_problem
+from jointwear.discovery.restrictions import motion_restrictions
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.whitening import whiten
+from jointwear.effects import check_effects, get_effect
+from jointwear.files.errors import InputError
+from jointwear.files.json_values import as_json, six_digits
+from jointwear.files.text_files import replace_text
+from jointwear.measurement.checks import check_recording
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import Recording, split
+from jointwear.measurement.recording_files import load_recording
+from jointwear.publishing.report.numbers import number
+from jointwear.publishing.report.rendering import render_page
+from jointwear.robots.robot import Robot, load_robot
+
+#: A step of time this many times the usual one is a gap.
+GAP = 1.5
+#: Share of the samples of an axis in motion below which more motion is asked for.
+MOVING = 0.3
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """One trajectory: its label, what it is for, length [s], samples, gaps and the longest of them [s]."""
+
+    label: int
+    role: str
+    seconds: float
+    samples: int
+    gaps: int
+    longest_gap: float
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint as recorded.
+
+    Attributes
+    ----------
+    travel [rad], speed : 95 % quantile [rad/s]. moving : share of samples in motion. encoder_step : smallest step of
+    the position [rad]. cutoff : of the filter behind its derivatives [Hz]. torque : RMS, noise : its standard
+    deviation [N m]; None where the joint cannot be judged.
+    """
+
+    axis: int
+    travel: float
+    speed: float
+    moving: float
+    encoder_step: float | None
+    cutoff: float | None
+    torque: float
+    noise: float | None
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An effect on one axis: the size, over the friction, from which this motion shows it, or the reason why not.
+
+    `rival` is the effect that it cannot be told from.
+    """
+
+    effect: str
+    axis: int | None
+    smallest_size: float | None
+    rival: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class DataCheck:
+    """What a data set allows; `refused` says why discovery would refuse it, with `suggestion`."""
+
+    dataset: str
+    refused: str
+    suggestion: str
+    rate_hz: float | None = None
+    torque_kind: str = "motor"
+    encoder_side: str = "motor"
+    trajectories: tuple[Trajectory, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    passed: tuple[str, ...] = ()
+    restrictions: tuple[str, ...] = ()
+    shown: tuple[Shown, ...] = ()
+    not_shown: tuple[Shown, ...] = ()
+    pairs: tuple[Shown, ...] = ()
+    advice: tuple[str, ...] = ()
+
+    def to_json(self) -> str:
+        """Return the text of check.json."""
+        return json.dumps(as_json(asdict(self)), indent=1, allow_nan=False) + "\n"
+
+
+def check_data(recording: Recording, robot: Robot, settings: Settings | None = None) -> DataCheck:
+    """Check a recording against a robot without looking for anything that is missing.
+
+    Raises
+    ------
+    Refused : an InputError with a suggestion, as discovery itself would.
+    """
+    recording = split(recording)
+    measured = cache(lambda: measure(recording))
+    restrictions = check_recording(recording, robot, measured)
+    problem = build_problem(recording, robot, settings or Settings(), measured())
+    restrictions += motion_restrictions(problem)
+    white = whiten(problem, estimate_noise(problem))
+    dictionary = build_dictionary(white)
+    noise = [None if w is None else w.marginal for w in white.whiteners]
+    shown, not_shown, pairs = _visible(problem, identifiability(white, dictionary))
+    for effect, axis, reason in dictionary.not_tried:
+        not_shown.append(Shown(effect, None if axis is None else axis + 1, None, "", reason))
+    joints = _joints(recording, problem, noise)
+    return DataCheck(
+        dataset=recording.name,
+        refused="",
+        suggestion="",
+        rate_hz=six_digits(_rate(recording)),
+        torque_kind=recording.torque_kind,
+        encoder_side=recording.encoder_side,
+        trajectories=tuple(_trajectories(recording)),
+        joints=tuple(joints),
+        passed=(
+            f"{robot.joints} joints, as the robot",
+            "positions are in rad",
+            "no other sign, order or side of the axes fits the model better",
+        ),
+        restrictions=tuple(restrictions),
+        shown=tuple(shown),
+        not_shown=tuple(_once(not_shown, problem)),
+        pairs=tuple(pairs),
+        advice=tuple(_advice(recording, problem, joints, not_shown, pairs)),
+    )
+
+
+def _rate(recording: Recording) -> float:
+    inside = np.diff(recording.trajectory) == 0
+    return 1.0 / float(np.median(np.diff(recording.time)[inside])) if inside.any() else np.nan
+
+
+def _trajectories(recording: Recording) -> list[Trajectory]:
+    step = 1.0 / _rate(recording)
+    found = []
+    for label in recording.labels:
+        time = recording.time[recording.trajectory == label]
+        steps = np.diff(time)
+        gaps = steps[steps > GAP * step]
+        role = "train" if label in recording.train else "test" if label in recording.test else "not used"
+        longest = float(gaps.max()) if len(gaps) else 0.0
+        found.append(Trajectory(label, role, six_digits(np.ptp(time)), len(time), len(gaps), six_digits(longest)))
+    return found
+
+
+def _joints(recording: Recording, problem: Problem, noise: list[float | None]) -> list[Joint]:
+    measured = problem.measured
+    found = []
+    for j in range(recording.joints):
+        values = recording.position[np.isfinite(recording.position[:, j]), j]
+        steps = np.abs(np.diff(values))
+        steps = steps[steps > 1e-12]
+        cutoff = measured.cutoff[j]
+        found.append(
+            Joint(
+                axis=j + 1,
+                travel=six_digits(np.ptp(values)),
+                speed=six_digits(np.quantile(np.abs(measured.velocity[:, j]), 0.95)),
+                moving=six_digits(np.mean(measured.usable[:, j])),
+                encoder_step=recording.encoder_step or _step_of(values, steps),
+                cutoff=six_digits(cutoff) if np.isfinite(cutoff) else None,
+                torque=six_digits(np.sqrt(np.nanmean(recording.torque[:, j] ** 2))),
+                noise=None if noise[j] is None else six_digits(noise[j]),
+            )
+        )
+    return found
+
+
+def _step_of(values: np.ndarray, steps: np.ndarray) -> float | None:
+    """Return the smallest step of a position that all its values are multiples of, None where there is none."""
+    if not len(steps):
+        return None
+    smallest = float(steps.min())
+    whole = (values - values[0]) / smallest
+    return six_digits(smallest) if np.mean(np.abs(whole - np.round(whole)) < 0.05) > 0.95 else None
+
+
+def _visible(problem: Problem, seen: list[Visible]) -> tuple[list[Shown], list[Shown], list[Shown]]:
+    """Return the effects that the motion shows, those that it does not, and the pairs that it leaves together."""
+    needed = problem.settings.visible
+    best: dict[tuple, Visible] = {}
+    for v in seen:
+        key = (v.effect, v.axis)
+        if key not in best or v.energy > best[key].energy:
+            best[key] = v
+    shown, not_shown, pairs = [], [], []
+    for v in best.values():
+        axis = None if v.axis is None else v.axis + 1
+        # Energy grows with the square of the size; the map is drawn at 30 % of the friction.
+        size = six_digits(0.3 * np.sqrt(needed / max(v.left, 1e-12)))
+        if v.energy < needed:
+            not_shown.append(Shown(v.effect, axis, size, "", "too weak at 30 % of the friction of the joint"))
+        elif v.left < needed:
+            pairs.append(Shown(v.effect, axis, size, v.rival, "the rival takes most of it"))
+        else:
+            shown.append(Shown(v.effect, axis, size, "", ""))
+    return shown, not_shown, pairs
+
+
+def _once(found: list[Shown], problem: Problem) -> list[Shown]:
+    """Return entries that are the same on every judged axis as one."""
+    axes: dict[tuple[str, str], list[Shown]] = {}
+    for one in found:
+        axes.setdefault((one.effect, one.reason), []).append(one)
+    result = []
+    for (effect, reason), same in axes.items():
+        if len(same) > 1 and len(same) >= len(problem.judged):
+            result.append(Shown(effect, None, None, "", reason))
+        else:
+            result += same
+    return result
+
+
+def _advice(
+    recording: Recording, problem: Problem, joints: list[Joint], not_shown: list[Shown], pairs: list[Shown]
+) -> list[str]:
+    """Return what to record instead, the most useful first."""
+    found = []
+    still = [str(j.axis) for j in joints if j.moving < MOVING]
+    if still:
+        found.append(f"Move joints {', '.join(still)} for a larger part of the time.")
+    if len(recording.train) < 3:
+        found.append("Record at least three trajectories to learn from: each is left out in turn to check every name.")
+    if not problem.state.has_temperature:
+        found.append("Record the temperature of the motors or gears: effects of temperature cannot be seen without.")
+    wanted = dict.fromkeys(p.effect for p in [*pairs, *not_shown])
+    for effect in list(wanted)[:6]:
+        if get_effect(effect).identifiable and get_effect(effect).excitation:
+            found.append(f"For {get_effect(effect).phrase}: {get_effect(effect).excitation}.")
+    return found
+
+
+def write_check(
+    name: str, entry: Mapping[str, Any], robot: str | Path, settings: Settings, output: str | Path, page: str | Path
+) -> None:
+    """Check one data set and write the result as JSON and as a page; one that would be refused is a result too."""
+    try:
+        arm = load_robot(robot)
+        check_effects(arm)
+        found = check_data(load_recording(entry, name), arm, settings)
+    except InputError as error:
+        suggestion = getattr(error, "suggestion", "mend the entry or the file that the reason names")
+        found = DataCheck(name, str(error), suggestion)
+    replace_text(output, found.to_json())
+    context = {"check": found, "number": number, "phrase": lambda effect: get_effect(effect).phrase}
+    replace_text(page, render_page("check.html.j2", context))

@@ -1,0 +1,56 @@
+"""How wrong the form of a named effect may be, as terms of the model.
+
+No form is known exactly: the torque of an effect may be a few percent off, differently in each record and over
+position, speed and direction. What that leaves must not be taken for a further effect nor for structure without a
+name, however strong the effect is; what is more than that must.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.whitening import White
+
+
+def with_tolerances(white: White, named: list[Named]) -> list[Term]:
+    """Return the terms of named effects and of the tolerance of their forms."""
+    terms = [t for n in named for t in n.terms]
+    fit = white.fit(terms)
+    places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
+    return terms + [x for n in named for x in _tolerance(white, n, fit.theta[places[id(n.term)]])]
+
+
+def _tolerance(white: White, one: Named, coefficients: np.ndarray) -> list[Term]:
+    """Return one term per axis: the torque of the effect over its records, position, speed and direction."""
+    problem = white.problem
+    state, error = problem.train_state, problem.settings.form_error
+    result = []
+    for axis, raw in one.term.raw.items():
+        rows = white.whiteners[axis].rows
+        torque = np.zeros(len(state.velocity))
+        torque[rows] = raw @ coefficients
+        # Whitening looks back over samples that are no rows themselves.
+        torque = _filled(torque, rows)
+        record = problem.fold_of_sample
+        speed = np.abs(state.velocity[:, axis])
+        ways = [(record == k).astype(float) for k in np.unique(record)]
+        ways += [state.direction[:, axis], _unit(state.position[:, axis]), _unit(speed)]
+        columns = torque[:, None] * np.stack(ways, axis=1)
+        std = np.full(columns.shape[1], error)
+        result.append(
+            Term(f"tolerance of {one.term.label}", {axis: white.columns(axis, columns)}, std, {axis: columns[rows]})
+        )
+    return result
+
+
+def _filled(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return values (m,) with those beside `rows` taken from the next row."""
+    after = np.minimum(np.searchsorted(rows, np.arange(len(values))), len(rows) - 1)
+    return values[rows[after]]
+
+
+def _unit(x: np.ndarray) -> np.ndarray:
+    half = 0.5 * float(np.ptp(x))
+    return (x - 0.5 * float(x.max() + x.min())) / (half if half > 0 else 1.0)

@@ -1,0 +1,74 @@
+"""Ways in which the forms of effects may bend: tables over the argument, harmonics, variants of a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from jointwear.effects.effect import AxisFunction, Bend, Parameters
+from jointwear.effects.order import late_torque, second_derivative
+from jointwear.effects.state import State
+from jointwear.effects.tables import hats, knots_of
+
+Shape = Callable[[State, int, Parameters], tuple[np.ndarray, np.ndarray]]
+
+
+def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "order") -> Bend:
+    """Return the bend of an effect carrier x f(argument): f is corrected by a table of `count` knots.
+
+    Parameters
+    ----------
+    per_wave : for a wave over the argument, knots in one wave (the parameter `waves` counts waves in 2 pi), enough
+        for its second harmonic and a slow change of its amplitude.
+    """
+
+    def knots(state, axis, source, p, used):
+        _, argument = shape(state, axis, p)
+        number = count
+        if per_wave:
+            span = float(np.ptp(argument[used]))
+            number = int(np.clip(round(span * p[waves] * per_wave / (2 * np.pi)), 6, 40))
+        return knots_of(argument[used], number)
+
+    def columns(state, axis, source, p, table):
+        carrier, argument = shape(state, axis, p)
+        return carrier[:, None] * hats(argument, table)
+
+    return Bend(columns, knots, written_as_table)
+
+
+def written_as_table(parameters: Parameters, knots: np.ndarray, coefficients: np.ndarray) -> list[dict[str, Any]]:
+    """Return one entry whose `correction` holds the bends."""
+    return [{**parameters, "correction": {"knots": knots, "values": coefficients}}]
+
+
+def harmonics_bend(columns: AxisFunction, orders: tuple[int, ...] = (2, 3), samples: int = 97) -> Bend:
+    """Return the bend of a wave over the motor angle: its harmonics; a robot file holds them as a table of one turn."""
+
+    def bent(state, axis, source, p, knots):
+        return np.concatenate([columns(state, axis, source, {**p, "order": k * p["order"]}) for k in orders], axis=1)
+
+    def written(parameters, knots, coefficients):
+        angle = np.linspace(0, 2 * np.pi, samples)
+        values = sum(
+            coefficients[2 * i] * np.sin(k * angle) + coefficients[2 * i + 1] * np.cos(k * angle)
+            for i, k in enumerate(orders)
+        )
+        return [{**parameters, "correction": {"knots": angle, "values": values}}]
+
+    return Bend(bent, None, written)
+
+
+def timing_bend(delays: tuple[float, ...] = (0.006, 0.018, -0.006)) -> Bend:
+    """Return the bend of an effect of timing: torque that is late by some delays, and its second derivatives.
+
+    A robot file holds no such bends: what is written is the textbook form.
+    """
+
+    def columns(state, axis, source, p, knots):
+        late = [late_torque(state, axis, d) - state.torque[:, axis] for d in delays]
+        return np.stack([*late, *(second_derivative(state, x[:, axis]) for x in (state.torque, state.load))], axis=1)
+
+    return Bend(columns)

@@ -1,0 +1,30 @@
+"""Tables over an argument: knots where the data lie, and the piecewise-linear columns between them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def knots_of(values: np.ndarray, count: int) -> np.ndarray:
+    """Return up to `count` knots over `values`: half evenly spaced, half at quantiles, so that none is empty."""
+    ordered = np.sort(values)
+    quantiles = ordered[np.round(np.linspace(0.002, 0.998, count) * (len(ordered) - 1)).astype(int)]
+    low, high = quantiles[0], quantiles[-1]
+    if high - low <= 1e-9 * max(1.0, abs(low), abs(high)):
+        return np.zeros(0)
+    even = np.linspace(low, high, count)
+    return np.unique(0.5 * (even + quantiles))
+
+
+def hats(values: np.ndarray, knots: np.ndarray) -> np.ndarray:
+    """Return piecewise-linear columns (N, k), constant beyond the ends; they sum to one."""
+    if len(knots) < 2:
+        return np.zeros((len(values), 0))
+    x = np.clip(values, knots[0], knots[-1])
+    right = np.clip(np.searchsorted(knots, x, side="right"), 1, len(knots) - 1)
+    share = (x - knots[right - 1]) / (knots[right] - knots[right - 1])
+    columns = np.zeros((len(values), len(knots)))
+    row = np.arange(len(values))
+    columns[row, right] = share
+    columns[row, right - 1] = 1 - share
+    return columns

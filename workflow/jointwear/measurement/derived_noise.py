@@ -1,0 +1,50 @@
+"""The noise of derived accelerations: that of the signal they come from, times the square of the frequency.
+
+Differentiation multiplies the density of the noise of a position by (2 pi f)^4, so that an encoder of 17 bits, exact
+to 0.05 mrad, gives accelerations that are wrong by several rad/s2 at 50 Hz. Through the mass matrix that is a torque.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class DerivedNoise:
+    """Noise of the accelerations of a recording.
+
+    A velocity that was recorded beside the positions may have been derived from them before: its own floor, above the
+    band of the filter that made it, then says too little, and counts as nothing. The noise is the larger one of what
+    either signal gives.
+
+    Attributes
+    ----------
+    density : (s, n) of the noise of the signals that may have been derived [unit^2/Hz, one-sided].
+    order : (s,) how often each is derived: 2 for a position, 1 for a velocity, 0 for a measured acceleration.
+    band : (n,) frequency [Hz] at which the filter or the splines behind the derivatives stop; infinite for none.
+    sharp : whether the band ends sharply, as that of splines does, or as that of the zero-phase filter.
+    """
+
+    density: np.ndarray
+    order: tuple[int, ...]
+    band: np.ndarray
+    sharp: bool
+
+    def acceleration(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the density (n, k) [(rad/s2)^2/Hz] of the noise of the accelerations at frequencies (k,) [Hz]."""
+        gains = (2 * np.pi * frequency) ** (2 * np.array(self.order)[:, None])
+        share = frequency / self.band[:, None]
+        passed = share <= 1.0 if self.sharp else zero_phase_gain(share) ** 2
+        return np.max(self.density[:, :, None] * gains[:, None, :], axis=0) * passed
+
+
+def zero_phase_gain(share: np.ndarray) -> np.ndarray:
+    """Return the gain of the filter of :func:`jointwear.measurement.motion.low_pass` at `share` times its cut-off."""
+    return 1.0 / (1.0 + share**8)
+
+
+def quantisation_density(step: float, rate: float) -> float:
+    """Return the density [unit^2/Hz] of rounding to multiples of `step`: variance step^2/12 over the band rate/2."""
+    return step**2 / 12 / (rate / 2)

@@ -1,0 +1,31 @@
+"""What to check on a robot when a quantity of an axis has changed: one line each."""
+
+from __future__ import annotations
+
+
+def advice(quantity: str, change: float | None) -> str:
+    """Return what to check when a quantity of an axis changed; `change` None counts as growth."""
+    grew = change is None or change > 0
+    if "histogram" in quantity:
+        return "the distribution of the torque changed; compare with what the model-based detector says of this axis"
+    if "backlash" in quantity:
+        return (
+            "check the gear for play with the flange clamped, and belt and coupling"
+            if grew
+            else "play became smaller: a gear that was replaced or adjusted; tell it as an event of kind service"
+        )
+    if "viscous" in quantity:
+        return (
+            "check level, age and kind of the lubricant; a cold drive shows the same: compare at equal temperature"
+            if grew
+            else "the drive runs warmer or was greased anew; if neither, check the lubricant for the right kind"
+        )
+    if "scale" in quantity:
+        return "check the unit, torque constant and firmware of the drive; all torques of the axis changed by a factor"
+    if "offset" in quantity or "asymmetr" in quantity:
+        return "check the load at the flange, the balance of the axis and the zero of the torque or current sensor"
+    return (
+        "check the gear and bearings, the lubricant, belt tension, and whether a brake drags"
+        if grew
+        else "friction fell: running-in, new grease or a warmer drive; if none of these, check preload and belt tension"
+    )

@@ -1,0 +1,142 @@
+"""Conditions of operation, window by window, and the design matrix that the normal state is regressed on.
+
+Columns, with the standard deviation of their coefficients a priori. Friction as a log, so that a coefficient of an
+operating feature that is itself a log is an elasticity:
+
+- 1: a constant, as good as free;
+- temperature less that of the baseline [K], and its square: :data:`SLOPE`, :data:`CURVE`;
+- the warm-up state (:mod:`.warm_up`) and a wave of one day, for the hall, where no temperature of the axis itself is
+  logged: :data:`WARM`, :data:`DAY`;
+- operating features (:func:`operating_features`): :data:`FEATURES`;
+- the load at the flange (:mod:`.payload`): :data:`LOAD`;
+- a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`;
+- products of the features with temperature, or with the warm-up state: :data:`PRODUCT` times that of the feature.
+
+The sizes are those that friction of joints shows (see Bittencourt and Gunnarsson 2012 for speed, load and temperature;
+Simoni et al. 2015 for warming): wide enough to learn any joint, narrow enough that little is learnt from nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.monitor.normal_state import Posterior
+from jointwear.monitor.windows import WindowStatistics
+
+CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
+LOAD, PROGRAM = 0.2, 0.05
+#: Of the features: speed (log of its mean, log of the ratio of root mean square and mean), gravity and inertial torque
+#: (root mean square over the friction), gravity against the motion (mean over the friction).
+FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
+#: Change of a feature's coefficient per K, as a share of its own prior; per unit of the warm-up state.
+PRODUCT, PRODUCT_WARM = 0.02, 0.4
+#: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond.
+BEYOND = 0.004
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """`start`, `end` (w,) [s]; `temperature` (w, n) [degC], NaN unknown; `features` (w, n, f), NaN at rest; `speed`
+    (w, n) root mean square of the moving axis [rad/s]; `load` (w,) share of :mod:`.payload`; `regime` (w,) of
+    :mod:`.regimes`, or None."""
+
+    start: np.ndarray
+    end: np.ndarray
+    temperature: np.ndarray
+    features: np.ndarray
+    speed: np.ndarray
+    load: np.ndarray
+    regime: np.ndarray | None
+
+    @property
+    def shared(self) -> bool:
+        """Whether all axes that have a temperature have the same one."""
+        known = np.isfinite(self.temperature).any(axis=0)
+        if known.sum() < 2:
+            return False
+        some = self.temperature[:, known]
+        with np.errstate(invalid="ignore"):
+            return bool(np.all(np.abs(some - some[:, :1])[np.isfinite(some).all(axis=1)] < 1e-6))
+
+
+def operating_features(
+    statistics: WindowStatistics, friction: np.ndarray, share: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the operating features (w, n, 5) and the root mean square speed (w, n); `friction` (n,) [N m] scales,
+    `share` (w, n) by which the gravity torque differs from the model's."""
+    gram = statistics.gram
+    with np.errstate(invalid="ignore", divide="ignore"):
+        count = np.where(statistics.count > 0, statistics.count, np.nan).astype(float)
+        speed = np.sqrt(gram[..., 2, 2] / count)
+        mean = (gram[..., 0, 2] + gram[..., 1, 2]) / count
+        features = np.stack(
+            [
+                np.log(mean),
+                np.log(speed / mean),
+                np.sqrt(gram[..., 3, 3] / count) * np.abs(1 + share) / friction,
+                np.sqrt(gram[..., 4, 4] / count) / friction,
+                (gram[..., 0, 3] + gram[..., 1, 3]) * (1 + share) / count / friction,
+            ],
+            axis=-1,
+        )
+    return features, speed
+
+
+@dataclass(frozen=True)
+class Design:
+    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range."""
+
+    matrix: np.ndarray
+    prior: Posterior
+    beyond: np.ndarray
+
+
+def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.ndarray | None) -> Design:
+    """Return the design of one axis.
+
+    Parameters
+    ----------
+    axis : 0-based. baseline : (w,) bool, windows that set the middle. warm : (w,) warm-up state, or None.
+    """
+    w = len(conditions.start)
+    columns, scales, beyond = [np.ones(w)], [CONSTANT], np.zeros(w)
+    temperature = conditions.temperature[:, axis]
+    known = bool(np.isfinite(temperature[baseline]).any())
+    changing = np.zeros(w)
+    if known:
+        middle = float(np.nanmedian(temperature[baseline]))
+        changing = temperature - middle
+        columns += [changing, changing**2]
+        scales += [SLOPE, CURVE]
+        low, high = np.nanmin(temperature[baseline]), np.nanmax(temperature[baseline])
+        outside = np.maximum(np.maximum(low - temperature, temperature - high), 0.0)
+        beyond = (BEYOND * outside) ** 2
+    if warm is not None:
+        columns.append(warm - float(np.mean(warm[baseline])))
+        turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)
+        columns += [np.cos(turn), np.sin(turn)]
+        scales += [WARM, DAY, DAY]
+    features = conditions.features[:, axis]
+    usual = np.nanmedian(features[baseline], axis=0) if np.isfinite(features[baseline]).any() else np.zeros(5)
+    centred = features - usual
+    columns += list(centred.T)
+    scales += list(FEATURES)
+    if known:
+        columns += list((centred * changing[:, None]).T)
+        scales += list(FEATURES * PRODUCT)
+    elif warm is not None:
+        columns += list((centred * columns[1][:, None]).T)
+        scales += list(FEATURES * PRODUCT_WARM)
+    columns.append(conditions.load - float(np.median(conditions.load[baseline])))
+    scales.append(LOAD)
+    if conditions.regime is not None:
+        names, counts = np.unique(conditions.regime[baseline & (conditions.regime >= 0)], return_counts=True)
+        for name in np.delete(names, np.argmax(counts)) if len(names) else ():
+            columns.append((conditions.regime == name).astype(float))
+            scales.append(PROGRAM)
+        columns.append(np.where(np.isin(conditions.regime, names), 0.0, np.nan))
+        scales.append(PROGRAM)
+    scale = np.array(scales)
+    return Design(np.stack(columns, axis=1), Posterior(np.zeros(len(scale)), np.diag(scale**2)), beyond)

@@ -1,0 +1,125 @@
+"""When to alarm: the growth of one axis over its last shifts against what shifts of normal operation do.
+
+At every window, for the last K = 1 ... 6 shifts (the running one as far as it goes), z_K is the generalised
+least-squares mean of the residuals of these shifts less :data:`TOLERATED`, over its standard error. The covariance
+holds the windows' noise, the variance between shifts, and the error of the normal state, which all shifts share. An
+axis alarms where
+
+- the largest z_K over K >= 2 exceeds the threshold and the last two shifts both exceed :data:`TOLERATED`, or
+- z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once.
+
+A fall is the same with the sign turned. The threshold is that of :mod:`.null_runs`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.monitor.dispersion import Dispersion, inflated
+from jointwear.monitor.shifts import places_of_shifts
+
+#: Shifts looked back at; growth that is tolerated; growth and windows of a large step.
+SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.01, 0.03, 8
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Of one axis, (w,): `growth` and `fall`, the largest admitted z (-inf where none is); `mean`, `std` of the
+    generalised least-squares mean that `growth` (or, where larger, `fall`) comes from; `shifts` of that mean;
+    `latest`, `latest_std` of the running shift."""
+
+    growth: np.ndarray
+    fall: np.ndarray
+    mean: np.ndarray
+    std: np.ndarray
+    shifts: np.ndarray
+    latest: np.ndarray
+    latest_std: np.ndarray
+
+
+def shift_evidence(
+    residual: np.ndarray,
+    variance: np.ndarray,
+    design: np.ndarray,
+    covariance: np.ndarray,
+    shift: np.ndarray,
+    dispersion: Dispersion,
+    extra: np.ndarray,
+) -> Evidence:
+    """Return the evidence at every window.
+
+    Parameters
+    ----------
+    residual : (w,) log level less normal state and shared error; NaN where not judged.
+    variance : (w,) noise of the windows. design : (w, p). covariance : (p, p) of the normal state's coefficients.
+    shift : (w,) labels. extra : (w,) variance that all windows of a shift share (shared error, range).
+    """
+    w = len(residual)
+    good = np.isfinite(residual) & np.isfinite(variance)
+    weight = np.where(good, 1.0 / np.where(good, variance, 1.0), 0.0)
+    starts = np.concatenate([[True], np.diff(shift) != 0]) if w else np.zeros(0, dtype=bool)
+    # Rows that are not judged may hold NaN in their design.
+    clean = np.where(good[:, None], design, 0.0)
+    total = _running(weight, starts)
+    count = _running(good.astype(float), starts)
+    safe = np.where(total > 0, total, 1.0)
+    mean = _running(weight * np.where(good, residual, 0.0), starts) / safe
+    at = np.stack([_running(weight * clean[:, k], starts) for k in range(design.shape[1])], axis=1) / safe[:, None]
+    shared = _running(weight * np.where(good, extra, 0.0), starts) / safe
+    own = inflated(count, dispersion.memory) / safe + dispersion.between**2 + shared
+    seen = total > 0
+    place = places_of_shifts(shift, SHIFTS + 4)
+    order = _judged_first(place, seen)
+    known = order >= 0
+    index = np.maximum(order, 0)
+    r, v, x = mean[index], np.where(known, own[index], np.inf), at[index]
+    fall = np.full(w, -np.inf)
+    growth = np.full(w, -np.inf)
+    best_mean, best_std, best_shifts = np.zeros(w), np.full(w, np.inf), np.zeros(w, dtype=int)
+    latest, latest_std = np.full(w, np.nan), np.full(w, np.nan)
+    both_up = known[:, 0] & known[:, 1] & (r[:, 0] > TOLERATED) & (r[:, 1] > TOLERATED)
+    both_down = known[:, 0] & known[:, 1] & (r[:, 0] < -TOLERATED) & (r[:, 1] < -TOLERATED)
+    for k in range(1, SHIFTS + 1):
+        rows = np.flatnonzero(good & known[:, k - 1])
+        if not len(rows):
+            break
+        c = np.einsum("wkp,pq,wlq->wkl", x[rows, :k], covariance, x[rows, :k])
+        c[:, np.arange(k), np.arange(k)] += v[rows, :k]
+        solved = np.linalg.solve(c, np.ones((len(rows), k, 1)))[..., 0]
+        information = solved.sum(axis=1)
+        centre = np.einsum("wk,wk->w", solved, r[rows, :k]) / information
+        error = 1.0 / np.sqrt(information)
+        if k == 1:
+            latest[rows], latest_std[rows] = centre, error
+            whole = count[rows] >= STEP_WINDOWS
+            up, down = whole & (centre > STEP), whole & (centre < -STEP)
+        else:
+            up, down = both_up[rows], both_down[rows]
+        rise = np.where(up, (centre - TOLERATED) / error, -np.inf)
+        drop = np.where(down, (-centre - TOLERATED) / error, -np.inf)
+        better = np.maximum(rise, drop) > np.maximum(growth[rows], fall[rows])
+        fresh = better | ((best_shifts[rows] == k - 1) & ~np.isfinite(np.maximum(growth[rows], fall[rows])))
+        best_mean[rows] = np.where(fresh, centre, best_mean[rows])
+        best_std[rows] = np.where(fresh, error, best_std[rows])
+        best_shifts[rows] = np.where(fresh, k, best_shifts[rows])
+        growth[rows] = np.maximum(growth[rows], rise)
+        fall[rows] = np.maximum(fall[rows], drop)
+    return Evidence(growth, fall, best_mean, best_std, best_shifts, latest, latest_std)
+
+
+def _running(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return sums from the start of each window's shift up to it."""
+    total = np.cumsum(values)
+    before = np.concatenate([[0.0], total[:-1]])
+    first = np.maximum.accumulate(np.where(starts, np.arange(len(values)), 0))
+    return total - before[first] if len(values) else total
+
+
+def _judged_first(place: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """Return the places (w, SHIFTS) with shifts that show nothing passed over, the running one kept first."""
+    valid = (place >= 0) & seen[np.maximum(place, 0)]
+    rank = np.argsort(~valid, axis=1, kind="stable")
+    ordered = np.where(np.take_along_axis(valid, rank, 1), np.take_along_axis(place, rank, 1), -1)
+    return ordered[:, :SHIFTS]

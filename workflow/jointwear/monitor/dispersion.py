@@ -1,0 +1,123 @@
+"""How far windows and shifts of the normal period lie from what the other shifts predict.
+
+Within a shift: a robust standard deviation of the windows beside what their own noise explains, and the correlation of
+neighbours. Between shifts: a variance component on a grid, with a prior that the axes of one robot share, because a
+week has few shifts; never below :data:`FLOOR`, which no baseline of a few days can rule out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaln
+
+from jointwear.monitor.normal_state import Noise
+
+#: Smallest standard deviation between shifts, of a log level.
+FLOOR = 0.005
+#: Standard deviations between shifts that are weighed against each other.
+GRID = np.geomspace(FLOOR, 0.3, 60)
+#: Degrees of freedom of the law of shifts. Standard deviation of the log of an axis's about that of its robot.
+FREEDOM, LIKENESS = 5.0, 0.5
+#: Prior of a robot's: median and standard deviation of the log, from a fraction of a percent to several.
+USUAL, USUAL_SPREAD = 0.007, 0.7
+_MOST_MEMORY = 0.9
+
+
+@dataclass(frozen=True)
+class Dispersion:
+    """Of one axis: `extra` variance of windows beside their noise, `memory`, `between` [log level, standard
+    deviation] and `spread`, the standard deviation of the log of `between`."""
+
+    extra: float
+    memory: float
+    between: float
+    spread: float
+
+    def noise(self, variance: np.ndarray) -> Noise:
+        """Return the noise of windows with this white variance (w,)."""
+        return Noise(variance + self.extra, self.memory, self.between**2)
+
+
+START = Dispersion(1e-4, 0.3, 0.01, 0.5)
+
+
+@dataclass(frozen=True)
+class ShiftMeans:
+    """Left-out residuals of one axis by shift: `mean` (s,), `variance` (s,) of the mean without that of the shift."""
+
+    mean: np.ndarray
+    variance: np.ndarray
+
+
+def inflated(count: np.ndarray | float, memory: float) -> np.ndarray:
+    """Return by how much the lag-1 correlation `memory` raises the variance of a mean of `count` windows."""
+    m = np.maximum(np.asarray(count, dtype=float), 1.0)
+    return 1 + 2 * memory / (1 - memory) * (1 - (1 - memory**m) / (m * (1 - memory)))
+
+
+def within_shifts(residual: np.ndarray, variance: np.ndarray, shift: np.ndarray) -> tuple[float, float]:
+    """Return the extra variance of windows and their memory from residuals (w,), NaN where there is none."""
+    inner, lags, powers = [], [], []
+    for s in np.unique(shift):
+        e = residual[(shift == s) & np.isfinite(residual)]
+        if len(e) < 3:
+            continue
+        e = (e - np.median(e)) * np.sqrt(len(e) / (len(e) - 1))
+        inner.append(e)
+        size = 3 * max(1.4826 * float(np.median(np.abs(e))), 1e-9)
+        c = np.clip(e, -size, size)
+        lags.append(float(c[1:] @ c[:-1]) / (len(e) - 1))
+        powers.append(float(c @ c) / len(e))
+    if not inner:
+        return START.extra, START.memory
+    scatter = (1.4826 * float(np.median(np.abs(np.concatenate(inner))))) ** 2
+    # The mean of a shift takes part of a slow variation with it; two windows' worth of correlation is given back.
+    memory = sum(lags) / max(sum(powers), 1e-300) + 2.0 / max(np.mean([len(e) for e in inner]), 4.0)
+    return max(scatter - float(np.nanmedian(variance)), 0.0), float(np.clip(memory, 0.0, _MOST_MEMORY))
+
+
+def shift_means(
+    residual: np.ndarray, predicted: np.ndarray, variance: np.ndarray, shift: np.ndarray, memory: float
+) -> ShiftMeans:
+    """Return the means of left-out residuals (w,) by shift; `predicted` (w,) variance of the prediction."""
+    means, variances = [], []
+    for s in np.unique(shift):
+        rows = (shift == s) & np.isfinite(residual)
+        if rows.sum() < 2:
+            continue
+        weight = 1.0 / variance[rows]
+        means.append(float(weight @ residual[rows] / weight.sum()))
+        own = float(inflated(rows.sum(), memory)) / weight.sum()
+        variances.append(own + float(weight @ predicted[rows] / weight.sum()))
+    return ShiftMeans(np.array(means), np.array(variances))
+
+
+def between_shifts(axes: Sequence[ShiftMeans]) -> list[tuple[float, float]]:
+    """Return for each axis the standard deviation between shifts and the standard deviation of its log."""
+    likelihood = np.array([[_log_likelihood(a, g) for g in GRID] for a in axes])
+    log_grid = np.log(GRID)
+    # The robot's own level, with the axes scattered about it, on the same grid.
+    about = -0.5 * ((log_grid[:, None] - log_grid) / LIKENESS) ** 2
+    joined = np.array([np.logaddexp.reduce(about + row, axis=1) for row in likelihood])
+    hyper = -0.5 * ((log_grid - np.log(USUAL)) / USUAL_SPREAD) ** 2
+    result = []
+    for j, row in enumerate(likelihood):
+        level = hyper + joined.sum(axis=0) - joined[j]
+        level -= np.logaddexp.reduce(level)
+        log_posterior = row + np.logaddexp.reduce(about + level[:, None], axis=0)
+        posterior = np.exp(log_posterior - np.logaddexp.reduce(log_posterior))
+        middle = float(posterior @ log_grid)
+        spread = float(np.sqrt(posterior @ (log_grid - middle) ** 2))
+        result.append((float(np.exp(middle)), spread))
+    return result
+
+
+def _log_likelihood(means: ShiftMeans, between: float) -> float:
+    """Log density of a Student law whose variance is that of a shift and its mean."""
+    nu = FREEDOM
+    scale = (between**2 + means.variance) * (nu - 2) / nu
+    const = gammaln((nu + 1) / 2) - gammaln(nu / 2) - 0.5 * np.log(nu * np.pi * scale)
+    return float(np.sum(const - (nu + 1) / 2 * np.log1p(means.mean**2 / (nu * scale))))

@@ -1,0 +1,60 @@
+"""What was done to a robot, as its entry in the config says: each event starts a new baseline of the axes concerned."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.timestamps import utc_seconds
+
+KINDS = ("service", "sensor", "program", "acknowledged")
+
+
+@dataclass(frozen=True)
+class Event:
+    """`time` [s]; `axes`: 0-based, all where empty; `kind` of :data:`KINDS`; `note`: of the user."""
+
+    time: float
+    axes: tuple[int, ...]
+    kind: str
+    note: str = ""
+
+    def concerns(self, axis: int) -> bool:
+        """Return whether a 0-based axis is concerned."""
+        return not self.axes or axis in self.axes
+
+
+def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
+    """Return the events of an entry of ``monitor.robots``, in order of time.
+
+    Raises
+    ------
+    InputError : naming the event, if its time is none.
+    """
+    events = []
+    for k, given in enumerate(entry.get("events") or ()):
+        try:
+            time = float(given["time"]) if isinstance(given["time"], (int, float)) else utc_seconds(given["time"])
+        except (KeyError, ValueError):
+            raise InputError(
+                f"config: 'events[{k}].time' is {given.get('time')!r}; allowed: ISO 8601, as 2026-02-01T06:00:00Z, "
+                "or seconds for logs without a date"
+            ) from None
+        axes = tuple(int(a) - 1 for a in given.get("axes") or ())
+        events.append(Event(time, axes, given.get("kind", "service"), given.get("note", "")))
+    return tuple(sorted(events, key=lambda e: e.time))
+
+
+def event_windows(events: Sequence[Event], start: np.ndarray, axes: int) -> list[list[int]]:
+    """Return for each axis the first window that begins at or after each of its events; none after the last window."""
+    result: list[list[int]] = [[] for _ in range(axes)]
+    for event in events:
+        k = int(np.searchsorted(start, event.time))
+        for j in range(axes):
+            if 0 < k < len(start) and event.concerns(j) and k not in result[j]:
+                result[j].append(k)
+    return result

@@ -1,0 +1,118 @@
+"""What is no alarm of wear but must be told: a service that a fall proposes, axes that moved together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from jointwear.monitor.decision import TOLERATED
+from jointwear.monitor.scale import ScaleStep
+from jointwear.monitor.shared_error import FINDING
+from jointwear.monitor.watching import Watch
+from jointwear.monitor.windows import WindowStatistics
+
+
+def moment_words(statistics: WindowStatistics, seconds: float) -> str:
+    """Return a time as ISO 8601 UTC, or in hours of the log's clock."""
+    if statistics.dated:
+        return datetime.fromtimestamp(seconds, tz=UTC).strftime("%Y-%m-%dT%H:%MZ")
+    return f"{seconds / 3600:.4g} h"
+
+
+def findings_of(
+    statistics: WindowStatistics,
+    shift: np.ndarray,
+    baseline: np.ndarray,
+    level: Watch,
+    steps: Sequence[ScaleStep],
+    changed: np.ndarray,
+) -> list[dict[str, Any]]:
+    """Return the findings, each with `time` [s], `axes` (1-based), `kind` and `words` for the page.
+
+    Parameters
+    ----------
+    steps : changed scales. changed : (w, n) bool, axes with an open alarm.
+    """
+    found = _scales(statistics, steps) + _services(statistics, level, steps)
+    found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
+    return sorted(found, key=lambda f: f["time"])
+
+
+def _scales(statistics: WindowStatistics, steps: Sequence[ScaleStep]) -> list[dict[str, Any]]:
+    """One finding for each moment at which scales changed."""
+    result = []
+    for window in sorted({s.window for s in steps}):
+        here = [s for s in steps if s.window == window]
+        time = float(statistics.start[window])
+        axes, factor = [s.axis + 1 for s in here], float(np.mean([s.factor for s in here]))
+        words = (
+            f"The scale of the torque of {_axes_words(axes)} changed by {factor:.3g} at "
+            f"{moment_words(statistics, time)}: a gain, a unit or a torque constant, no wear. It is learnt anew from "
+            "there; enter the event as 'sensor'."
+        )
+        result.append({"time": time, "axes": axes, "kind": "scale", "words": words})
+    return result
+
+
+def _axes_words(axes: Sequence[int]) -> str:
+    return f"axis {axes[0]}" if len(axes) == 1 else "axes " + ", ".join(str(a) for a in axes)
+
+
+def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleStep]) -> list[dict[str, Any]]:
+    explained = {(s.axis, s.window) for s in steps}
+    result = []
+    for j, starts in enumerate(level.starts):
+        for start in starts:
+            if start.proposed and (j, start.window) not in explained:
+                time = float(statistics.start[start.window])
+                words = (
+                    f"Friction of axis {j + 1} fell at {moment_words(statistics, time)}: was it serviced or greased? "
+                    "It is learnt anew from there; enter the service under 'events' to confirm it, or look for "
+                    "another cause."
+                )
+                result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
+    return result
+
+
+def _returned(
+    statistics: WindowStatistics, shift: np.ndarray, level: Watch, changed: np.ndarray
+) -> list[dict[str, Any]]:
+    """Axes with an open alarm whose last two shifts are as in the normal period again."""
+    result = []
+    for j in range(changed.shape[1]):
+        rows = np.flatnonzero(changed[:, j] & np.isfinite(level.residual[:, j]))
+        names = np.unique(shift[rows])
+        means = [float(np.mean(level.residual[rows[shift[rows] == s], j])) for s in names]
+        for k in range(1, len(names)):
+            if max(means[k - 1 : k + 1]) < TOLERATED and max(means[: k - 1], default=0.0) > TOLERATED:
+                time = float(statistics.start[rows[shift[rows] == names[k - 1]][0]])
+                words = (
+                    f"Friction of axis {j + 1} came back to its normal state at {moment_words(statistics, time)}: was "
+                    "it serviced? Its alarm stays open until an event closes it."
+                )
+                result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
+                break
+    return result
+
+
+def _shared(
+    statistics: WindowStatistics, shift: np.ndarray, baseline: np.ndarray, level: Watch
+) -> list[dict[str, Any]]:
+    """One finding for each run of shifts in which all axes moved together."""
+    result: list[dict[str, Any]] = []
+    before = False
+    for s in np.unique(shift[~baseline]):
+        rows = shift == s
+        mean = float(np.mean(level.shared.common[rows]))
+        if abs(mean) > FINDING and not before:
+            time = float(statistics.start[rows][0])
+            words = (
+                f"All axes moved together by {100 * mean:+.0f} % from {moment_words(statistics, time)} on, which is no "
+                "wear of one axis: look at the temperature, the oil, the model and the unit of the torque."
+            )
+            result.append({"time": time, "axes": [], "kind": "shared", "words": words})
+        before = abs(mean) > FINDING
+    return result

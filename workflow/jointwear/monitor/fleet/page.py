@@ -1,0 +1,104 @@
+"""The page of the fleet: robots by urgency, what to check first, and what could not be judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import tzinfo
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.text_files import replace_text
+from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.fleet.ranking import ORDER, REACHED, REFUSED, STALE
+from jointwear.monitor.local_time import duration, local_time, log_time
+from jointwear.monitor.summaries import name_axes
+from jointwear.monitor.words import todo
+from jointwear.publishing.report.rendering import render_page
+
+BADGES = {
+    REACHED: "differs", CHANGED: "differs", REFUSED: "other", UNRESOLVED: "close", STALE: "other", UNJUDGED: "other",
+    HEALTHY: "agrees",
+}  # fmt: skip
+#: What to check on a robot that no axis of which calls for anything.
+CHECKS = {
+    REFUSED: "Mend what refuses its logs",
+    STALE: "Look why no new log arrives",
+    UNJUDGED: "Let it move, or log more of it: nothing is known of this robot",
+}
+#: Findings and axes of a robot that the list shows; the page of the robot has all.
+SHOWN = 3
+
+
+def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any]:
+    """Return what the page says of one robot; `link` leads to the folder of its files."""
+    axes = [todo(row, axis, zone) for axis in row["axes"] if axis["check"]]
+    check = "" if axes else CHECKS.get(row["urgency"], "")
+    whole = [e["quantity"] for e in row["episodes"] if e["axis"] is None]
+    return {
+        "name": row["robot"],
+        "urgency": row["urgency"],
+        "badge": BADGES[row["urgency"]],
+        "page": f"{link}/{row['folder']}/{row['page']}" if row["page"] else None,
+        "axes": axes[:SHOWN],
+        "more": len(axes) - SHOWN,
+        "whole": whole,
+        "check": check,
+        "reason": row["reason"],
+        "refusals": [told for told in row["refusals"] if told != row["reason"]],
+        "findings": [f["words"] for f in sorted(row["findings"], key=lambda f: -(f.get("time") or 0))][:SHOWN],
+        "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
+        "silent": duration(row["silence_hours"]) if row["stale"] else "",
+        "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
+        "counts": row,
+    }
+
+
+def _minute(row: Mapping[str, Any]) -> float:
+    """The newest sample, to the minute where it has a date."""
+    return row["last_sample"] - (row["last_sample"] % 60 if row["dated"] else 0.0)
+
+
+def fleet_heading(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the heading: how many robots need attention."""
+    waiting = [row for row in rows if row["urgency"] != HEALTHY]
+    if not rows:
+        return "No robot"
+    if not waiting:
+        return f"Nothing to check on {len(rows)} robots" if len(rows) > 1 else "Nothing to check"
+    return f"{len(waiting)} of {len(rows)} robots to look at" if len(rows) > 1 else "The robot wants a look"
+
+
+def write_fleet_page(
+    rows: Sequence[Mapping[str, Any]],
+    output: str | Path,
+    zone: tzinfo,
+    now: float,
+    link: str = "robots",
+    waiting: Sequence[str] = (),
+) -> None:
+    """Write the page of ranked rows.
+
+    Parameters
+    ----------
+    rows : of :func:`~jointwear.monitor.fleet.ranking.ranked`. now : [s since 1970] that they are as of.
+    link : relative path from the page to the folders of the robots.
+    waiting : channel of every message that could not be sent yet.
+    """
+    items = [robot_item(row, zone, link) for row in rows]
+    context = {
+        "heading": fleet_heading(rows),
+        "unsent": {channel: list(waiting).count(channel) for channel in sorted(set(waiting))},
+        "as_of": local_time(now - now % 60, zone),
+        "numbers": [(kind, BADGES[kind], sum(r["urgency"] == kind for r in rows)) for kind in ORDER],
+        "waiting": [item for item in items if item["urgency"] != HEALTHY],
+        "healthy": [item for item in items if item["urgency"] == HEALTHY],
+        "items": items,
+        "total": {
+            key: sum(row[key] for row in rows)
+            for key in (
+                "logs", "refused_logs", "stale_logs", "unjudged_logs", "windows", "refused_windows", "stale_windows",
+                "unjudged_windows",
+            )
+        },
+    }  # fmt: skip
+    replace_text(output, render_page("fleet.html.j2", context))

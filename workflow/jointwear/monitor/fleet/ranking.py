@@ -1,0 +1,78 @@
+"""Robots by urgency, and what is said of each as of now."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+
+#: What a robot can be in, the most urgent first, and the words for it.
+REACHED, REFUSED, STALE = "limit reached", "refused", "stale"
+ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, STALE, UNJUDGED, HEALTHY)
+#: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
+STALE_AFTER_HOURS = 72.0
+
+
+def silence_hours(row: Mapping[str, Any], now: float) -> float:
+    """Return the hours since the last sample, NaN for logs without a date or a robot without any."""
+    if not row["dated"] or row["last_sample"] is None:
+        return math.nan
+    return max(now - row["last_sample"], 0.0) / 3600
+
+
+def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:
+    """Return a robot's row with `urgency`, `silence_hours`, `stale_logs`, `stale_windows` as of `now` [s since 1970].
+
+    Stale logs are those that are overdue by the robot's own rhythm, stale windows those that they would have filled;
+    both are 0 until the robot has been silent for `stale_after` hours.
+    """
+    silence = silence_hours(row, now)
+    stale = silence > stale_after
+    overdue = max(1, math.floor(silence / row["rhythm_hours"])) if stale and row["rhythm_hours"] else int(stale)
+    levels = {axis["level"] for axis in row["axes"]}
+    if row["result"] != "judged":
+        urgency = REFUSED
+    elif any(axis["reached"] for axis in row["axes"]):
+        urgency = REACHED
+    elif CHANGED in levels:
+        urgency = CHANGED
+    elif row["logs"] and row["refused_logs"] == row["logs"]:
+        urgency = REFUSED
+    elif UNRESOLVED in levels or row["episodes"]:
+        urgency = UNRESOLVED
+    elif stale:
+        urgency = STALE
+    elif HEALTHY not in levels:
+        urgency = UNJUDGED
+    else:
+        urgency = HEALTHY
+    return {
+        **row,
+        "urgency": urgency,
+        "silence_hours": None if math.isnan(silence) else silence,
+        "stale": bool(stale),
+        "stale_logs": overdue,
+        "stale_windows": math.floor(silence / row["window_hours"]) if stale and row["window_hours"] else 0,
+    }
+
+
+def ranked(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return rows of :func:`as_of`, the most urgent first: within a kind the soonest limit, then the largest growth."""
+
+    def order(row: Mapping[str, Any]) -> tuple[Any, ...]:
+        first = row["axes"][0] if row["axes"] else {}
+        hours = first.get("hours") or [math.inf] * 3
+        soonest = [math.inf if h is None else h for h in hours]
+        problems = row["refused_logs"] + row["stale_logs"]
+        return (
+            ORDER.index(row["urgency"]),
+            soonest[0],
+            soonest[1],
+            -(first.get("growth") or 0.0),
+            -problems,
+            row["robot"],
+        )
+
+    return sorted((dict(row) for row in rows), key=order)

@@ -1,0 +1,156 @@
+"""Read each log of a robot once: what a log came to is kept until the log, the model or the library changes.
+
+`read.json` beside the statistics says which log was read with what. Statistics of logs that are no longer on disk are
+kept: a store that deletes old logs does not take the baseline away.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.errors import InputError
+from jointwear.files.text_files import replace_text
+from jointwear.monitor.assembly import Piece
+from jointwear.monitor.fleet.plan import digest, stamp_of
+from jointwear.monitor.piece_files import read_pieces, write_pieces
+from jointwear.monitor.plan import READING_KEYS, in_order
+from jointwear.monitor.stages import log_pieces, survey_logs
+from jointwear.monitor.survey import read_survey
+from jointwear.robots.robot_file import robot_sources
+from jointwear.running.modules import LIBRARY, imported_by
+
+#: Logs between two saves: what a run that is killed has to read again at most.
+SAVE_EVERY = 64
+#: Files of statistics of a robot beyond which they are put into one: opening a file costs more than its content.
+MOST_FILES = 16
+#: Logs that are tried, the first ones, until one can be surveyed.
+SURVEY_TRIES = 3
+
+
+def code_of(script: str) -> str:
+    """Return a digest of the library files that a script of the workflow imports."""
+    found = hashlib.sha256()
+    for path in imported_by(LIBRARY.parent / "scripts" / f"{script}.py"):
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def model_of(robot: str) -> str:
+    """Return a digest of the files that a robot is made of."""
+    return digest([hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in robot_sources(robot)])
+
+
+class Readings:
+    """The statistics of the logs of one robot in the folder `own`, and the record of how they were read."""
+
+    def __init__(self, own: Path) -> None:
+        self.own = own
+        self._record = own / "read.json"
+        try:
+            known = json.loads(self._record.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            known = {}
+        self.settings: str = known.get("settings", "")
+        self.code: str = known.get("code", "")
+        self.judged: str = known.get("judged", "")
+        self.logs: dict[str, dict[str, str]] = known.get("logs", {})
+
+    def save(self) -> None:
+        """Keep the record."""
+        names = ("settings", "code", "judged", "logs")
+        replace_text(self._record, json.dumps({name: getattr(self, name) for name in names}, indent=1) + "\n")
+
+    def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str) -> int:
+        """Read what is new or has changed among `logs`; return how many logs were read.
+
+        Parameters
+        ----------
+        entry : the robot's entry of the config. logs : that can be reached now. code : digest of the library.
+
+        Raises
+        ------
+        InputError : if no survey could be made of the first logs.
+        """
+        reading = {key: entry[key] for key in READING_KEYS if key in entry}
+        settings = digest([reading, model_of(entry["robot"])])
+        if settings != self.settings:
+            self.logs = {}
+            # The windows of a baseline that another model made do not compare with those to come.
+            (self.own / "baseline.nc").unlink(missing_ok=True)
+        self._survey(entry, reading, logs, anew=settings != self.settings)
+        fresh = settings == self.settings and code == self.code
+        self.settings, self.code = settings, code
+        stamps = {log: digest(stamp_of(log)) for log in logs}
+        wanted = [
+            log
+            for log in logs
+            if not fresh or self.logs.get(log, {}).get("stamp") != stamps[log] or not self._file(log).is_file()
+        ]
+        for start in range(0, len(wanted), SAVE_EVERY):
+            group = wanted[start : start + SAVE_EVERY]
+            pieces = log_pieces(group, self.survey, entry["robot"], reading)
+            name = f"{digest(group)[:16]}.nc"
+            write_pieces(pieces, self.own / "windows" / name, reading)
+            self.logs.update({log: {"stamp": stamps[log], "file": name} for log in group})
+            self.save()
+        if wanted:
+            self._tidy(reading)
+        self.save()
+        return len(wanted)
+
+    @property
+    def survey(self) -> Path:
+        """The file of the survey."""
+        return self.own / "survey.json"
+
+    @property
+    def stamp(self) -> str:
+        """A digest of all that was read."""
+        return digest([self.settings, self.code, self.logs])
+
+    def pieces(self) -> list[Piece]:
+        """Return the statistics of all logs in their order."""
+        found = {}
+        for name in sorted({kept["file"] for kept in self.logs.values()}):
+            for piece in read_pieces(self.own / "windows" / name):
+                if self.logs.get(piece.log, {}).get("file") == name:
+                    found[piece.log] = piece
+        return [found[log] for log in in_order(found)]
+
+    def _file(self, log: str) -> Path:
+        return self.own / "windows" / self.logs[log]["file"]
+
+    def _survey(self, entry: Mapping[str, Any], reading: Mapping[str, Any], logs: Sequence[str], anew: bool) -> None:
+        if not anew:
+            try:
+                read_survey(self.survey)
+                return
+            except InputError:
+                self.logs = {}
+        refused = None
+        for log in logs[:SURVEY_TRIES]:
+            try:
+                survey_logs(log, entry["robot"], reading, self.survey)
+                return
+            except InputError as error:
+                refused = refused or error
+        raise refused or InputError("there is no log yet")
+
+    def _tidy(self, reading: Mapping[str, Any]) -> None:
+        """Put all statistics into one file where there are many, and remove files that nothing refers to."""
+        files = {kept["file"] for kept in self.logs.values()}
+        if len(files) > MOST_FILES:
+            pieces = self.pieces()
+            name = f"{digest([p.log for p in pieces])[:16]}_all.nc"
+            write_pieces(pieces, self.own / "windows" / name, reading)
+            for piece in pieces:
+                self.logs[piece.log]["file"] = name
+            self.save()
+            files = {name}
+        for path in (self.own / "windows").glob("*.nc"):
+            if path.name not in files:
+                path.unlink()

@@ -1,0 +1,70 @@
+"""From the rows of all batches to the page, the table, the metrics and the history of the fleet."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from jointwear.files.errors import InputError
+from jointwear.files.text_files import replace_text
+from jointwear.monitor.fleet.history import join_histories
+from jointwear.monitor.fleet.metrics import write_metrics
+from jointwear.monitor.fleet.page import write_fleet_page
+from jointwear.monitor.fleet.ranking import STALE_AFTER_HOURS, as_of, ranked
+from jointwear.monitor.fleet.table import write_table
+from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.notify.outbox import Outbox
+
+
+def read_rows(batches: Sequence[str | Path]) -> list[dict]:
+    """Return the rows of the robots of all batches.
+
+    Raises
+    ------
+    InputError : naming the file, if one is broken.
+    """
+    rows = []
+    for path in batches:
+        try:
+            rows += json.loads(Path(path).read_text(encoding="utf-8"))["robots"]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise InputError(f"{path}: cannot be read ({error}); delete it and run again") from None
+    return rows
+
+
+def summarise_fleet(
+    batches: Sequence[str | Path],
+    folder: str | Path,
+    table: str | Path,
+    page: str | Path,
+    metrics: str | Path,
+    history: str | Path,
+    rows: str | Path,
+    *,
+    outbox: str | Path | None = None,
+    time_zone: str | None = None,
+    stale_after: float = STALE_AFTER_HOURS,
+    now: float | None = None,
+) -> None:
+    """Write what is known of all robots, the most urgent first.
+
+    Parameters
+    ----------
+    batches : files of :func:`~jointwear.monitor.fleet.watch.watch_robots`. folder : of the robots.
+    table, page, metrics, history, rows : files to write: CSV, HTML, text format of Prometheus, Parquet, JSON.
+    outbox : of `notify`; the page tells of messages that wait. time_zone : IANA name, for the page.
+    stale_after : silence [h] after which a robot counts as stale.
+    now : [s since 1970] that staleness counts from, default the clock's.
+    """
+    now, zone = time.time() if now is None else now, zone_of(time_zone)
+    found = ranked([as_of(row, now, stale_after) for row in read_rows(batches)])
+    write_table(found, table)
+    write_metrics(found, now, metrics)
+    parts = [Path(folder) / row["folder"] / "history.parquet" for row in found if row["result"] == "judged"]
+    join_histories([part for part in parts if part.is_file()], history)
+    replace_text(rows, json.dumps({"now": now, "robots": found}, indent=1) + "\n")
+    link = Path(folder).relative_to(Path(page).parent).as_posix()
+    waiting = Outbox.open(outbox).waiting if outbox else []
+    write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting])

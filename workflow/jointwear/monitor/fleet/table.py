@@ -1,0 +1,53 @@
+"""The table of the fleet: one CSV row per robot, the most urgent first."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.text_files import replace_text
+from jointwear.monitor.condition import CHANGED, UNJUDGED, UNRESOLVED
+from jointwear.monitor.state import stamp
+
+#: What each column holds is told in docs/howto/fleet.md.
+COLUMNS = (
+    "robot", "result", "alarms", "axes_changed", "reason", "urgency", "axis_to_check", "what_to_check",
+    "growth_percent", "limit_percent", "hours_to_limit", "hours_to_limit_low", "hours_to_limit_high",
+    "alarms_unresolved", "axes_unresolved", "axes_unjudged", "logs", "refused_logs", "stale_logs", "unjudged_logs",
+    "kept_logs", "windows", "refused_windows", "stale_windows", "unjudged_windows", "last_sample",
+)  # fmt: skip
+
+
+def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the cells of one robot; an empty cell is a number that is not known, or a limit that may never come."""
+    first = next((axis for axis in row["axes"] if axis["check"]), None)
+    hours = (first and first["hours"]) or [None] * 3
+
+    def axes(*levels: str) -> str:
+        return " ".join(str(a) for a in sorted(axis["axis"] for axis in row["axes"] if axis["level"] in levels))
+
+    cells = {
+        **{name: row[name] for name in COLUMNS if name in row},
+        "axis_to_check": first["axis"] if first else "",
+        "what_to_check": first["check"] if first else "",
+        "growth_percent": first["growth"] if first else "",
+        "limit_percent": first["limit"] if first else "",
+        **dict(zip(("hours_to_limit", "hours_to_limit_low", "hours_to_limit_high"), hours, strict=True)),
+        "alarms_unresolved": len(row["episodes"]),
+        "axes_unresolved": axes(CHANGED, UNRESOLVED),
+        "axes_unjudged": axes(UNJUDGED),
+        "last_sample": "" if row["last_sample"] is None else stamp(row["last_sample"], row["dated"]),
+    }
+    return {name: "" if cells[name] is None else cells[name] for name in COLUMNS}
+
+
+def write_table(rows: Sequence[Mapping[str, Any]], output: str | Path) -> None:
+    """Write rows of :func:`~jointwear.monitor.fleet.ranking.as_of` as CSV."""
+    text = io.StringIO()
+    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    table.writeheader()
+    table.writerows(table_row(row) for row in rows)
+    replace_text(output, text.getvalue())

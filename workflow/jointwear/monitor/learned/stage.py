@@ -1,0 +1,156 @@
+"""``snakemake learn_normal``: the logs of a robot's baseline in, the robot file that the monitor uses out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.discovery.pipeline import discover
+from jointwear.discovery.written_robot import WrittenRobot, simulate_robot
+from jointwear.effects import check_effects, get_effect
+from jointwear.files.errors import InputError
+from jointwear.files.json_values import as_json, six_digits
+from jointwear.files.text_files import replace_text
+from jointwear.measurement.formats import layout_of
+from jointwear.measurement.motion import Measured, measure
+from jointwear.monitor.learned.gather import Piece, baseline_pieces
+from jointwear.monitor.learned.programs import programs_of
+from jointwear.monitor.learned.selection import FEWEST_PIECES, choose, recording_of
+from jointwear.monitor.plan import find_logs
+from jointwear.robots.robot import Robot, load_robot
+
+#: Error on held-out motion of any axis, over that of the given robot, up to which a learnt robot is handed on.
+NOT_WORSE = 1.05
+#: Programs beside the one learnt from on which it is checked, and pieces of each.
+CHECKED, CHECKED_PIECES = 4, 8
+#: Robot files by how much they change, the one that changes most first.
+KINDS = ("augmented", "retuned")
+#: Verdict of discovery where the given robot is right.
+NOTHING = "none"
+
+
+def learn_normal(
+    name: str, entry: Mapping[str, Any], folder: str | Path, logs: Sequence[str] | None = None
+) -> dict[str, Any]:
+    """Run discovery on the baseline of one robot and write `robot.yaml`, `verdict.json` and `learned.json`.
+
+    Discovery sees one program, the one with most samples; what it wrote is handed on if no axis is followed worse, on
+    held-out pieces of that program and on the others. Where one is, the robot file is the retuned one, or there is none
+    and the monitor keeps the given robot; so it does where nothing was found.
+
+    Parameters
+    ----------
+    entry : of the robot in ``monitor.robots``; its `robot` is the given one. folder : for the files.
+    logs : of the robot, in order; default those that its patterns match.
+
+    Returns
+    -------
+    dict : the content of `learned.json`.
+
+    Raises
+    ------
+    InputError : if the baseline holds too little motion, or contradicts the robot.
+    """
+    folder = Path(folder)
+    arm = load_robot(entry["robot"])
+    check_effects(arm)
+    layout = layout_of(entry, arm.joint_names)
+    logs = find_logs(entry["logs"], f"monitor.robots.{name}.logs") if logs is None else logs
+    pieces, refused = baseline_pieces(logs, layout, entry)
+    if len(pieces) < FEWEST_PIECES:
+        why = f" ({refused[0]})" if refused else ""
+        raise InputError(
+            f"config: 'monitor.robots.{name}': the baseline holds {len(pieces)} uninterrupted pieces of motion, "
+            f"{FEWEST_PIECES} are needed to learn from{why}"
+        )
+    label = programs_of([p.chunk.position for p in pieces])
+    groups = [[p for p, k in zip(pieces, label, strict=True) if k == program] for program in range(label.max() + 1)]
+    if len(groups[0]) < FEWEST_PIECES:
+        # Hardly any two pieces run over one path: a robot that does something else each time is one program.
+        groups = [pieces]
+    recording = recording_of(choose(groups[0]), name)
+    found = discover(recording, arm)
+    others = [_checked(group, name) for group in groups[1 : 1 + CHECKED]]
+    files = {kind: steady(found.files[kind]) for kind in KINDS}
+    errors = {"given": _errors(arm, found.problem.measured, recording.test, others)}
+    adopted = "given"
+    for kind in KINDS:
+        with files[kind].robot() as learnt:
+            errors[kind] = _errors(learnt, found.problem.measured, recording.test, others)
+        if adopted == "given" and found.verdict != NOTHING and not worse(errors[kind], errors["given"]):
+            adopted = kind
+    for stale in ("robot.yaml", "robot.urdf"):
+        (folder / stale).unlink(missing_ok=True)
+    if adopted != "given":
+        files[adopted].write(folder / "robot.yaml")
+    replace_text(folder / "verdict.json", found.to_json())
+    told = {
+        "robot": name,
+        "given": str(entry["robot"]),
+        "adopted": adopted,
+        "verdict": found.verdict,
+        "left_out": dropped(found.files["augmented"]),
+        "programs": [_program(group, used=k == 0) for k, group in enumerate(groups)],
+        "error": {
+            "unit": "N m",
+            "per": "axis, RMS over held-out motion: of the program learnt from, then of the others",
+        }
+        | {kind: [[six_digits(e) for e in row] for row in rows] for kind, rows in errors.items()},
+        "refused": refused,
+    }
+    replace_text(folder / "learned.json", json.dumps(as_json(told), indent=1) + "\n")
+    return told
+
+
+def steady(file: WrittenRobot) -> WrittenRobot:
+    """Return a robot file without effects that follow time: what drifted in the baseline goes on in no known way."""
+    kept = [e for e in file.data["effects"] if not get_effect(e["effect"]).follows_time]
+    return replace(file, data={**file.data, "effects": kept})
+
+
+def dropped(file: WrittenRobot) -> list[str]:
+    """Return the effects that :func:`steady` leaves out, in words."""
+    gone = [e for e in file.data["effects"] if get_effect(e["effect"]).follows_time]
+    return [f"{e['effect']} of axis {e['axis']}" for e in gone]
+
+
+def worse(errors: Sequence[np.ndarray], given: Sequence[np.ndarray]) -> bool:
+    """Return whether any axis is followed worse than by the given robot in any program; NaN is no motion."""
+    return any(np.any(e > NOT_WORSE * g) for e, g in zip(errors, given, strict=True))
+
+
+def _checked(pieces: Sequence[Piece], name: str) -> Measured:
+    recording = recording_of(choose(pieces)[:CHECKED_PIECES], name)
+    return measure(replace(recording, train=None, test=None))
+
+
+def _errors(robot: Robot, learnt: Measured, test: Sequence[int], others: Sequence[Measured]) -> list[np.ndarray]:
+    """Return RMS errors (n,) [N m]: on the held-out pieces of the program learnt from, then on each other program."""
+    rows = [_error(robot, learnt, np.isin(learnt.trajectory, test))]
+    return rows + [_error(robot, m, np.ones(len(m.time), dtype=bool)) for m in others]
+
+
+def _error(robot: Robot, measured: Measured, chosen: np.ndarray) -> np.ndarray:
+    used = measured.usable & chosen[:, None]
+    square = np.where(used, (measured.torque - simulate_robot(robot, measured)[0]) ** 2, 0.0).sum(axis=0)
+    count = used.sum(axis=0)
+    with np.errstate(invalid="ignore"):
+        return np.sqrt(np.where(count > 0, square / np.maximum(count, 1), np.nan))
+
+
+def _program(pieces: Sequence[Piece], used: bool) -> dict[str, Any]:
+    warmth = [p.warmth for p in pieces]
+    seconds = sum(float(p.chunk.time[-1] - p.chunk.time[0]) for p in pieces)
+    known = np.isfinite(warmth).any()
+    return {
+        "learnt_from": used,
+        "pieces": len(pieces),
+        "seconds": six_digits(seconds),
+        "temperature": [six_digits(np.nanmin(warmth)), six_digits(np.nanmax(warmth))] if known else None,
+        "logs": len({p.log for p in pieces}),
+    }

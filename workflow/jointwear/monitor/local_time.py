@@ -1,0 +1,62 @@
+"""Times as people on the shop floor read them: in their zone, and the zone is said."""
+
+from __future__ import annotations
+
+import math
+from datetime import UTC, datetime, tzinfo
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError, available_timezones
+
+from jointwear.files.errors import InputError, nearest
+
+DEFAULT_ZONE = "UTC"
+
+
+def zone_of(name: str | None) -> tzinfo:
+    """Return the time zone of the config key ``monitor.time_zone``, an IANA name; None is UTC.
+
+    Raises
+    ------
+    InputError : naming the nearest zone, if there is none of that name.
+    """
+    name = name or DEFAULT_ZONE
+    if name == DEFAULT_ZONE:
+        return UTC
+    try:
+        return ZoneInfo(name)
+    except (ZoneInfoNotFoundError, ValueError, OSError):
+        hint = nearest(name, available_timezones())
+        raise InputError(
+            f"config: 'monitor.time_zone' is '{name}'{hint} (allowed: IANA names, as Europe/Berlin)"
+        ) from None
+
+
+def local_time(seconds: float, zone: tzinfo) -> str:
+    """Return seconds since 1970 UTC as `2026-01-05 07:00 CET`; seconds are shown where they are not zero."""
+    if not math.isfinite(seconds):
+        return ""
+    moment = datetime.fromtimestamp(round(seconds), tz=zone)
+    shape = "%Y-%m-%d %H:%M" if moment.second == 0 else "%Y-%m-%d %H:%M:%S"
+    return f"{moment.strftime(shape)} {moment.strftime('%Z')}"
+
+
+def local_day(seconds: float, zone: tzinfo) -> str:
+    """Return seconds since 1970 UTC as `Mon 2026-01-05`."""
+    return datetime.fromtimestamp(seconds, tz=zone).strftime("%a %Y-%m-%d")
+
+
+def log_time(seconds: float, zone: tzinfo, dated: bool, short: bool = False) -> str:
+    """Return a time of the logs; without dates it is hours, or seconds where the logs are `short`."""
+    if not math.isfinite(seconds):
+        return ""
+    if dated:
+        return local_time(float(seconds), zone)
+    return f"{seconds:.4g} s" if short else f"{seconds / 3600:.4g} h"
+
+
+def duration(hours: float) -> str:
+    """Return a length of time in the unit in which it is easily read."""
+    if hours < 1:
+        return f"{round(hours * 60)} min"
+    if hours < 48:
+        return f"{round(hours)} h"
+    return f"{round(hours / 24)} days"

@@ -1,0 +1,109 @@
+"""The normal state of one axis: Bayesian regression of the log of a friction level on the conditions of operation.
+
+    y = X b + u_shift + e,   b ~ N(m, S),   u_shift ~ N(0, tau^2),   e ~ N(0, variance of the window)
+
+X holds a constant, temperature (or a warm-up state) and its square, the operating features, and their product with
+temperature; :mod:`.conditions` makes it. Windows and whole shifts count with Student-t weights, so that an odd hour or
+day of the baseline does not rule it. The prior is a statement on joints at large; where the baseline shows little the
+posterior stays wide, and a window beyond what the baseline showed is predicted with a large variance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Degrees of freedom of the weights, and rounds of reweighting.
+FREEDOM, ROUNDS = 4.0, 4
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Normal law of the coefficients: `mean` (p,), `covariance` (p, p)."""
+
+    mean: np.ndarray
+    covariance: np.ndarray
+
+    def predict(self, design: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the expected value (w,) of designs (w, p) and its variance (w,), noise of the window not included."""
+        return design @ self.mean, np.einsum("wp,pq,wq->w", design, self.covariance, design)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A posterior and what it says of windows that it did not see.
+
+    `left_out` (w,): value less the prediction from all *other* shifts; `left_out_variance` (w,): of that prediction.
+    NaN where a window took no part. `left_out_covariance` (s, p, p) of each shift in `shifts` (s,).
+    """
+
+    posterior: Posterior
+    left_out: np.ndarray
+    left_out_variance: np.ndarray
+    shifts: np.ndarray
+    left_out_covariance: np.ndarray
+
+
+@dataclass(frozen=True)
+class Noise:
+    """`within` (w,) variance of windows; `memory` their lag-1 correlation in a shift; `between` tau^2."""
+
+    within: np.ndarray
+    memory: float
+    between: float
+
+
+def fit_normal_state(design: np.ndarray, value: np.ndarray, noise: Noise, shift: np.ndarray, prior: Posterior) -> Fit:
+    """Fit windows (w,), those that are not finite left out.
+
+    Parameters
+    ----------
+    design : (w, p). value : (w,) log levels. noise : of the windows. shift : (w,) labels. prior : of the coefficients.
+    """
+    used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(noise.within)
+    x, y, label = design[used], value[used], shift[used]
+    # Neighbouring windows that remember each other tell less than as many independent ones.
+    variance = noise.within[used] * (1 + noise.memory) / (1 - noise.memory)
+    names, place = np.unique(label, return_inverse=True)
+    precision0 = np.linalg.inv(prior.covariance)
+    p = x.shape[1]
+    window_weight, shift_weight = np.ones(len(y)), np.ones(len(names))
+    for turn in range(ROUNDS):
+        grams, moments = np.zeros((len(names), p, p)), np.zeros((len(names), p))
+        between = noise.between / shift_weight
+        for s in range(len(names)):
+            rows = place == s
+            weight = window_weight[rows] / variance[rows]
+            wx, wy = weight @ x[rows], float(weight @ y[rows])
+            share = between[s] / (1 + between[s] * weight.sum())
+            grams[s] = (x[rows].T * weight) @ x[rows] - share * np.outer(wx, wx)
+            moments[s] = x[rows].T @ (weight * y[rows]) - share * wx * wy
+        precision = precision0 + grams.sum(axis=0)
+        information = precision0 @ prior.mean + moments.sum(axis=0)
+        covariance = _inverse(precision)
+        mean = covariance @ information
+        if turn == ROUNDS - 1:
+            break
+        error = y - x @ mean
+        for s in range(len(names)):
+            rows = place == s
+            weight = window_weight[rows] / variance[rows]
+            total = weight.sum()
+            level = between[s] * (weight @ error[rows]) / (1 + between[s] * total)
+            inner = error[rows] - level
+            window_weight[rows] = (FREEDOM + 1) / (FREEDOM + inner**2 / variance[rows])
+            size = (weight @ error[rows] / total) ** 2 / (noise.between + 1 / total)
+            shift_weight[s] = (FREEDOM + 1) / (FREEDOM + size)
+    left_covariance = np.stack([_inverse(precision - g) for g in grams]) if len(names) else np.zeros((0, p, p))
+    left_mean = np.einsum("spq,sq->sp", left_covariance, information - moments)
+    left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
+    left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
+    left_variance[used] = np.einsum("wp,wpq,wq->w", x, left_covariance[place], x)
+    return Fit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
+
+
+def _inverse(matrix: np.ndarray) -> np.ndarray:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    inverse = np.linalg.inv(matrix * np.outer(scale, scale)) * np.outer(scale, scale)
+    return 0.5 * (inverse + inverse.T)

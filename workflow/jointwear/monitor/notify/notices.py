@@ -1,0 +1,60 @@
+"""What there is to tell of a fleet now: unresolved alarms, robots that are refused, robots that are silent."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import tzinfo
+from typing import Any
+
+from jointwear.monitor.judge import DETECTORS
+from jointwear.monitor.local_time import duration, log_time
+from jointwear.monitor.words import change_words, outlook_words
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something to tell of a robot.
+
+    `key` stays the same as long as it lasts; `active` is False for an alarm whose friction is back to normal though
+    nobody has explained it; `subject` names robot and axis, `words` say what is the matter.
+    """
+
+    key: str
+    robot: str
+    subject: str
+    words: str
+    active: bool = True
+
+
+def notices(rows: Sequence[Mapping[str, Any]], zone: tzinfo) -> list[Notice]:
+    """Return the notices of the rows of a fleet, the most urgent robot first."""
+    found = []
+    for row in rows:
+        found += _alarms(row, zone)
+        if row["result"] != "judged":
+            found.append(Notice(f"{row['folder']}|refused", row["robot"], row["robot"], f"refused: {row['reason']}"))
+        if row["stale"]:
+            silent = f"no new log for {duration(row['silence_hours'])}"
+            found.append(Notice(f"{row['folder']}|stale", row["robot"], row["robot"], silent))
+    return found
+
+
+def _alarms(row: Mapping[str, Any], zone: tzinfo) -> list[Notice]:
+    """One notice per axis and quantity; the paper's detector speaks only where the model-based one is silent."""
+    axes = {axis["axis"]: axis for axis in row["axes"]}
+    ours = {e["axis"] for e in row["episodes"] if e["detector"] == DETECTORS[0]}
+    found = []
+    for episode in row["episodes"]:
+        if episode["detector"] != DETECTORS[0] and episode["axis"] in ours:
+            continue
+        axis = axes.get(episode["axis"])
+        since = f"first alarm {log_time(episode['first'], zone, row['dated'])}"
+        if axis is None:
+            subject, told = f"{row['robot']}, whole robot", [episode["quantity"], since]
+        else:
+            subject = f"{row['robot']}, axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else "")
+            told = [episode["quantity"], change_words(axis), outlook_words(row, axis, zone), since, axis["check"]]
+        key = f"{row['folder']}|{episode['key']}"
+        found.append(Notice(key, row["robot"], subject, "; ".join(t for t in told if t), episode["open"]))
+    return found

@@ -1,0 +1,108 @@
+"""What each channel has been told, and messages that wait. Kept on disk before anything is sent."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.errors import InputError
+from jointwear.files.text_files import replace_text
+from jointwear.monitor.notify.notices import Notice
+
+#: Lines of a message beyond which the rest is only counted: services refuse long messages.
+MOST_LINES = 40
+
+
+@dataclass
+class Outbox:
+    """`told`: channel -> key of a notice -> its subject and whether it was active; `waiting`: messages in order."""
+
+    path: Path
+    told: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    waiting: list[dict[str, Any]] = field(default_factory=list)
+
+    @classmethod
+    def open(cls, path: str | Path) -> Outbox:
+        """Read the outbox, or begin a new one.
+
+        Raises
+        ------
+        InputError : if the file is broken; it is left as it is, for messages may wait in it.
+        """
+        path = Path(path)
+        if not path.exists():
+            return cls(path)
+        try:
+            known = json.loads(path.read_text(encoding="utf-8"))
+            return cls(path, dict(known["told"]), list(known["waiting"]))
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise InputError(
+                f"{path}: cannot be read ({error}); messages may wait in it: mend it, or delete it to begin anew"
+            ) from None
+
+    def save(self) -> None:
+        """Keep the outbox."""
+        content = {"told": self.told, "waiting": self.waiting}
+        replace_text(self.path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+
+    def note(self, channel: str, found: Sequence[Notice], folders: set[str], now: float) -> None:
+        """Put what a channel has not been told yet into the outbox: what is new, what came back, what ended.
+
+        Parameters
+        ----------
+        folders : of the robots that this call knows the state of; what was told of others stays as it is.
+        now : [s since 1970].
+        """
+        told = self.told.setdefault(channel, {})
+        present = {notice.key: notice for notice in found}
+        alarms, ends = [], []
+        for key, notice in present.items():
+            before = told.get(key)
+            if notice.active and (before is None or not before["active"]):
+                alarms.append(f"{'ALARM' if before is None else 'AGAIN'}  {notice.subject}: {notice.words}")
+            elif before is None:
+                alarms.append(f"ALARM  {notice.subject}: {notice.words}; back to normal since")
+            elif before["active"] and not notice.active:
+                ends.append(f"ENDED  {notice.subject}: back to normal, but no event says why; {notice.words}")
+            told[key] = {"subject": notice.subject, "active": notice.active}
+        for key in [k for k in told if k not in present and k.split("|", 1)[0] in folders]:
+            ends.append(f"ENDED  {told[key]['subject']}: resolved")
+            del told[key]
+        lines = alarms + ends
+        if lines:
+            counts = [f"{len(alarms)} new" if alarms else "", f"{len(ends)} ended" if ends else ""]
+            rest = len(lines) - MOST_LINES
+            body = lines[:MOST_LINES] + ([f"... and {rest} more on the page of the fleet"] if rest > 0 else [])
+            title = f"Robot wear: {', '.join(c for c in counts if c)}"
+            self.waiting.append(
+                {"channel": channel, "since": now, "attempts": 0, "title": title, "body": "\n".join(body)}
+            )
+
+    def deliver(self, channels: Sequence[str], send: Callable[[str, Mapping[str, Any]], str]) -> list[str]:
+        """Send what waits for the channels, in order; what cannot be sent goes on waiting.
+
+        Parameters
+        ----------
+        send : takes channel and message, returns "" or why it could not be sent.
+
+        Returns
+        -------
+        list : one line for every channel that failed; the later messages of such a channel are not tried.
+        """
+        failed: dict[str, str] = {}
+        for message in list(self.waiting):
+            channel = message["channel"]
+            if channel not in channels or channel in failed:
+                continue
+            message["attempts"] += 1
+            reason = send(channel, message)
+            if reason:
+                failed[channel] = reason
+            else:
+                # By identity: two messages may read alike.
+                self.waiting = [other for other in self.waiting if other is not message]
+            self.save()
+        return [f"{channel}: {reason}" for channel, reason in failed.items()]

@@ -1,0 +1,253 @@
+"""Alarms and states told from what was watched: which quantity, how much, when the limit, what stays open."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from jointwear.monitor.conditions import Conditions
+from jointwear.monitor.dispersion import inflated
+from jointwear.monitor.events import Event
+from jointwear.monitor.forecast import Forecast
+from jointwear.monitor.locate import axis_probability
+from jointwear.monitor.paper_detector import paper_alarms
+from jointwear.monitor.series import Series
+from jointwear.monitor.shift_forecast import forecast_shifts
+from jointwear.monitor.watching import Watch
+from jointwear.monitor.windows import WindowStatistics
+
+HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
+DETECTORS = ("model", "paper")
+COULOMB, VISCOUS = "coulomb friction", "viscous friction"
+#: Normal quantile of the 80 % interval of a change.
+_Q80 = 1.2815515655446004
+#: An alarm that lasts is told again after this many hours, with a new forecast; after that when growth has risen by
+#: this much more, or after a week.
+REPEAT_HOURS, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 0.02, 168.0
+#: Viscous friction is named where it makes up at least this share of the growth, this many standard deviations clear.
+VISCOUS_PART, VISCOUS_CLEAR = 0.5, 2.0
+
+
+class Reason(IntEnum):
+    """Why an axis is not judged in a window; 0 where it is, or where what was read says why (`flags`)."""
+
+    NONE = 0
+    BASELINE = 1
+    LEARNING = 2
+    CONDITIONS = 3
+    COARSE = 4
+
+
+_NOTHING = Forecast(np.nan, np.nan, np.nan)
+
+
+class Teller:
+    """Alarms and states of the axes of one robot."""
+
+    def __init__(
+        self,
+        statistics: WindowStatistics,
+        conditions: Conditions,
+        shift: np.ndarray,
+        baseline: np.ndarray,
+        level: Watch,
+        viscous: Watch,
+        series: Mapping[str, Series],
+        speed: np.ndarray,
+        limit: float,
+        events: Sequence[Event],
+    ) -> None:
+        self._s, self._shift, self._baseline, self._limit = statistics, shift, baseline, limit
+        self._level, self._viscous, self._series, self._speed = level, viscous, series, speed
+        self._events = events
+        self._alarm = level.alarm | self._viscous_alone()
+        self._hide_coarse()
+        self._told = self._spaced()
+        self.status = self._states()
+
+    def _viscous_alone(self) -> np.ndarray:
+        """Alarms (w, n) of viscous friction on axes whose judged level leaves it out."""
+        alone = np.array([a is not None and a.source == "coulomb" for a in self._level.axes])
+        return self._viscous.alarm & alone
+
+    def _hide_coarse(self) -> None:
+        """An axis whose limit would hardly show is not judged: two shifts at the limit must stand out clearly."""
+        level, self._coarse = self._level, []
+        for j, axis in enumerate(level.axes):
+            if axis is None:
+                continue
+            normal = float(np.nanmedian(axis.fit.left_out_variance))
+            least = level.threshold[j] * np.sqrt(axis.dispersion.between**2 / 2 + normal)
+            if (np.expm1(least) + 0.01) * axis.to_coulomb > self._limit:
+                level.residual[:, j] = np.nan
+                self._coarse.append(j)
+                self._alarm[:, j] = False
+
+    def _spaced(self) -> np.ndarray:
+        """Return which alarms (w, n) are told."""
+        told, hour = np.zeros_like(self._alarm), self._s.end / 3600
+        for j in range(told.shape[1]):
+            starts = [0, *[s.window for s in self._level.starts[j]], len(hour)]
+            last = size = None
+            count = 0
+            for k in np.flatnonzero(self._alarm[:, j]):
+                segment = int(np.searchsorted(starts, k, side="right"))
+                if last is not None and last[1] != segment:
+                    last, count = None, 0
+                mean = self._level.mean[k, j]
+                if last is not None:
+                    since = hour[k] - last[0]
+                    risen = np.isfinite(mean) and np.isfinite(size) and mean - size > REPEAT_GROWTH
+                    due = since >= REPEAT_HOURS and (count == 1 or risen or since >= REPEAT_LATEST)
+                    if not due:
+                        continue
+                told[k, j], last, size, count = True, (hour[k], segment), mean, count + 1
+        return told
+
+    def _states(self) -> np.ndarray:
+        """Return the status (w, n); an axis that has alarmed stays changed until an event of the config closes it."""
+        residual = self._level.residual
+        status = np.full(residual.shape, HEALTHY, dtype=object)
+        status[~np.isfinite(residual)] = UNJUDGED
+        for j in range(residual.shape[1]):
+            closed = [s.window for s in self._level.starts[j] if not s.proposed]
+            edges = [0, *closed, len(residual)]
+            for a, b in itertools.pairwise(edges):
+                hits = np.flatnonzero(self._alarm[a:b, j])
+                if len(hits):
+                    after = slice(a + hits[0], b)
+                    open_ = np.isfinite(residual[after, j]) | self._level.learning[after, j]
+                    status[after, j] = np.where(open_, CHANGED, UNJUDGED)
+        return status
+
+    def _parts(self, k: int, j: int) -> tuple[str, float, float]:
+        """Return the name of the quantity that grew by window `k`, and mean and error of the level."""
+        level, viscous = self._level, self._viscous
+        mean, error = level.mean[k, j], level.mean_std[k, j]
+        if not level.alarm[k, j]:
+            return VISCOUS, float(viscous.mean[k, j]), float(viscous.mean_std[k, j])
+        part, spread = viscous.mean[k, j], viscous.mean_std[k, j]
+        total = np.expm1(mean) * (1.0 if level.axes[j].source == "friction" else self._series["friction"].share[j])
+        clear = np.isfinite(part) and part > VISCOUS_CLEAR * spread and part > VISCOUS_PART * total
+        return (VISCOUS if clear and level.axes[j].source == "friction" else COULOMB), float(mean), float(error)
+
+    def reasons(self) -> np.ndarray:
+        """Return why each window (w, n) is not judged, of :class:`Reason`."""
+        result = np.zeros(self.status.shape, dtype=np.int32)
+        moved = self._s.count > 0
+        for j, axis in enumerate(self._level.axes):
+            hidden = ~np.isfinite(self._level.residual[:, j]) & moved[:, j]
+            if axis is None:
+                result[hidden, j] = Reason.BASELINE
+                continue
+            result[hidden, j] = Reason.COARSE if j in self._coarse else Reason.NONE
+            result[hidden & self._level.unseen[:, j], j] = Reason.CONDITIONS
+            result[hidden & self._level.learning[:, j], j] = Reason.LEARNING
+        return result
+
+    def records(self) -> list[dict[str, Any]]:
+        """Return the rows of alarms.csv."""
+        result = []
+        statistic = np.where(np.isfinite(self._level.residual), np.maximum(self._level.growth, 0.0), np.nan)
+        for k, j in np.argwhere(self._told):
+            name, mean, error = self._parts(k, j)
+            values = [mean, mean - _Q80 * error, mean + _Q80 * error]
+            if self._level.alarm[k, j]:
+                changes = [self._level.axes[j].unit * float(np.expm1(v)) for v in values]
+            else:
+                changes = [float(self._series["viscous"].unit[j]) * v for v in values]
+            unit = "N m"
+            if name == VISCOUS and self._speed[j] > 0:
+                changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
+            sure = axis_probability(statistic[k], self._level.threshold)[j] if self._level.alarm[k, j] else np.nan
+            expected = self.forecast(k, j, name)
+            result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
+        return result
+
+    def forecast(self, k: int, j: int, name: str) -> Forecast:
+        """Return the forecast of axis `j` at window `k`."""
+        source = self._level if self._level.axes[j] is not None and name == COULOMB else self._viscous
+        axis = source.axes[j]
+        if axis is None:
+            return _NOTHING
+        begin = max([s.window for s in source.starts[j] if s.window <= k], default=0)
+        known = np.isfinite(source.residual[:, j])
+        inside = known & ~self._baseline & (np.arange(len(known)) <= k) & (np.arange(len(known)) >= begin)
+        times, means, variances = [], [], []
+        for s in np.unique(self._shift[inside]):
+            rows = inside & (self._shift == s)
+            weight = 1.0 / source.noise[rows, j]
+            times.append(float(np.mean(self._s.end[rows])) / 3600)
+            means.append(float(weight @ source.residual[rows, j] / weight.sum()))
+            own = float(inflated(rows.sum(), axis.dispersion.memory)) / weight.sum()
+            variances.append(own + axis.dispersion.between**2)
+        if not times:
+            return _NOTHING
+        if name == COULOMB:
+            scale = axis.to_coulomb
+            growth = scale * np.expm1(np.array(means))
+        else:
+            scale = 1.0 / max(1.0 - float(self._series["friction"].share[j]), 0.05)
+            growth = scale * np.array(means)
+        left = float(np.sqrt(np.nanmedian(axis.fit.left_out_variance)))
+        before = np.flatnonzero(self._baseline) if not begin else np.arange(begin)
+        return forecast_shifts(
+            np.array(times), growth, scale**2 * np.array(variances), self._limit,
+            shared=scale * left, start=float(self._s.end[before[-1]]) / 3600, now=float(self._s.end[k]) / 3600,
+        )  # fmt: skip
+
+    def hours_to_limit(self) -> np.ndarray:
+        """Return the forecasts (n, 3) of the changed axes at their last judged window."""
+        result = np.full((self.status.shape[1], 3), np.nan)
+        for j in range(len(result)):
+            known = np.flatnonzero(np.isfinite(self._level.residual[:, j]))
+            if len(known) and self.status[known[-1], j] == CHANGED:
+                told = np.flatnonzero(self._told[: known[-1] + 1, j])
+                name = self._parts(told[-1], j)[0] if len(told) else COULOMB
+                found = self.forecast(int(known[-1]), j, name)
+                result[j] = found.hours, found.low, found.high
+        return result
+
+
+def paper_records(statistics: WindowStatistics, baseline: int, rate: float) -> list[dict[str, Any]]:
+    """Return the alarms of the paper's detector."""
+    verdict = paper_alarms(statistics, baseline, rate)
+    unknown = [np.nan] * 3
+    return [
+        record(
+            statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, "", np.nan, _NOTHING, DETECTORS[1]
+        )
+        for k in np.flatnonzero(verdict.alarm)
+    ]  # fmt: skip
+
+
+def record(
+    time: float,
+    axis: int,
+    quantity: str,
+    change: list[float],
+    unit: str,
+    probability: float,
+    expected: Forecast,
+    detector: str,
+) -> dict[str, Any]:
+    """Return one row of alarms.csv. An end that may never be reached stays empty."""
+    hours = [v if np.isfinite(v) else np.nan for v in (expected.hours, expected.low, expected.high)]
+    return {
+        "time": float(time),
+        "axis": axis,
+        "quantity": quantity,
+        "change": float(change[0]),
+        "change_low": float(change[1]),
+        "change_high": float(change[2]),
+        "unit": unit,
+        "probability_axis": probability,
+        "hours_to_limit": hours[0],
+        "hours_to_limit_low": hours[1],
+        "hours_to_limit_high": hours[2],
+        "detector": detector,
+    }

@@ -1,0 +1,79 @@
+"""Programs as the motion shows them: windows whose axes move alike are one regime.
+
+The signature of a window does not change with a speed override: of each axis its speed over the mean of all axes, the
+ratio of root mean square and mean speed, and its gravity torque. Regimes are found one after the other in the baseline
+(a window joins the nearest one that lies within :data:`ALIKE`, else it founds one); a regime counts from
+:data:`FEWEST` windows on. A later window that lies near none is a program that was never seen: it is not judged.
+Where most windows of the baseline found no regime, each being a mixture of its own, none is told apart.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.monitor.windows import WindowStatistics
+
+#: Largest difference of signatures (logs) that still is one program, and beyond which a window is unseen.
+ALIKE, UNSEEN = 0.15, 0.3
+#: Fewest windows of a regime; share of the baseline's windows that regimes must hold.
+FEWEST, COVERED = 4, 0.7
+#: Gravity torques below this share of the friction count as none.
+_SMALL = 0.2
+
+
+def signatures(statistics: WindowStatistics, friction: np.ndarray) -> np.ndarray:
+    """Return the signature (w, 3 n) of every window, NaN where an axis rests; `friction` (n,) [N m]."""
+    gram = statistics.gram
+    with np.errstate(invalid="ignore", divide="ignore"):
+        count = np.where(statistics.count > 0, statistics.count, np.nan).astype(float)
+        speed = np.sqrt(gram[..., 2, 2] / count)
+        mean = (gram[..., 0, 2] + gram[..., 1, 2]) / count
+        gravity = np.sqrt(gram[..., 3, 3] / count)
+        logs = np.log(speed)
+        share = logs - np.nanmean(np.where(np.isfinite(logs), logs, 0.0), axis=1, keepdims=True)
+        weight = np.log(gravity + _SMALL * np.maximum(friction, 1e-9))
+    return np.concatenate([share, np.log(speed / mean), weight], axis=1)
+
+
+def find_regimes(signature: np.ndarray, baseline: np.ndarray) -> np.ndarray | None:
+    """Return the regime (w,) of every window, -1 where unseen; None where the baseline shows no regimes.
+
+    Parameters
+    ----------
+    signature : (w, k), NaN where unknown. baseline : (w,) bool.
+    """
+    centres: list[np.ndarray] = []
+    counts: list[int] = []
+    label = np.full(len(signature), -1)
+    for k in np.flatnonzero(baseline):
+        distance = _distances(signature[k], centres)
+        best = int(np.argmin(distance)) if len(distance) else -1
+        if best < 0 or distance[best] > ALIKE:
+            centres.append(signature[k].copy())
+            counts.append(1)
+            best = len(centres) - 1
+        else:
+            counts[best] += 1
+            known = np.isfinite(signature[k]) & np.isfinite(centres[best])
+            centres[best][known] += (signature[k] - centres[best])[known] / counts[best]
+        label[k] = best
+    kept = [c for c, count in zip(centres, counts, strict=True) if count >= FEWEST]
+    if sum(n for n in counts if n >= FEWEST) < COVERED * max(int(baseline.sum()), 1):
+        return None
+    result = np.full(len(signature), -1)
+    for k in range(len(signature)):
+        distance = _distances(signature[k], kept)
+        best = int(np.argmin(distance))
+        if distance[best] <= UNSEEN:
+            result[k] = best
+    return result
+
+
+def _distances(one: np.ndarray, centres: list[np.ndarray]) -> np.ndarray:
+    """Return the distance of a signature from centres; an axis that rests in one and moves in the other is far."""
+    if not centres:
+        return np.zeros(0)
+    step = np.stack(centres) - one
+    other = np.isfinite(np.stack(centres)) != np.isfinite(one)
+    step = np.where(other, 1.0, np.nan_to_num(step))
+    return np.abs(step).max(axis=1)

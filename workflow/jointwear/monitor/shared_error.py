@@ -1,0 +1,132 @@
+"""What the residuals of all other axes have in common at one time: a wrong temperature, weather, oil, a wrong unit.
+
+Wear takes one axis; what moves most of them at once is none. For each axis the common part of the others is estimated
+with a heavy tail, so that one worn axis among them does not enter it, shrunk towards zero as far as it may be chance,
+multiplied with the slope of this axis, and subtracted together with its variance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.statistics.known import known_median
+
+#: Degrees of freedom of the location, and rounds of reweighting.
+FREEDOM, ROUNDS = 3.0, 12
+#: A priori the common part is usually small (what the baseline shows) and sometimes, with this chance, of this size.
+RARE, WIDE = 0.05, 0.08
+#: Smallest usual size.
+LEAST = 0.002
+#: A priori slope of an axis over the common part of the others, and its standard deviation.
+SLOPE, SLOPE_SPREAD = 1.0, 0.35
+#: Common part above which all axes together are a finding of its own.
+FINDING = 0.03
+#: Fewest other axes.
+FEWEST = 3
+
+
+@dataclass(frozen=True)
+class SharedError:
+    """`value` (w, n): what to subtract from the residual of each axis; `variance` (w, n); `common` (w,) of all axes."""
+
+    value: np.ndarray
+    variance: np.ndarray
+    common: np.ndarray
+
+
+def shared_error(residual: np.ndarray, variance: np.ndarray, baseline: np.ndarray, shift: np.ndarray) -> SharedError:
+    """Estimate the shared error.
+
+    Parameters
+    ----------
+    residual : (w, n) log levels less the normal state (left out in the baseline), NaN where unknown.
+    variance : (w, n) of the residual, prediction, shift and window together. baseline : (w,) bool.
+    shift : (w,) labels; the slope in a shift rests on the steps between the shifts before it.
+    """
+    w, n = residual.shape
+    value, spread = np.zeros((w, n)), np.zeros((w, n))
+    for j in range(n):
+        others = [i for i in range(n) if i != j]
+        location, error = _location(residual[:, others], variance[:, others])
+        common, left = _shrunk(location, error, _usual(location[baseline], error[baseline]))
+        slope, slope_variance = _slopes(residual[:, j], common, variance[:, j], shift)
+        value[:, j] = slope * common
+        spread[:, j] = slope**2 * left + slope_variance * common**2
+    location, error = _location(residual, variance)
+    common = _shrunk(location, error, _usual(location[baseline], error[baseline]))[0]
+    return SharedError(value, spread, common)
+
+
+def _location(residual: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the heavy-tailed location (w,) of residuals (w, k) and its variance; infinite with too few."""
+    good = np.isfinite(residual) & (variance > 0) & np.isfinite(variance)
+    weight = np.where(good, 1.0 / np.where(good, variance, 1.0), 0.0)
+    values = np.where(good, residual, 0.0)
+    middle = np.nan_to_num(known_median(np.where(good, residual, np.nan), axis=1))
+    robust = weight
+    for _ in range(ROUNDS):
+        robust = weight * (FREEDOM + 1) / (FREEDOM + weight * (values - middle[:, None]) ** 2)
+        total = robust.sum(axis=1)
+        middle = np.divide((robust * values).sum(axis=1), total, out=np.zeros_like(total), where=total > 0)
+    enough = good.sum(axis=1) >= FEWEST
+    total = robust.sum(axis=1)
+    scatter = np.divide((robust * weight * (values - middle[:, None]) ** 2).sum(axis=1), np.maximum(total, 1e-300))
+    error = np.divide(np.maximum(1.0, scatter), np.maximum(total, 1e-300))
+    return np.where(enough, middle, 0.0), np.where(enough, error, np.inf)
+
+
+def _usual(location: np.ndarray, error: np.ndarray) -> float:
+    known = np.isfinite(error)
+    if known.sum() < 3:
+        return LEAST**2
+    size = (1.4826 * float(np.median(np.abs(location[known])))) ** 2
+    return max(size - float(np.median(error[known])), LEAST**2)
+
+
+def _shrunk(location: np.ndarray, error: np.ndarray, usual: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and variance of the common part under a usual and a rare, wide prior."""
+    safe = np.where(np.isfinite(error), error, 1.0)
+    means, variances, logs = [], [], []
+    for prior, chance in ((usual, 1 - RARE), (WIDE**2 + usual, RARE)):
+        share = prior / (prior + safe)
+        means.append(share * location)
+        variances.append(share * safe)
+        logs.append(np.log(chance) - 0.5 * np.log(prior + safe) - 0.5 * location**2 / (prior + safe))
+    rare = 1.0 / (1.0 + np.exp(np.clip(logs[0] - logs[1], -700, 700)))
+    mean = (1 - rare) * means[0] + rare * means[1]
+    square = (1 - rare) * (variances[0] + means[0] ** 2) + rare * (variances[1] + means[1] ** 2)
+    known = np.isfinite(error)
+    return np.where(known, mean, 0.0), np.where(known, square - mean**2, 0.0)
+
+
+def _slopes(
+    own: np.ndarray, common: np.ndarray, variance: np.ndarray, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the slope (w,) of one axis over the common part and its variance.
+
+    Regressed on the steps between shifts, which slow wear hardly enters, heavy-tailed; each shift uses what was known
+    before it.
+    """
+    names, place = np.unique(shift, return_inverse=True)
+    good = np.isfinite(own) & (variance > 0)
+    with np.errstate(all="ignore"):
+        count = np.bincount(place, good, len(names))
+        means = [np.bincount(place, np.where(good, x, 0.0), len(names)) / count for x in (own, common, variance)]
+    precision, moment = 1 / SLOPE_SPREAD**2, SLOPE / SLOPE_SPREAD**2
+    slopes, variances = np.full(len(names), SLOPE), np.full(len(names), SLOPE_SPREAD**2)
+    before = -1
+    for s in range(len(names)):
+        slopes[s], variances[s] = moment / precision, 1 / precision
+        if not count[s] > 0:
+            continue
+        if before >= 0:
+            step, common_step = means[0][s] - means[0][before], means[1][s] - means[1][before]
+            size = means[2][s] + means[2][before]
+            error = step - slopes[s] * common_step
+            weight = (FREEDOM + 1) / (FREEDOM + error**2 / size) / size
+            precision += weight * common_step**2
+            moment += weight * common_step * step
+        before = s
+    return slopes[place], variances[place]

@@ -1,0 +1,61 @@
+"""Shifts: the runs of windows between two longer pauses, which share what one day brings (weather, product, oil).
+
+A robot that never stops has no pauses; its time is cut into equal parts instead, of a day where the baseline is long
+enough to hold several days.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: A pause [h] that ends a shift, and the same in windows where they are long.
+PAUSE_HOURS, PAUSE_WINDOWS = 2.5, 2.0
+#: Longest shift [h]; where operation never stops, the baseline shall hold this many parts of at least so many windows.
+LONGEST_HOURS, PARTS, FEWEST_WINDOWS = 24.0, 6, 4
+
+
+def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+    """Return the number of the shift of every window, rising from 0, (w,) int.
+
+    Parameters
+    ----------
+    start, end : (w,) [s] borders of the windows in order of time. baseline : (w,) bool, windows of the baseline.
+
+    Notes
+    -----
+    Cuts depend on the start of a run and on the baseline only, so that a window that arrives later moves none.
+    """
+    if not len(start):
+        return np.zeros(0, dtype=np.int64)
+    length = float(end[0] - start[0])
+    pause = max(PAUSE_HOURS * 3600.0, PAUSE_WINDOWS * length)
+    run = np.concatenate([[0], np.cumsum(start[1:] - end[:-1] > pause)])
+    longest = LONGEST_HOURS * 3600.0
+    first = np.array([start[run == r][0] for r in range(run[-1] + 1)])
+    whole = np.array([end[run == r][-1] for r in range(run[-1] + 1)]) - first
+    if whole.max() > longest and baseline.any():
+        part = float(baseline.sum()) * length / PARTS
+        longest = float(np.clip(part, FEWEST_WINDOWS * length, max(longest, FEWEST_WINDOWS * length)))
+    else:
+        longest = max(longest, FEWEST_WINDOWS * length)
+    part = np.floor((start - first[run]) / longest + 1e-9).astype(np.int64)
+    change = (np.diff(run) != 0) | (np.diff(part) != 0)
+    return np.concatenate([[0], np.cumsum(change)])
+
+
+def places_of_shifts(shift: np.ndarray, count: int) -> np.ndarray:
+    """Return for each window the last window so far of its own and of the `count` - 1 shifts before, (w, count).
+
+    -1 where there is no such shift.
+    """
+    w = len(shift)
+    last_of = {int(s): k for k, s in enumerate(shift)}
+    result = np.full((w, count), -1, dtype=np.int64)
+    result[:, 0] = np.arange(w)
+    known = sorted(last_of)
+    position = {s: p for p, s in enumerate(known)}
+    for k in range(w):
+        p = position[int(shift[k])]
+        for back in range(1, min(count, p + 1)):
+            result[k, back] = last_of[known[p - back]]
+    return result

@@ -1,0 +1,102 @@
+"""How a robot stands, as JSON has it: what its page, the fleet, messages and metrics are made from."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.json_values import as_json, six_digits
+from jointwear.measurement.flags import Flag
+from jointwear.monitor.condition import CHANGED, UNJUDGED, AxisCondition, axis_conditions, robot_episodes, urgency
+from jointwear.monitor.episodes import Episode
+from jointwear.monitor.state import State
+
+#: What a robot without a judgement has.
+NOTHING: dict[str, Any] = {
+    "alarms": 0, "axes_changed": "", "reason": "", "logs": 0, "refused_logs": 0, "unjudged_logs": 0, "windows": 0,
+    "refused_windows": 0, "unjudged_windows": 0, "kept_logs": 0, "last_sample": None, "rhythm_hours": None,
+    "window_hours": None, "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
+}  # fmt: skip
+#: Refusals that a row tells in words; the page of the robot has all.
+TOLD_REFUSALS = 3
+
+
+def standing(state: State) -> dict[str, Any]:
+    """Return what the fleet needs to know of a judged robot; `axes` in order of urgency first."""
+    conditions = axis_conditions(state)
+    first = urgency(conditions)
+    ordered = first + [c for c in conditions if c not in first]
+    unjudged = state.status == UNJUDGED
+    episodes = [e for c in ordered for e in c.episodes] + [e for e in robot_episodes(state) if e.resolved is None]
+    return {
+        "alarms": len(state.alarms),
+        "axes_changed": " ".join(str(j + 1) for j in range(state.axes) if state.status[-1, j] == CHANGED),
+        "logs": len(state.logs),
+        "refused_logs": sum(bool(told) for told in state.refused),
+        "unjudged_logs": _unjudged_logs(state, unjudged.all(axis=1)),
+        "windows": len(state.start),
+        "refused_windows": int(np.sum((state.flags & int(Flag.REFUSED)).any(axis=1))),
+        "unjudged_windows": int(unjudged.all(axis=1).sum()),
+        "last_sample": float(np.nanmax(state.last)),
+        "rhythm_hours": _rhythm(state),
+        "window_hours": float(state.end[0] - state.start[0]) / 3600,
+        "dated": state.dated,
+        "axes": [axis_row(c) for c in ordered],
+        "episodes": [episode_row(e, conditions) for e in episodes],
+        "findings": as_json(state.findings),
+        "refusals": [told for told in state.refused if told][-TOLD_REFUSALS:],
+    }
+
+
+def _unjudged_logs(state: State, blind: np.ndarray) -> int:
+    """Number of logs that were read and of which no window of any axis could be judged."""
+    begin = np.searchsorted(state.end, state.first, side="right")
+    end = np.searchsorted(state.start, state.last, side="right")
+    seen = np.concatenate([[0], np.cumsum(~blind)])
+    read = np.isfinite(state.first)
+    return int(sum(seen[b] == seen[a] for a, b in zip(begin[read], end[read], strict=True)))
+
+
+def _rhythm(state: State) -> float | None:
+    """Median time between the begins of logs [h], None of a single log."""
+    begins = np.unique(state.first[np.isfinite(state.first)])
+    return float(np.median(np.diff(begins))) / 3600 if len(begins) > 1 else None
+
+
+def axis_row(condition: AxisCondition) -> dict[str, Any]:
+    """Return the condition of an axis as JSON has it; a forecast without an upper end has None there."""
+    outlook, main = condition.outlook, condition.main
+    return {
+        "axis": condition.axis,
+        "joint": condition.joint,
+        "level": condition.level,
+        "reached": bool(condition.reached),
+        "growth": six_digits(condition.growth),
+        "growth_std": six_digits(condition.growth_std),
+        "limit": condition.limit,
+        "hours": None if outlook is None else [six_digits(h) for h in (outlook.hours, outlook.low, outlook.high)],
+        "quantity": main.quantity if main else "",
+        "change": as_json(main.newest["change"]) if main else None,
+        "unit": main.newest["unit"] if main else "",
+        "since": main.first if main else None,
+        "alarms": sum(len(e.alarms) for e in condition.episodes),
+        "check": condition.check,
+    }
+
+
+def episode_row(episode: Episode, conditions: list[AxisCondition]) -> dict[str, Any]:
+    """Return an unresolved episode as JSON has it; `open` while the axis counts as changed."""
+    levels = {c.axis: c.level for c in conditions}
+    level = levels.get(episode.axis) if episode.axis else CHANGED
+    return {
+        "key": episode.key,
+        "axis": episode.axis,
+        "quantity": episode.quantity,
+        "detector": episode.detector,
+        "first": episode.first,
+        "last": episode.last,
+        "alarms": len(episode.alarms),
+        "open": level == CHANGED,
+        **{k: as_json(episode.newest[k]) for k in ("change", "change_low", "change_high", "unit")},
+    }

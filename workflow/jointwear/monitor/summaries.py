@@ -1,0 +1,138 @@
+"""What the page of a robot says of every axis, and above all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, tzinfo
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.json_values import finite
+from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.monitor.condition import (
+    CHANGED,
+    FEWEST_NOW,
+    HEALTHY,
+    UNJUDGED,
+    UNRESOLVED,
+    AxisCondition,
+    axis_conditions,
+    latest,
+)
+from jointwear.monitor.local_time import log_time
+from jointwear.monitor.records import Reason
+from jointwear.monitor.state import State
+from jointwear.monitor.words import BADGES
+
+#: Estimates in words.
+NAMES = {
+    "coulomb": "change of Coulomb friction",
+    "coulomb_percent": "the same",
+    "viscous": "change of viscous friction",
+    "backlash": "change of play",
+    "friction": "friction at usual speed",
+}
+
+
+#: Why an axis is not judged, in words, where what was found in reading does not say it.
+REASONS = {
+    Reason.NONE: "its friction is too small against the noise, or the motion too one-sided, to be seen",
+    Reason.BASELINE: "it moves in too few windows of the normal period to know what is normal",
+    Reason.LEARNING: "what is normal is being learnt anew since an event or a step",
+    Reason.CONDITIONS: "a program, load or temperature that the normal period did not have",
+    Reason.COARSE: "its friction is too small against the noise for the limit to be seen",
+}
+
+
+def axis_summary(state: State, j: int, zone: tzinfo = UTC, condition: AxisCondition | None = None) -> dict[str, Any]:
+    """Return what the page says at a glance about a 0-based axis."""
+    condition = condition or axis_conditions(state)[j]
+    judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
+    after = judged[judged >= state.baseline]
+    remark = ""
+    if not len(after):
+        remark = why_unjudged(state, j)
+    elif after[-1] < len(state.start) - FEWEST_NOW:
+        last = int(after[-1])
+        remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
+    return {
+        "axis": j + 1,
+        "joint": state.joints[j],
+        "status": condition.level,
+        "badge": BADGES[condition.level],
+        "remark": remark,
+        "estimates": [_latest(state, name, j) for name in state.estimates],
+        "windows": len(judged),
+    }
+
+
+def _latest(state: State, name: str, j: int) -> dict[str, Any]:
+    value, std = latest(state, name, j)
+    return {
+        "name": NAMES.get(name, name.replace("_", " ")),
+        "unit": state.estimates[name][2],
+        "change": name != "friction",
+        "value": finite(value),
+        "std": finite(std),
+    }
+
+
+def why_unjudged(state: State, j: int, start: int = 0) -> str:
+    """Return in words why an axis could not be judged from window `start` on."""
+    here = state.status[start:, j] == UNJUDGED
+    if not here.any():
+        return ""
+    flags = state.flags[start:, j][here]
+    found = [(int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f]) for f in Flag if f not in (Flag.GAP, Flag.UNEXPLAINED)]
+    count, words = max(found, key=lambda pair: pair[0])
+    if count == len(flags):
+        return words
+    reasons, counts = np.unique(state.reason[start:, j][here], return_counts=True)
+    main = Reason(int(reasons[np.argmax(counts)]))
+    if main is Reason.NONE and count >= 0.5 * len(flags):
+        return words
+    return REASONS[main]
+
+
+def when(state: State, seconds: float, zone: tzinfo = UTC) -> str:
+    """Return a time of the logs as people read it."""
+    return log_time(float(seconds), zone, state.dated, state.short)
+
+
+def headline(summaries: Sequence[dict[str, Any]], whole_robot: bool = False) -> tuple[str, list[str]]:
+    """Return the heading of the page and the sentences below it; `whole_robot`: an alarm concerns all axes."""
+
+    def named(status: str) -> str:
+        return name_axes([s["axis"] for s in summaries if s["status"] == status])
+
+    changed, unresolved, healthy, unjudged = map(named, (CHANGED, UNRESOLVED, HEALTHY, UNJUDGED))
+    if changed:
+        heading = f"Friction has changed: {changed}"
+    elif unresolved:
+        heading = f"Alarms that nobody has explained: {unresolved}"
+    elif whole_robot:
+        heading = "The whole robot has changed"
+    elif healthy:
+        heading = "No change of friction found" + (" where it can be judged" if unjudged else "")
+    else:
+        heading = "No axis can be judged"
+    sentences = []
+    if unresolved:
+        sentences.append(
+            f"Alarms without an explanation: {unresolved}. An axis is called healthy again when an event of the "
+            "config says what was done."
+        )
+    if healthy:
+        sentences.append(f"No change: {healthy}.")
+    if unjudged:
+        sentences.append(f"Cannot be judged: {unjudged}. That is no sign of health; the reasons are below.")
+    return heading, sentences
+
+
+def name_axes(axes: Sequence[int]) -> str:
+    """Return `axis 3` or `axes 1, 2 and 5`, empty without any."""
+    if not axes:
+        return ""
+    *others, last = [str(axis) for axis in axes]
+    return f"axes {', '.join(others)} and {last}" if others else f"axis {last}"

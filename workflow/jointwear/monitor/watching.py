@@ -1,0 +1,244 @@
+"""Watch one quantity of all axes: normal state, shared error, evidence, alarms, services that a fall proposes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jointwear.monitor.conditions import Conditions
+from jointwear.monitor.decision import Evidence, shift_evidence
+from jointwear.monitor.dispersion import inflated
+from jointwear.monitor.learning import AxisNormal, enough, learn_axes, relearnt, widened
+from jointwear.monitor.normal_state import Posterior
+from jointwear.monitor.null_runs import BUDGET, Axis, null_threshold
+from jointwear.monitor.series import Series
+from jointwear.monitor.shared_error import SharedError, shared_error
+
+#: Shifts that are learnt from after a service, and fewest windows of them.
+RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
+#: Standard deviation of a prediction beyond which the conditions count as unseen.
+UNSEEN = 0.06
+#: Share of the allowance that falls may use: they only propose a service.
+FALL_SHARE = 0.2
+
+
+@dataclass(frozen=True)
+class Start:
+    """Window from which an axis is learnt anew; `proposed` by a fall, not told by the config."""
+
+    window: int
+    proposed: bool
+
+
+@dataclass(frozen=True)
+class Watch:
+    """What became of one quantity, arrays (w, n).
+
+    `residual`: log level less normal state and shared error, NaN where not judged; `std` of a window; `noise`: the
+    part of its variance that windows do not share; `growth`, `fall`, `mean`, `mean_std`, `shifts` of
+    :class:`~jointwear.monitor.decision.Evidence`; `alarm`: bool; `learning`, `unseen`: why a window is not judged.
+    `threshold` (n,); `starts`: per axis; `axes`: normal states, None where the baseline shows too little.
+    """
+
+    residual: np.ndarray
+    std: np.ndarray
+    noise: np.ndarray
+    growth: np.ndarray
+    fall: np.ndarray
+    mean: np.ndarray
+    mean_std: np.ndarray
+    shifts: np.ndarray
+    alarm: np.ndarray
+    learning: np.ndarray
+    unseen: np.ndarray
+    threshold: np.ndarray
+    shared: SharedError
+    axes: list[AxisNormal | None]
+    starts: list[list[Start]] = field(default_factory=list)
+
+
+def watch(
+    series: Sequence[Series],
+    names: Sequence[str],
+    conditions: Conditions,
+    baseline: np.ndarray,
+    shift: np.ndarray,
+    rate: float,
+    events: Sequence[Sequence[int]] = (),
+    proposed: Sequence[Sequence[int]] = (),
+    learnt: list[AxisNormal | None] | None = None,
+    services: bool = True,
+) -> Watch:
+    """Watch one quantity.
+
+    Parameters
+    ----------
+    series, names : candidates for it, :func:`jointwear.monitor.learning.learn_axes`. baseline : (w,) bool.
+    shift : (w,) labels. rate : false alarms a window that all axes together may have.
+    events : per axis, windows at which the config says that something was done to it.
+    proposed : the same, found in the logs themselves. learnt : normal states that are known already.
+    services : whether falls propose services.
+    """
+    w, n = series[0].value.shape
+    events, proposed = events or [[]] * n, proposed or [[]] * n
+    axes = learnt or learn_axes(series, names, conditions, _first_part(baseline, events, n), shift)
+    judged = [j for j in range(n) if axes[j] is not None]
+    fields = {name: np.full((w, n), np.nan) for name in ("residual", "std", "noise", "mean", "mean_std")}
+    growth, fall = np.full((w, n), -np.inf), np.full((w, n), -np.inf)
+    shifts = np.zeros((w, n), dtype=int)
+    alarm, learning, unseen = (np.zeros((w, n), dtype=bool) for _ in range(3))
+    threshold = np.full(n, np.inf)
+    starts: list[list[Start]] = [
+        sorted([Start(k, False) for k in e] + [Start(k, True) for k in set(p) - set(e)], key=lambda s: s.window)
+        for e, p in zip(events, proposed, strict=True)
+    ]
+    for j in judged:
+        threshold[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * rate / len(judged))
+    falls = np.array([t if np.isfinite(t) else np.inf for t in threshold])
+    # Services that falls propose change what comes after them: found one after the other, until none is left.
+    states = {j: _Axis(axes[j], baseline, shift, starts[j]) for j in judged}
+    shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
+    for _ in range(_MOST_TURNS):
+        raw, spread = np.full((w, n), np.nan), np.full((w, n), np.nan)
+        for j, state in states.items():
+            raw[:, j], spread[:, j] = state.residual, state.total_variance
+        shared = shared_error(raw, spread, baseline, shift)
+        again = False
+        for j, state in states.items():
+            evidence = state.judge(shared.value[:, j], shared.variance[:, j])
+            hit = np.flatnonzero(evidence.fall > falls[j])
+            hit = hit[~baseline[hit]]
+            if services and len(hit):
+                begin = _begin_of_change(hit[0], int(evidence.shifts[hit[0]]), shift)
+                later = [s for s in starts[j] if s.window > hit[0]]
+                kept = [s for s in starts[j] if s.window <= hit[0]]
+                if not kept or kept[-1].window < begin:
+                    starts[j] = [*kept, Start(begin, True), *later]
+                    states[j] = _Axis(axes[j], baseline, shift, starts[j])
+                    again = True
+            state.evidence = evidence
+        if not again:
+            break
+    for j, state in states.items():
+        evidence = state.evidence
+        fields["residual"][:, j] = state.residual - shared.value[:, j]
+        fields["std"][:, j] = np.sqrt(state.total_variance + shared.variance[:, j])
+        fields["noise"][:, j] = axes[j].noise
+        fields["mean"][:, j], fields["mean_std"][:, j] = evidence.mean, evidence.std
+        growth[:, j], fall[:, j], shifts[:, j] = evidence.growth, evidence.fall, evidence.shifts
+        learning[:, j], unseen[:, j] = state.learning, state.unseen
+        alarm[:, j] = (evidence.growth > threshold[j]) & ~baseline
+    return Watch(
+        **fields, growth=growth, fall=fall, shifts=shifts, alarm=alarm, learning=learning, unseen=unseen,
+        threshold=threshold, shared=shared, axes=axes, starts=starts,
+    )  # fmt: skip
+
+
+#: Most rounds in which services are looked for.
+_MOST_TURNS = 8
+
+
+class _Axis:
+    """One axis with its segments: the residual of every window against the normal state that holds for it."""
+
+    evidence: Evidence
+
+    def __init__(self, normal: AxisNormal, baseline: np.ndarray, shift: np.ndarray, starts: Sequence[Start]) -> None:
+        self.normal, self.shift = normal, shift
+        w = len(shift)
+        matrix = normal.design.matrix
+        self.residual, self.predicted = np.full(w, np.nan), np.full(w, np.nan)
+        self.learning, self.unseen = np.zeros(w, dtype=bool), np.zeros(w, dtype=bool)
+        self.segments: list[tuple[slice, Posterior]] = []
+        edges = [0, *[s.window for s in starts], w]
+        for k, (a, b) in enumerate(itertools.pairwise(edges)):
+            part = slice(a, b)
+            if k == 0:
+                posterior, learnt = normal.fit.posterior, baseline
+            else:
+                learnt = self._after(a, b)
+                fit = relearnt(normal, learnt, shift, widened(normal))
+                posterior = fit.posterior
+                self.learning[part] |= learnt[part] | (
+                    np.cumsum(learnt)[part] < min(RELEARNT_WINDOWS, learnt.sum() + 1)
+                )
+            expected, spread = posterior.predict(np.nan_to_num(matrix[part]))
+            bad = ~np.isfinite(matrix[part]).all(axis=1)
+            self.residual[part] = np.where(bad, np.nan, normal.series_value[part] - expected)
+            self.predicted[part] = spread + normal.design.beyond[part]
+            self.segments.append((part, posterior))
+        # In the baseline a window is held against what the other shifts predict for it.
+        own = np.isfinite(normal.fit.left_out) & (np.arange(w) < edges[1])
+        self.residual[own] = normal.fit.left_out[own]
+        self.predicted[own] = normal.fit.left_out_variance[own]
+        with np.errstate(invalid="ignore"):
+            beyond = (self.predicted > UNSEEN**2) | ~np.isfinite(matrix).all(axis=1)
+            self.unseen = beyond & np.isfinite(normal.series_value) & ~own
+        hidden = self.unseen | self.learning
+        self.residual[hidden] = np.nan
+
+    @property
+    def total_variance(self) -> np.ndarray:
+        """Variance (w,) of the residual of a window."""
+        return self.normal.noise + self.normal.dispersion.between**2 + self.predicted
+
+    def _after(self, a: int, b: int) -> np.ndarray:
+        """Return the windows (w,) from which the axis is learnt anew: three shifts, and more until there are enough."""
+        learnt = np.zeros(len(self.shift), dtype=bool)
+        seen = np.isfinite(self.normal.series_value)
+        for count, s in enumerate(np.unique(self.shift[a:b]), start=1):
+            rows = (self.shift == s) & (np.arange(len(self.shift)) >= a) & (np.arange(len(self.shift)) < b)
+            learnt |= rows
+            if count >= RELEARNT_SHIFTS and (learnt & seen).sum() >= RELEARNT_WINDOWS:
+                break
+        return learnt
+
+    def judge(self, shared: np.ndarray, shared_variance: np.ndarray) -> Evidence:
+        """Return the evidence of all windows; each segment stands for itself."""
+        parts = []
+        for part, posterior in self.segments:
+            parts.append(
+                shift_evidence(
+                    (self.residual - shared)[part],
+                    self.normal.noise[part],
+                    self.normal.design.matrix[part],
+                    posterior.covariance,
+                    self.shift[part],
+                    self.normal.dispersion,
+                    (shared_variance + self.normal.design.beyond)[part],
+                )
+            )
+        names = Evidence.__dataclass_fields__
+        return Evidence(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in names})
+
+
+def _first_part(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:
+    """Return the windows (w, n) of the baseline before the first event of each axis."""
+    place = np.arange(len(baseline))
+    return np.stack([baseline & (place < min(events[j], default=len(baseline))) for j in range(n)], axis=1)
+
+
+def _threshold(axis: AxisNormal, conditions: Conditions, shift: np.ndarray, baseline: np.ndarray, rate: float) -> float:
+    """Return the threshold of one axis for a rate of false alarms a window."""
+    rows = np.isfinite(axis.series_value)
+    usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else 8.0
+    noise = float(np.nanmedian(axis.noise))
+    within = np.sqrt(noise * float(inflated(usual, axis.dispersion.memory)) / usual)
+    clean = axis.design.matrix[rows]
+    clean = clean[np.isfinite(clean).all(axis=1)]
+    normal = np.sqrt(float(np.median(axis.fit.posterior.predict(clean)[1]))) if len(clean) else 0.01
+    null = Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual))
+    return null_threshold(null, rate)
+
+
+def _begin_of_change(window: int, shifts: int, shift: np.ndarray) -> int:
+    """Return the first window of the shifts that the evidence at `window` rests on."""
+    names = np.unique(shift)
+    place = int(np.searchsorted(names, shift[window]))
+    return int(np.argmax(shift == names[max(place - max(shifts, 1) + 1, 0)]))
+
+
+__all__ = ["Start", "Watch", "enough", "watch"]
