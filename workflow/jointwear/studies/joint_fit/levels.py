@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.trajectory import quintic_profile
 from jointwear.studies.recovery.sampled_motion import CYCLE, SEGMENT, progress
 
 GRID_STEP = 0.5  # s; as in the simulation
@@ -65,12 +66,9 @@ def task_levels(
     rigid = dynamics.rigid_body_torque(*(np.concatenate(pair, axis=1) for pair in zip(at, over, strict=True)))
     k = share.shape[1]
 
-    def coulomb(velocity):
-        return np.where(velocity > 0, robot.coulomb_positive, 0.0) + np.where(velocity < 0, robot.coulomb_negative, 0.0)
-
-    friction = coulomb(at[1])
+    friction = robot.coulomb(at[1])
     torque = rigid[:, :k] + at[1] * robot.viscous + friction
-    forth, back = coulomb(over[1]), coulomb(-over[1])
+    forth, back = robot.coulomb(over[1]), robot.coulomb(-over[1])
     # The grid of the simulation holds the start twice and the turn once.
     whole = np.concatenate(
         [rigid[:, k:] + over[1] * robot.viscous + forth, (rigid[:, k:] - over[1] * robot.viscous + back)[:, :-1]],
@@ -87,12 +85,8 @@ def task_levels(
 
 
 def _quintic(time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    s = time / SEGMENT
-    return (
-        s**3 * (10 - 15 * s + 6 * s**2),
-        30 * s**2 * (1 - s) ** 2 / SEGMENT,
-        60 * s * (1 - s) * (1 - 2 * s) / SEGMENT**2,
-    )
+    share, rate, second = quintic_profile(time / SEGMENT)
+    return share, rate / SEGMENT, second / SEGMENT**2
 
 
 __all__ = ["CYCLE", "Levels", "Noise", "task_levels"]
