@@ -80,6 +80,9 @@ $(BENCH):
 .PHONY: environment
 environment: $(RUN)  ## Build .venv (what a run needs)
 
+.PHONY: plants
+plants: $(PLANTS)  ## Add MuJoCo and robot descriptions to .venv, for the tier "world" of the hidden-effect test
+
 .PHONY: reproduce
 reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of the report
 	@$(SNAKEMAKE)
@@ -87,7 +90,15 @@ reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of 
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs)"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not (browser or publish or slurm or docs or real or hostile or plants)"
+
+.PHONY: test-real
+test-real: $(PLANTS)  ## Test on logs of real robots (JOINTWEAR_DATA, or snakemake fetch_data)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m real tests/real
+
+.PHONY: test-plants
+test-plants: $(PLANTS)  ## Test the plants in MuJoCo of the hidden-effect test
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m plants
 
 .PHONY: test-browser
 test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium chromium-driver)

@@ -11,7 +11,7 @@ from jointwear import effects
 from jointwear.effects.entries.presliding_hysteresis import bristle
 from jointwear.files.errors import InputError
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import inertial_regressor, to_joint_frame
+from jointwear.robots.inertia import gravity_regressor, inertial_regressor, to_joint_frame
 from jointwear.robots.robot import EffectEntry, load_robot
 
 IDENTIFIERS = {
@@ -29,6 +29,7 @@ IDENTIFIERS = {
     "torque_offset_drift",
     "joint_spring",
     "payload",
+    "mounting_tilt",
     "joint_flexibility",
     "actuation_delay",
     "drive_coupling",
@@ -60,6 +61,7 @@ def state(robot):
         temperature=30 + 5 * np.sin(0.5 * time),
         record=np.repeat([0, 1], 300),
         tip_regressor=lambda: regressor,
+        gravity_regressor=lambda: gravity_regressor(robot, q),
     )
 
 
@@ -67,7 +69,9 @@ def test_library_holds_every_effect():
     assert set(effects.library()) == IDENTIFIERS
 
 
-@pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash", "actuation_delay", "joint_flexibility"}))
+@pytest.mark.parametrize(
+    "name", sorted(IDENTIFIERS - {"backlash", "actuation_delay", "joint_flexibility", "mounting_tilt"})
+)
 def test_torque_is_columns_times_coefficients(state, name):
     effect = effects.get_effect(name)
     source = 3 if effect.needs_source else None

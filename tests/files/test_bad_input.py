@@ -168,7 +168,7 @@ def test_a_urdf_brings_limits_and_friction_and_the_robot_file_overrides(tmp_path
         ("name: x\nurdf: none.urdf\n", URDF, ["none.urdf", "does not exist"]),
         ("name: x\nurdf: two.urdf\n", "<robot", ["two.urdf", "not valid XML"]),
         ("name: x\nurdf: two.urdf\njoints: [{name: frist}]\n", URDF, ["'frist'", "did you mean 'first'"]),
-        ("name: x\nurdf: two.urdf\n", URDF.replace("continuous", "prismatic"), ["'second' is prismatic"]),
+        ("name: x\nurdf: two.urdf\n", URDF.replace("continuous", "prismatic"), ["'second' (prismatic)", "fixed"]),
         ("name: x\nurdf: two.urdf\nlinks: []\n", URDF, ["'links' is only for robots given by 'dh'"]),
     ],
 )
@@ -191,7 +191,7 @@ TASK = {"name": "T9", "unit": "deg", "waypoints": [[0.0] * 6, [10.0] * 6], "dura
         ("waypoints.1", [0.0] * 5, ["'waypoints[1]' has 5 positions", "6 joints"]),
         ("durations", [30], ["'durations' has 1 entries"]),
         ("durations", [30, 31], ["whole number of cycles", "nearest valid value"]),
-        ("durations", [30, -30], ["'durations[1]'", "> 0"]),
+        ("durations", [30, -30], ["'durations[1]'", ">= 0.001"]),
         ("phase", 60, ["'phase' is 60", "below the cycle"]),
         ("name", "T8", ["'name' is 'T8'", "must be 'T9'"]),
         ("unit", "degrees", ["'unit'", "allowed: rad, deg"]),

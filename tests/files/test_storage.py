@@ -80,3 +80,74 @@ def test_what_the_cf_conventions_ask_is_added(tmp_path):
 def test_integers_beyond_32_bits_are_not_cut(tmp_path):
     with pytest.raises(ValueError, match="beyond 32 bits"):
         write_dataset(tmp_path / "a.nc", {"n": Variable(("n",), np.array([2**40]), "n")}, {})
+
+
+def test_a_flipped_bit_is_found(tmp_path):
+    path = tmp_path / "a.nc"
+    values = np.random.default_rng(1).normal(size=4000)
+    write_dataset(path, {"x": Variable(("n",), values, "x", "m")}, {"title": "t"})
+    whole = bytearray(path.read_bytes())
+    place = whole.find(values[:8].tobytes())
+    assert place > 0
+    for offset in (0, 5, 12_345):
+        damaged = bytearray(whole)
+        damaged[place + offset] ^= 4
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match=r"a\.nc: is truncated or not a netCDF file \(NetCDF: HDF error"):
+            read_variables(path, "x")
+
+
+def test_numbers_that_stop_being_finite_are_found(tmp_path):
+    import netCDF4
+
+    path = tmp_path / "a.nc"
+    gaps = np.array([1.0, np.nan])
+    write_dataset(path, {"x": Variable(("n",), np.ones(2), "x"), "y": Variable(("n",), gaps, "y")}, {})
+    assert np.isnan(read_variables(path, "y")[0][1])
+    with netCDF4.Dataset(path, "a") as data:
+        data["x"][0] = np.nan
+    with pytest.raises(InputError, match="'x' holds numbers that are not finite"):
+        read_variables(path, "x")
+
+
+def test_a_result_is_read_under_its_own_name_only(tmp_path):
+    first, second = (tmp_path / f"results/simulation/T1/{name}.nc" for name in ("training", "normal"))
+    small(first)
+    small(second)
+    read_variables(first, "x")
+    second.write_bytes(first.read_bytes())
+    with pytest.raises(InputError, match=r"holds the result 'simulation/T1/training\.nc', not its own"):
+        read_variables(second, "x")
+    # A copy outside the results, and a copy of all results elsewhere, may be read.
+    for other in (tmp_path / "copy.nc", tmp_path / "else/results/simulation/T1/training.nc"):
+        other.parent.mkdir(parents=True, exist_ok=True)
+        other.write_bytes(first.read_bytes())
+        read_variables(other, "x")
+
+
+def test_a_file_that_declares_more_than_it_can_hold_is_refused(tmp_path):
+    import netCDF4
+
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as data:
+        data.createDimension("n", 10**12)
+        data.createVariable("x", "f8", ("n",), chunksizes=(1000,))
+    with pytest.raises(InputError, match="'x' declares 8000000000000 bytes"):
+        read_variables(tmp_path / "a.nc", "x")
+
+
+def test_what_cannot_be_written_is_one_line(tmp_path):
+    (tmp_path / "file").write_text("")
+    for write in (small, lambda path: replace_text(path, "x")):
+        with pytest.raises(InputError, match=r"cannot be written"):
+            write(tmp_path / "file" / "a.nc")
+
+
+def test_a_full_disk_is_one_line(tmp_path, monkeypatch):
+    import shutil
+    from types import SimpleNamespace
+
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=0))
+    words = r"a\.nc: cannot be written \(NetCDF: HDF error; the disk is full\)"
+    with pytest.raises(InputError, match=words), create_dataset(tmp_path / "a.nc", {}, {}, {}):
+        raise RuntimeError("NetCDF: HDF error")
+    assert not list(tmp_path.iterdir())

@@ -99,7 +99,7 @@ def test_pages_that_are_built_later_are_taken_in(published, tmp_path):
     (root / "results/report").mkdir(parents=True)
     shutil.copy2(published.folder / "results/report/index.html", root / "results/report")
     (root / "results/monitor/arm_7").mkdir(parents=True)
-    (root / "results/monitor/arm_7/monitor.html").write_text("<!doctype html><title>arm</title>")
+    (root / "results/monitor/arm_7/monitor.html").write_text("<!doctype html><html><title>arm</title></html>")
     (root / "data/benchmarks").mkdir(parents=True, exist_ok=True)
     times = [{"command": EDITS[0]["command"], "seconds": 4.2, "jobs": 3, "rules": ["draw_figures"]}]
     (root / "data/benchmarks/results.json").write_text(json.dumps({"reruns": {"edits": times}}))

@@ -58,9 +58,13 @@ def test_a_missing_file_is_no_equal_one(tmp_path):
     assert compare_files(tmp_path / "none", tmp_path / "x").verdict == MISSING
 
 
-def test_differences_count_against_the_largest_size():
-    x = np.array([1000.0, 1e-9])
-    assert relative_difference(x + np.array([0, 1e-9]), x) == pytest.approx(1e-12)
+def test_differences_count_against_each_number():
+    x = np.array([1000.0, 1.0])
+    assert relative_difference(x + np.array([0, 1e-3]), x) == pytest.approx(1e-3, rel=1e-2)
+    # What is left where large numbers cancel is round-off.
+    x = np.array([1000.0, 1e-15])
+    assert relative_difference(x + np.array([0, 1e-15]), x) == pytest.approx(1e-12, rel=1e-6)
+    assert relative_difference(np.zeros(2), np.zeros(2)) == 0
     assert relative_difference(np.array([np.nan, 1.0]), np.array([np.nan, 1.0])) == 0
     assert relative_difference(np.array([np.nan, 1.0]), np.array([0.0, 1.0])) == np.inf
     assert relative_difference(np.array(["a"], dtype=object), np.array(["b"], dtype=object)) == np.inf

@@ -3,10 +3,12 @@
 import json
 import re
 import subprocess
+from pathlib import Path
 
 import pytest
 
 from jointwear.publishing.report import drivers, numbers, origin, wording
+from jointwear.publishing.report.first_screen import claims, left_out
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.rendering import environment
 from jointwear.reproduction.grid import Cell
@@ -121,3 +123,13 @@ def test_predictors_need_no_published_run(experiment):
         dict(experiment.results.training_features), [experiment.path("simulation/T2/axis6_10percent.nc")]
     )
     assert set(found) == {Cell("T2", 10.0, 6)}
+
+
+def test_every_line_of_the_first_screen_leads_somewhere(data, experiment):
+    page = Path(experiment.path("report/index.html")).read_text(encoding="utf-8")
+    lines = [*claims(data, wording.summary(data)["statements"]), *left_out(data, {})]
+    assert len(lines) == 11
+    for line in lines:
+        assert f'id="{line["anchor"]}"' in page, line
+        assert line["claim"] in page.replace("&#39;", "'"), line
+        assert not line["finding"].endswith("."), line

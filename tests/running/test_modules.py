@@ -36,6 +36,31 @@ def test_a_stage_does_not_depend_on_what_it_does_not_use(root):
     assert "reproduction/normal_model.py" not in names(root, "diagnose_run")
 
 
+def test_reading_logs_does_not_depend_on_discovery(root):
+    """An edited module of discovery must not read the logs of a customer again."""
+    for script in ("survey_logs", "accumulate_windows"):
+        assert not [name for name in names(root, script) if name.startswith("discovery/")]
+
+
+def test_training_does_not_depend_on_wear(root):
+    assert "reproduction/wear.py" in names(root, "simulate_wear")
+    assert "reproduction/wear.py" not in names(root, "simulate_training")
+    assert "reproduction/wear.py" not in names(root, "simulate_normal")
+
+
+def test_of_the_effects_those_of_the_robot_count(root):
+    script = root / "workflow/scripts/simulate_wear.py"
+
+    def effects(*chosen):
+        modules = imported_by(script, frozenset(chosen))
+        return {p.name for p in modules if "effects" in p.relative_to(LIBRARY).parts}
+
+    assert effects() == set()
+    assert "payload.py" in effects("payload")
+    assert "cogging_torque.py" not in effects("payload")
+    assert "state.py" in effects("payload")
+
+
 def test_scoring_a_cell_imports_neither_scikit_learn_nor_pinocchio(root):
     heavy = ("sklearn", "pinocchio", "xarray", "pandas", "matplotlib", "scipy")
     modules = "jointwear.reproduction.detection, jointwear.reproduction.location"

@@ -17,14 +17,15 @@ from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
 from jointwear.studies.challenge import examples, structure_forms
 from jointwear.studies.challenge.arm import Arm, inertial_columns, with_one_wrong_number, with_wrong_numbers
+from jointwear.studies.challenge.arms import ARMS, arm_of, arm_path, given_robot
 from jointwear.studies.challenge.batch import generate_batch
-from jointwear.studies.challenge.case_files import read_truth
-from jointwear.studies.challenge.generate import TEST, generate
+from jointwear.studies.challenge.case_files import padded, read_truth
+from jointwear.studies.challenge.generate import TEST, circumstances_of, generate
 from jointwear.studies.challenge.hide import DRAW, draw_hidden
 from jointwear.studies.challenge.motion import fourier_path, transfer_paths
 from jointwear.studies.challenge.plan import Case, batches, cases
 from jointwear.studies.challenge.scene import scene_of
-from jointwear.studies.challenge.sensors import torque_noise
+from jointwear.studies.challenge.sensors import felt_noise, torque_noise
 from jointwear.studies.challenge.separability import build_sieve, energy_left_by
 from jointwear.studies.challenge.surroundings import Temperatures, start_times, temperatures
 from jointwear.studies.challenge.tiers import BATCH, COUNTS, EFFECTS, FULL, OUTSIDE, SEED, TIERS
@@ -48,9 +49,9 @@ def world(robot):
 
 
 def test_counts_are_those_of_the_test_as_it_was_set():
-    assert len(EFFECTS) == 18
+    assert len(EFFECTS) == 19
     assert len(OUTSIDE) == 10
-    assert FULL == {"single": 360, "nothing": 350, "retuned": 60, "two": 150, "outside": 120}
+    assert FULL == {"single": 380, "nothing": 350, "retuned": 60, "two": 150, "outside": 120}
     singles = [c.subject for c in cases("report", "dirty", FULL) if c.kind == "single"]
     assert {singles.count(name) for name in EFFECTS} == {20}
 
@@ -92,21 +93,25 @@ def test_the_generator_knows_nothing_of_what_searches():
 
 
 def test_a_case_depends_on_its_words_alone(robot):
-    case = Case("choose", "factory", "single", 3)
+    case = Case("choose", "factory", "nothing", 3)
     one, again = generate(case, robot, SEED), generate(case, robot, SEED)
     np.testing.assert_array_equal(one[0].torque, again[0].torque)
-    other = generate(Case("sample", "factory", "single", 3), robot, SEED)
+    other = generate(Case("sample", "factory", "nothing", 3), robot, SEED)
     assert other[0].torque.shape != one[0].torque.shape or not np.array_equal(other[0].torque, one[0].torque)
 
 
 @pytest.mark.parametrize("tier", sorted(TIERS))
 @pytest.mark.parametrize("kind", ["single", "nothing", "retuned", "two", "outside"])
-def test_cases_of_every_kind(robot, tier, kind):
-    data, truth = generate(Case("choose", tier, kind, 1), robot, SEED)
+def test_cases_of_every_kind(tier, kind):
+    case = Case("choose", tier, kind, 1)
+    robot = load_robot(arm_path(arm_of(case, SEED)))
+    data, truth = generate(case, robot, SEED)
     recordings = len(data.train) + 1
     assert recordings in (4, 5)
     assert data.test == (TEST,)
-    assert data.torque.shape == (1500 * recordings, 6)
+    how = circumstances_of(case, robot, SEED)
+    assert data.torque.shape == (recordings * round(how.duration / how.interval), robot.joints)
+    assert truth.torque.shape == truth.measured.shape == truth.given.shape
     assert np.isfinite(data.torque).all()
     assert np.all(data.position > robot.lower)
     assert np.all(data.position < robot.upper)
@@ -121,7 +126,11 @@ def test_cases_of_every_kind(robot, tier, kind):
 
 
 def test_clean_case_without_effect_is_the_nominal_model_and_noise(robot):
-    made = (generate(c, robot, SEED) for c in cases("choose", "clean", {"nothing": 20}))
+    made = (
+        generate(c, robot, SEED)
+        for c in cases("choose", "clean", {"nothing": 40})
+        if (how := circumstances_of(c, robot, SEED)).torque == "motor" and how.interval >= 0.01
+    )
     data, truth = next((d, t) for d, t in made if d.acceleration is not None)
     rest = data.torque - Arm(robot).torque(data.position, data.velocity, data.acceleration)
     moving = np.abs(data.velocity) > 0.02
@@ -256,7 +265,7 @@ def test_batch_files_keep_the_truth_apart(tmp_path, monkeypatch):
         Case("choose", "clean", "two", 0),
         Case("choose", "clean", "nothing", 0),
     ]
-    generate_batch(listed, ROBOT, SEED, tmp_path / "data", tmp_path / "truth.json", tmp_path / "truth.nc")
+    generate_batch(listed, SEED, tmp_path / "data", tmp_path / "truth.json", tmp_path / "truth.nc")
     truths = read_truth(tmp_path / "truth.json", tmp_path / "truth.nc")
     assert [len(t.effects) for t in truths] == [1, 2, 0]
     for path in (tmp_path / "data").iterdir():
@@ -268,6 +277,49 @@ def test_batch_files_keep_the_truth_apart(tmp_path, monkeypatch):
                     dataset.variables
                 )
         assert not any(name in text for name in (*EFFECTS, *OUTSIDE, "nothing", "two"))
+
+
+def test_arrays_of_several_shapes_are_filled_up():
+    stacked = padded([np.ones((2, 3)), np.zeros((4, 1))])
+    assert stacked.shape == (2, 4, 3)
+    assert np.nansum(stacked) == 6
+    assert np.isnan(stacked).sum() == 6 + 8
+    assert padded([], (5, 2)).shape == (0, 5, 2)
+
+
+def test_six_arms_take_turns_and_their_files_hold_a_robot():
+    drawn = [arm_of(c, SEED) for c in cases("report", "clean", {"nothing": 300})]
+    assert {name: drawn.count(name) > 30 for name in ARMS} == dict.fromkeys(ARMS, True)
+    assert len(ARMS) >= 6
+    for name in ARMS:
+        robot = load_robot(arm_path(name))
+        assert robot.name == name
+        assert robot.dh is not None
+
+
+def test_logs_differ_in_rate_side_and_torque(robot):
+    hows = [circumstances_of(c, robot, SEED) for c in cases("report", "dirty", {"nothing": 200})]
+    assert {round(1 / h.interval) for h in hows} == {30, 50, 100, 125, 200, 250, 500, 1000}
+    assert {h.torque for h in hows} == {"motor", "command", "link_sensor"}
+    assert {h.link_side for h in hows} == {True, False}
+    assert {h.controller for h in hows} == {None, "pd", "pid"}
+    singles = [(c, circumstances_of(c, robot, SEED)) for c in cases("report", "dirty", {"single": 380})]
+    sensed = {c.subject for c, h in singles if h.torque == "link_sensor"}
+    assert sensed <= {"payload", "mounting_tilt", "torque_constant_error", "torque_constant_temperature"}
+
+
+def test_a_sensor_behind_the_gears_knows_no_drive():
+    case = {"robot": ROBOT, "told": {"torque_kind": "link_sensor"}}
+    robot = given_robot(case)
+    assert not robot.armature.any()
+    assert not robot.coulomb_positive.any()
+
+
+def test_encoder_steps_are_felt_through_the_inertia():
+    quiet = felt_noise(np.array([0.1]), np.array([0.0]), np.array([5.0]), 125)
+    coarse = felt_noise(np.array([0.1]), np.array([2 * np.pi / 2**13]), np.array([5.0]), 125)
+    assert quiet == pytest.approx(0.1)
+    assert coarse > 5 * quiet
 
 
 def test_shipped_example_is_what_the_generator_makes(robot):

@@ -17,7 +17,7 @@ from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.windows import merge
 from jointwear.publishing.report.study_page import write_study_page
-from jointwear.studies.shop_floor import figures, sample
+from jointwear.studies.shop_floor import figures, sample, stages
 from jointwear.studies.shop_floor.arms import ARM_TYPES, HEAVY, LIGHT, robot_data
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.closed_loop import SAMPLES, Runs, at_phase, draw_controller, drive
@@ -178,7 +178,7 @@ def test_a_fleet_is_written_with_what_a_user_needs(tmp_path):
 
 
 def test_only_events_that_were_told_are_in_the_config():
-    for index in range(0, 6):
+    for index in range(6):
         cell = draw_cell("choose", index, "all")
         told = entry_of(cell, 1.0).get("events", [])
         assert len(told) == sum(event.told for event in cell.events)
@@ -268,10 +268,13 @@ def test_chapter_and_figures_are_made_of_outcomes(worn, tmp_path):
     facts = [outcome_of(worn, [record(200, 2), record(400, 4, 100, 140, 200)]) | {"refused": ""}]
     scores = summary(facts)
     assert "found 1 of 1" in sample.table(scores)
+    cell = {"axis": 1, "increase": 10.0, "moves": True, "runs": 2, "detected": 1, "named": 1, "hour": 60.0}
+    grid = stages._grid({"T1": {"cells": [cell, {**cell, "moves": False}], "false": 1, "hours": 500, "rate": 0.3}})
+    assert (grid["cells"], grid["whole"], grid["missed"]) == (1, 0, ["T1 axis 1, 10 %"])
     curve = {"days": [0.0, 14.0], "found": [0.0, 1.0]}
     chapter = {
         "rates": [scores | {"rate": r} for r in (0.3, 1.0, 3.0)], "curves": [{"rate": 1.0, **curve}], "refused": 1,
-        "before": [scores],
+        "before": [scores], "grid": grid,
     }  # fmt: skip
     path = tmp_path / "chapter.json"
     path.write_text(json.dumps(chapter))

@@ -181,8 +181,30 @@ def test_an_edited_reading_reruns_its_stage_and_what_follows(project):
     ],
 )
 def test_an_edited_module_reruns_what_imports_it(project, module, reruns, stays):
+    known = set(project.snakemake("--workflow-profile", "none", "--list-rules").stdout.split())
+    assert reruns | stays <= known, "a rule of this table does not exist, so the table asserts nothing"
     path = project.folder / f"workflow/jointwear/{module}.py"
     path.write_text(path.read_text() + "\n# edited\n")
     jobs = project.planned()
     assert reruns <= jobs.keys()
     assert not stays & jobs.keys()
+
+
+def test_a_new_effect_leaves_the_reproduction_alone(project):
+    entries = project.folder / "workflow/jointwear/effects/entries"
+    text = (entries / "torque_constant_error.py").read_text()
+    (entries / "another_gain.py").write_text(text.replace('"torque_constant_error"', '"another_gain"'))
+    assert not {"simulate_training", "simulate_normal", "simulate_wear", "compute_features"} & project.planned().keys()
+
+
+def test_an_edited_effect_reruns_a_robot_that_has_it(project):
+    config = project.config()
+    robot = (project.folder / config["robot"]).read_text()
+    entry = "effects: [{effect: torque_constant_error, axis: 1, parameters: {share: 0.05}}]"
+    assert "effects: []" in robot
+    (project.folder / "config/robots/geared.yaml").write_text(robot.replace("effects: []", entry))
+    project.write_config({**config, "robot": "config/robots/geared.yaml"})
+    project.snakemake("--cores", "2", "results/simulation/T1/normal.nc")
+    path = project.folder / "workflow/jointwear/effects/entries/torque_constant_error.py"
+    path.write_text(path.read_text() + "\n# edited\n")
+    assert project.planned("results/simulation/T1/normal.nc") == {"simulate_normal": 1}

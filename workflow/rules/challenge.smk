@@ -2,6 +2,10 @@
 from jointwear.studies.challenge.tiers import SEED, SETS, TIERS
 
 CHALLENGE_ROBOT = shipped("config/robots/puma560.yaml")
+CHALLENGE_ROBOTS = [
+    CHALLENGE_ROBOT,
+    *map(str, shipped_glob("data/arms/*.yaml")),
+]
 CHALLENGE_TEMPLATES = templates("challenge.html.j2")
 
 
@@ -11,11 +15,13 @@ wildcard_constraints:
     part=f"({'|'.join(SETS)})(_first_[0-9]+)?",
     tier="|".join(TIERS),
     batch="[0-9]{3}",
+    world_set="|".join(world_plan.SETS),
+    world_part=f"({'|'.join(world_plan.SETS)})(_first_[0-9]+)?",
 
 
 rule generate_challenge:
     input:
-        robot=CHALLENGE_ROBOT,
+        robots=CHALLENGE_ROBOTS,
         modules=modules_of("generate_challenge"),
     output:
         data=temp(directory("results/challenge/{seed_set}/data/{tier}_{batch}")),
@@ -32,7 +38,7 @@ rule generate_challenge:
 rule solve_challenge:
     input:
         data="results/challenge/{seed_set}/data/{tier}_{batch}",
-        robot=CHALLENGE_ROBOT,
+        robots=CHALLENGE_ROBOTS,
         modules=modules_of("solve_challenge"),
     output:
         verdicts="results/challenge/{seed_set}/verdicts/{tier}_{batch}.json",
@@ -85,7 +91,7 @@ PEERS_PYTHON = os.environ.get("JOINTWEAR_PEERS_PYTHON", sys.executable)
 rule solve_challenge_peers:
     input:
         data="results/challenge/{seed_set}/data/{tier}_{batch}",
-        robot=CHALLENGE_ROBOT,
+        robots=CHALLENGE_ROBOTS,
         modules=modules_of("solve_challenge_peers"),
     output:
         "results/challenge/{seed_set}/peers/{tier}_{batch}.json",
@@ -172,6 +178,7 @@ rule report_stored_challenge:
     input:
         scores=shipped("data/benchmarks/challenge.json"),
         peers=STORED_PEERS,
+        world=STORED_WORLD,
         templates=CHALLENGE_TEMPLATES,
         modules=modules_of("report_stored_challenge"),
     output:
@@ -180,6 +187,42 @@ rule report_stored_challenge:
         "results/logs/report_stored_challenge.log",
     script:
         "../scripts/report_stored_challenge.py"
+
+
+# The tier "world": plants in MuJoCo, made and answered in one job. Needs requirements/plants.txt (make plants).
+rule answer_world:
+    input:
+        modules=modules_of("answer_world"),
+    output:
+        "results/challenge/world/{world_set}/rows/{batch}.json",
+    log:
+        "results/logs/answer_world/{world_set}_{batch}.log",
+    script:
+        "../scripts/answer_world.py"
+
+
+rule score_world:
+    input:
+        rows=world_files,
+        modules=modules_of("score_world"),
+    output:
+        rows="results/challenge/world/{world_part}/cases.json",
+        scores="results/challenge/world/{world_part}/scores.json",
+    log:
+        "results/logs/score_world/{world_part}.log",
+    script:
+        "../scripts/score_world.py"
+
+
+rule keep_world:
+    input:
+        "results/challenge/world/{world_part}/scores.json",
+    output:
+        "results/challenge/world/{world_part}/kept.txt",
+    log:
+        "results/logs/keep_world/{world_part}.log",
+    shell:
+        "cp {input} data/benchmarks/challenge_world.json && sha256sum {input} > {output} 2> {log}"
 
 
 rule make_hidden_example:
@@ -231,3 +274,8 @@ rule challenge:
 rule challenge_full:
     input:
         "results/challenge/report/challenge.html",
+
+
+rule challenge_world:
+    input:
+        "results/challenge/world/report/scores.json",

@@ -20,6 +20,7 @@ from jointwear.running.configuration import (
 )
 from jointwear.files.errors import InputError
 from jointwear.robots.robot_file import read_robot_file
+from jointwear.running.script import message_of
 from jointwear.running.modules import imported_by, lend_to_children
 from jointwear.running.shipped import shipped, shipped_glob
 from jointwear.running.stale_lock import clear_stale_lock, note_run
@@ -45,9 +46,9 @@ try:
     config = prepare(layer_files(config), workflow.configfiles)
     check_experiment(config)
     # What `verify` looks at is no part of the experiment.
-    CRATE = config.pop("crate", None)
-except InputError as error:
-    sys.exit(f"jointwear: {error}")
+    CRATE, TRUST = config.pop("crate", None), config.pop("trust", False)
+except (InputError, OSError) as error:
+    sys.exit(message_of(error) or f"jointwear: {error}")
 
 
 wildcard_constraints:

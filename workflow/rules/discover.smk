@@ -30,12 +30,7 @@ rule check_dataset:
         measured=dataset_measured,
         robot=dataset_robot,
         model=dataset_model,
-        templates=[
-            "report/check.html.j2",
-            "report/base.html.j2",
-            "report/macros.html.j2",
-            "report/style.css",
-        ],
+        templates=templates("check.html.j2"),
         modules=modules_of("check_dataset"),
     output:
         check="results/discover/{dataset}/check.json",

@@ -1,6 +1,7 @@
 # The files of a seed set of the hidden-effect test, or of its first batches.
 from jointwear.studies.challenge.plan import part_batches
 from jointwear.studies.challenge.tiers import SEED, SETS, TIERS
+from jointwear.studies.world import plan as world_plan
 
 
 def challenge_files(folder, ending):
@@ -17,6 +18,14 @@ def challenge_files(folder, ending):
     return files
 
 
+def world_files(wildcards):
+    """Judged answers to the tier "world" of a seed set, or of its first batches."""
+    seed_set, count = world_plan.part_batches(wildcards.world_part)
+    return [
+        f"results/challenge/world/{seed_set}/rows/{k:03d}.json" for k in range(count)
+    ]
+
+
 # The other methods run on these first batches of every tier: they are slower than what they are compared with.
 PEER_BATCHES = 3
 
@@ -30,4 +39,9 @@ def peers_to_keep(wildcards):
 # Numbers of the other methods, where they are kept with the project.
 STORED_PEERS = [
     str(path) for path in shipped_glob("data/benchmarks/challenge_peers.json")
+]
+
+# Numbers of the tier "world", where they are kept with the project.
+STORED_WORLD = [
+    str(path) for path in shipped_glob("data/benchmarks/challenge_world.json")
 ]

@@ -39,6 +39,26 @@ rule judge_shop_floor:
         "../scripts/judge_shop_floor.py"
 
 
+# The judgement that users call on the paper's grid too: the study of the monitor has its estimates, not its decision.
+rule judge_paper_grid:
+    input:
+        robot=config["robot"],
+        task=task_file,
+        runs=runs_of("simulation", "training", "normal"),
+        modules=modules_of("judge_paper_grid"),
+    output:
+        "results/shop_floor/paper_grid/{task}.json",
+    log:
+        "results/logs/judge_paper_grid/{task}.log",
+    params:
+        settings={
+            "interval": config["sampling"]["interval"],
+            "samples": config["sampling"]["samples"],
+        },
+    script:
+        "../scripts/judge_paper_grid.py"
+
+
 rule summarise_shop_floor:
     input:
         outcomes=expand(
@@ -46,11 +66,14 @@ rule summarise_shop_floor:
             shop_batch=shop_batches(),
         ),
         before=shipped("data/studies/shop_floor/before.json"),
+        grid=expand("results/shop_floor/paper_grid/{task}.json", task=config["tasks"]),
         modules=modules_of("summarise_shop_floor"),
     output:
         "results/shop_floor/chapter.json",
     log:
         "results/logs/summarise_shop_floor.log",
+    params:
+        tasks=config["tasks"],
     script:
         "../scripts/summarise_shop_floor.py"
 

@@ -7,5 +7,6 @@ rule verify:
     threads: workflow.cores
     params:
         crate=CRATE,
+        trust=TRUST,
     script:
         "../scripts/verify.py"

@@ -8,7 +8,6 @@ if __name__ == "__main__":
     with reported(snakemake.log[0]):
         generate_batch(
             batch(snakemake.wildcards.seed_set, snakemake.wildcards.tier, int(snakemake.wildcards.batch)),
-            snakemake.input.robot,
             snakemake.params.seed,
             snakemake.output.data,
             snakemake.output.facts,

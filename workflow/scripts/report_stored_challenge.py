@@ -9,4 +9,5 @@ if __name__ == "__main__":
             snakemake.input.scores,
             next(iter(snakemake.input.get("peers", [])), None),
             snakemake.output[0],
+            next(iter(snakemake.input.get("world", [])), None),
         )

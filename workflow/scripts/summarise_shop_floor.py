@@ -5,4 +5,5 @@ from jointwear.studies.shop_floor.stages import summarise
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
-        summarise(snakemake.input.outcomes, snakemake.input.before, snakemake.output[0])
+        grid = dict(zip(snakemake.params.tasks, snakemake.input.grid, strict=True))
+        summarise(snakemake.input.outcomes, snakemake.input.before, grid, snakemake.output[0])

@@ -10,5 +10,5 @@ if __name__ == "__main__":
     with reported(snakemake.log[0]):
         if not snakemake.params.crate:
             raise InputError("config: 'crate' is missing; name one with --config crate=PATH (`make crate` writes one)")
-        if not verify(snakemake.params.crate, snakemake.threads):
+        if not verify(snakemake.params.crate, snakemake.threads, snakemake.params.trust):
             sys.exit(1)

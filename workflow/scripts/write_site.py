@@ -6,4 +6,4 @@ from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
-        write_site(snakemake.output[0], edits=EDITS)
+        write_site(snakemake.output[0], edits=EDITS, wanted=[snakemake.input.page])

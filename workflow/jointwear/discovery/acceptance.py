@@ -13,8 +13,8 @@ from jointwear.discovery.candidates import LINK_MASS, Candidate, possible, prior
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Refusal
-from jointwear.discovery.problem import White
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
 #: Steps tried within each record [s apart].
@@ -156,7 +156,7 @@ def _step_lead(white: White, before: list[Term], trial: Named) -> float:
     if not steps:
         return -np.inf
     columns = carrier[:, None] * (time[:, None] > np.array(steps))
-    std = prior_std(white, candidate.axis, columns)
+    std = prior_std(white, candidate, columns)
     fit = white.fit(before)
     b, cross = fit.projected({candidate.axis: (x := white.columns(candidate.axis, columns))})
     left = np.sum(x**2, axis=0) - np.sum((cross @ fit.covariance) * cross, axis=1)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from jointwear.discovery.estimation import Estimate, Final
-from jointwear.effects import State, effect_torque, get_effect, make_state
+from jointwear.effects import State, get_effect
 from jointwear.files.json_values import builtin
-from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import inertial_regressor, links_from_parameters, written_change
-from jointwear.robots.robot import Link, robot_from_data
+from jointwear.robots.inertia import links_from_parameters
+from jointwear.robots.robot import Link
 from jointwear.robots.urdf_links import urdf_with_links
 
 
@@ -34,6 +32,8 @@ def augmented_robot(final: Final, urdf_name: str | None = None, with_effects: bo
         data["links"] = links_from_parameters(robot, inertial)
     else:
         data["urdf"] = urdf_name or str(robot.urdf)
+        # Fitted parameters give the torques; they need not be those of bodies.
+        data["inertia_check"] = "none"
     gear = np.abs(robot.gear_ratio)
     data["joints"] = []
     for j, name in enumerate(robot.joint_names):
@@ -118,45 +118,3 @@ def entries_of(e: Estimate, state: State) -> list[dict[str, Any]]:
         }
         for parameters in written
     ]
-
-
-def simulate(final: Final) -> dict[str, np.ndarray]:
-    """Return the torques (m, n) of the nominal, the retuned and the augmented model at every sample.
-
-    The retuned and the augmented torque are those of the robot files, tables and bounds included, not of the fit.
-    """
-    problem = final.outcome.problem
-    nominal = problem.measured.torque - problem.discrepancy
-    retuned = _simulate(final, augmented_robot(final, with_effects=False), final.retuned_inertial)
-    augmented = _simulate(final, augmented_robot(final), final.delta_inertial)
-    return {"nominal": nominal, "retuned": retuned, "augmented": augmented}
-
-
-def _simulate(final: Final, content: dict[str, Any], inertial: np.ndarray) -> np.ndarray:
-    """Return the torques (m, n) of a robot file whose links differ from the nominal ones by `inertial` (10 n,)."""
-    problem = final.outcome.problem
-    old, state = problem.robot, problem.state
-    robot = replace(robot_from_data(content, old.urdf), links=old.links)
-    # Torques of corrected links follow from the regressor, which is exact.
-    delta = written_change(old, inertial)
-    same = np.array_equal(robot.gravity, old.gravity)
-    if same and content["payload"] == _body(old.payload):
-        rigid = state.load + robot.armature * state.acceleration
-    else:
-        rigid = np.array(Dynamics(robot).rigid_body_torque(state.position, state.velocity, state.acceleration))
-    regressor = problem.regressor
-    if not same and np.any(delta):
-        regressor = inertial_regressor(Dynamics(robot), state.position, state.velocity, state.acceleration)
-    new = make_state(
-        robot,
-        state.position,
-        state.velocity,
-        state.acceleration,
-        rigid + regressor @ delta,
-        time=state.time,
-        temperature=state.temperature,
-        record=state.record,
-        tip_regressor=state.tip_regressor,
-        gravity_regressor=state.gravity_regressor,
-    )
-    return new.torque + effect_torque(robot, new)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.problem import White
+from jointwear.discovery.whitening import White
 
 #: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free. The
 #: first stands for none: 1e-4 of the Coulomb friction of a large axis is already more than all of a small effect.
@@ -41,19 +41,19 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
     nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
     base: list[Term] = []
     for term in white.base:
-        if not term.label.startswith("friction "):
+        if not term.drive:
             base.append(term)
             continue
-        axis = int(term.label.split()[1])
+        (axis,) = term.drive
         for k in range(4):
             blocks, raw = {axis: term.blocks[axis][:, [k]]}, {axis: term.raw[axis][:, [k]]}
-            base.append(Term(f"{term.label} {k}", blocks, term.std[[k]], raw))
+            base.append(Term(f"{term.label} {k}", blocks, term.std[[k]], raw, (axis, k)))
     fit = Fit(white.targets, [*base, *extra])
     data = fit.normal - np.diag(fit.std**-2.0)
-    places = {t.label: w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label.startswith("friction ")}
+    places = {t.drive: w for t, w in zip(fit.terms, fit.slices, strict=True) if t.drive}
     inertial = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == "inertial"), None)
     drives = np.array([w.start for w in places.values()], dtype=int)
-    size = np.array([abs(nominal[int(x.split()[1]), int(x.split()[2])]) for x in places])
+    size = np.array([abs(nominal[place]) for place in places])
     wide = fit.std[drives]
 
     def weigh(std: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
@@ -88,20 +88,20 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
             if value > best[0]:
                 best = (value, std, error)
     std = best[1]
-    chosen = [Term(t.label, t.blocks, std[w], t.raw) for t, w in zip(fit.terms, fit.slices, strict=True)][: len(base)]
+    chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False)]
     # A number that would have to be negative is not what is wrong: it stays as it is.
     for _ in range(4):
         fit = Fit(white.targets, [*chosen, *extra])
         gone = set()
-        for label, where in zip((t.label for t in chosen), fit.slices, strict=False):
-            if label in places:
-                axis, k = map(int, label.split()[1:])
+        for term, where in zip(chosen, fit.slices, strict=False):
+            if term.drive:
+                axis, k = term.drive
                 value = fit.theta[where][0]
                 if nominal[axis, k] + (value if k != 1 else -value) < 0:
-                    gone.add(label)
+                    gone.add(term.drive)
         if not gone:
             break
-        chosen = [t for t in chosen if t.label not in gone]
+        chosen = [t for t in chosen if t.drive not in gone]
     return chosen, best[2]
 
 
@@ -111,7 +111,6 @@ def pinned(white: White, base: list[Term], axis: int, error: float) -> list[Term
     nominal = (robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature)
     result = []
     for term in base:
-        own = term.label.startswith(f"friction {axis} ")
-        size = abs(float(nominal[int(term.label.split()[2])][axis])) if own else 0.0
+        size = abs(float(nominal[term.drive[1]][axis])) if term.drive[:1] == (axis,) else 0.0
         result.append(replace(term, std=np.minimum(term.std, error * size)) if size > 0 else term)
     return result

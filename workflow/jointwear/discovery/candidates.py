@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.problem import White, link_mass_blocks
+from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import Effect, State, get_effect, library
 from jointwear.robots.inertia import mass_direction
 
@@ -62,22 +62,23 @@ def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     problem = white.problem
     if candidate.effect == LINK_MASS:
         torque = problem.regressor[problem.train] @ mass_direction(problem.robot, candidate.axis)
-        return {a: white.raw(a, torque[:, [a]]) for a in problem.judged if np.any(torque[:, a])}
+        return {a: white.raw(a, white.limited(a, torque[:, [a]])) for a in problem.judged if np.any(torque[:, a])}
     if candidate.axis is None:
         columns = get_effect(candidate.effect).columns(problem.train_state, 0, None, candidate.nonlinear)
-        return {a: white.raw(a, columns[:, a]) for a in problem.judged}
+        return {a: white.raw(a, white.limited(a, columns[:, a])) for a in problem.judged}
     return {candidate.axis: white.raw(candidate.axis, raw_columns(white, candidate))}
 
 
-def prior_std(white: White, axis: int, columns: np.ndarray, effect: Effect | None = None) -> np.ndarray:
+def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.ndarray:
     """Return prior standard deviations (k,) at which each column is worth 30 % of the friction of the axis.
 
-    An `effect` may say that some of its coefficients are usually larger.
+    An effect may say that some of its coefficients are usually larger.
     """
+    axis, widths = candidate.axis, get_effect(candidate.effect).widths
     used = white.problem.usable[:, axis]
     size = np.sqrt(np.mean(columns[used] ** 2, axis=0))
     std = 0.3 * white.problem.scale[axis] / np.maximum(size, 1e-12)
-    return std * np.array(effect.widths) if effect is not None and effect.widths else std
+    return std * np.array(widths) if len(widths) == len(std) else std
 
 
 def resolved(white: White, axis: int, order: float) -> bool:
@@ -112,7 +113,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
     for effect in library().values():
         if effect.whole_arm:
             continue
-        why = effect.unmet(state, axis) or (white.no_timing(axis) if effect.timing else "")
+        why = effect.unmet(state, axis)
         if why:
             dictionary.not_tried.append((effect.identifier, axis, why))
             continue
@@ -129,7 +130,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                 columns = raw_columns(white, candidate)
                 if not np.any(columns[problem.usable[:, axis]]):
                     continue
-                std = prior_std(white, axis, columns, effect)
+                std = prior_std(white, candidate, columns)
                 found.append((candidate, slice(start, start + columns.shape[1]), std))
                 rows.append(columns)
                 start += columns.shape[1]
@@ -151,7 +152,7 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
             continue
         for nonlinear in effect.grid(state, 0):
             columns = effect.columns(state, 0, None, nonlinear)
-            blocks = {axis: white.columns(axis, columns[:, axis]) for axis in problem.judged}
+            blocks = {a: white.columns(a, white.limited(a, columns[:, a])) for a in problem.judged}
             candidate = Candidate(effect.identifier, None, None, dict(nonlinear))
             dictionary.whole.append((candidate, blocks, effect.prior(problem.robot)))
     for link in range(problem.robot.joints):

@@ -9,7 +9,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.special import ndtr
 
 from jointwear.discovery.linear import Term
-from jointwear.discovery.problem import White
+from jointwear.discovery.whitening import White
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,11 @@ from jointwear.discovery.leftovers import stand_alone, unexplained
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Outcome, Refusal
 from jointwear.discovery.posterior import weigh
-from jointwear.discovery.problem import Problem, White, estimate_noise, whiten
+from jointwear.discovery.problem import Problem
 from jointwear.discovery.refine import free_parameters, refine
+from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.tolerance import with_tolerances
+from jointwear.discovery.whitening import White, whiten
 
 #: Candidates refused after which the search ends.
 MOST_REFUSED = 12
@@ -139,7 +141,7 @@ def _named(white: White, fit: Fit, scored: Scored) -> Named:
         candidate = refine(white, fit, scored.candidate)
         misfit = _stuck(scored.candidate, candidate)
         columns, axis = raw_columns(white, candidate), candidate.axis
-        blocks, std = {axis: white.columns(axis, columns)}, prior_std(white, axis, columns)
+        blocks, std = {axis: white.columns(axis, columns)}, prior_std(white, candidate, columns)
         scored = Scored(candidate, scored.evidence, blocks, std)
     else:
         misfit = ""

@@ -30,14 +30,15 @@ def draw_where(where: str | Path, output: str | Path) -> None:
             colour = palette.mix(palette.SEQUENTIAL, float(np.log1p(max(value, 0.0)) / np.log1p(most)))
             axes.add_patch(Rectangle((j - 0.5, k - 0.5), 1, 1, facecolor=colour, edgecolor=palette.PAPER))
             axes.text(j, k, f"{max(value, 0):.0f}", ha="center", va="center", fontsize=8, color=palette.text_on(colour))
-    axes.set(xlim=(-0.5, len(joint) - 0.5), ylim=(len(argument) - 0.5, -0.5))
+    axes.set(xlim=(-0.5, len(joint) - 0.5), ylim=(max(len(argument), 1) - 0.5, -0.5))
     axes.set_xticks(range(len(joint)), [f"joint {j}" for j in joint])
     axes.set_yticks(range(len(argument)), list(argument))
     axes.grid(False)
-    j, k = np.unravel_index(int(np.nanargmax(structure)), structure.shape)
-    text = (
-        f"Structure left after retuning, in nats, by joint and argument; most on joint {joint[j]} over {argument[k]}."
-    )
+    text = "Structure left after retuning, in nats, by joint and argument"
+    if np.isfinite(structure).any():
+        j, k = np.unravel_index(int(np.nanargmax(structure)), structure.shape)
+        text += f"; most on joint {joint[j]} over {argument[k]}"
+    text += "."
     save(figure, output, "Where the model disagrees", text)
 
 

@@ -12,8 +12,11 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Term
-from jointwear.discovery.problem import White
 from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import White
+
+#: Time in motion [s] from which a record is asked by itself.
+ASKED_ALONE = 5.0
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,9 @@ class Step:
 def left_out_ratio(white: White, terms: list[Term]) -> np.ndarray:
     """Return the RMS error [N m] of a model on records left out in turn over that of the given robot, (n,).
 
-    Axes that cannot be judged get 0.
+    It is that over all records or that of the worst record, whichever is larger: what helps in most records and
+    harms in one is not a better robot. Records of a few seconds are too short to be asked one by one. Axes that
+    cannot be judged get 0.
     """
     sizes = [len(t.std) for t in terms]
     edges = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
@@ -55,15 +60,20 @@ def left_out_ratio(white: White, terms: list[Term]) -> np.ndarray:
             gram[np.ix_(where, where)] += design[rows].T @ design[rows]
             right[where] += design[rows].T @ y[rows]
     whole = sum(g for g, _ in parts.values()), sum(r for _, r in parts.values())
-    ratio = np.zeros(len(white.targets))
-    square = dict.fromkeys(raw, 0.0)
+    square: dict[int, list[tuple[float, float, bool]]] = {axis: [] for axis in raw}
     for record, (gram, right) in parts.items():
         theta = cho_solve(cho_factor(whole[0] - gram + np.diag(precision)), whole[1] - right) if total else right
         for axis, (seen, where, label) in raw.items():
             rows = label == record
-            square[axis] += float(np.sum((targets[axis][rows] - seen[rows] @ theta[where]) ** 2))
-    for axis, value in square.items():
-        ratio[axis] = np.sqrt(value / max(float(np.sum(targets[axis] ** 2)), 1e-300))
+            given = targets[axis][rows]
+            left = given - seen[rows] @ theta[where]
+            alone = rows.sum() >= ASKED_ALONE * white.problem.measured.rate
+            square[axis].append((float(left @ left), float(given @ given), alone))
+    ratio = np.zeros(len(white.targets))
+    for axis, found in square.items():
+        if found:
+            both = [*(record[:2] for record in found if record[2]), tuple(np.sum(found, axis=0)[:2])]
+            ratio[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in both)
     return ratio
 
 
@@ -86,7 +96,7 @@ def put_back(
     ratio = left_out_ratio(white, kept)
     while True:
         bad = [j for j in np.argsort(-ratio) if ratio[j] > limit]
-        chosen = next(((int(j), found) for j in bad if (found := _best_step(white, kept, steps, int(j)))), None)
+        chosen = next(((int(j), s) for j in bad if (s := _best_step(white, kept, steps, int(j), ratio[j]))), None)
         if chosen is None:
             return kept, tuple(given_up)
         axis, step = chosen
@@ -95,8 +105,14 @@ def put_back(
         ratio = left_out_ratio(white, kept)
 
 
-def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axis: int) -> Step | None:
-    """Return the first step that mends an axis, else the one that helps most, None where none is left."""
+def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axis: int, ratio: float) -> Step | None:
+    """Return the first step that mends an axis, else the one that helps most, else all at once; None if none is left.
+
+    Parameters
+    ----------
+    ratio : error of the model as it is over that of the given robot.
+    """
+    everything = Step("everything of this joint as given", tuple(t for s in steps.get(axis, []) for t in s.terms))
     best: tuple[float, Step] | None = None
     for step in steps.get(axis, []):
         rest = step.taken_off(kept)
@@ -107,4 +123,6 @@ def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axi
             return step
         if best is None or after < best[0]:
             best = (after, step)
-    return None if best is None else best[1]
+    if best is None:
+        return None
+    return best[1] if best[0] < ratio else everything

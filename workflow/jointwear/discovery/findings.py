@@ -50,7 +50,7 @@ def make_verdict(
     """
     outcome, problem = final.outcome, final.outcome.problem
     effects = sorted((_named_effect(final, e) for e in final.estimates), key=lambda e: -e.evidence_nats)
-    retuned = _retuned(final)
+    retuned = [] if outcome.white is None else _retuned(final)
     left = outcome.unexplained[:LONGEST_LIST]
     if left:
         word = "unknown"
@@ -165,6 +165,7 @@ def _named_effect(final: Final, e: Estimate) -> NamedEffect:
         form_corrected=e.form is not None,
         evidence_nats=six_digits(named.evidence),
         probability=six_digits(named.probability),
+        log_odds=six_digits(named.log_odds),
         cross_validated_gain=six_digits(named.cross_validated),
         lowers_error=six_digits(named.lowers_error),
         gain_share=six_digits(named.gain_share),

@@ -11,11 +11,8 @@ from itertools import pairwise
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Dictionary
-from jointwear.discovery.problem import White
+from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
-
-#: Energy over noise variance that an effect needs to be called identifiable.
-NEEDED = 60.0
 
 
 @dataclass(frozen=True)

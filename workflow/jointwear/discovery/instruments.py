@@ -4,18 +4,22 @@ The residual holds -M e, with e the error of a derived acceleration. A column th
 is late or filtered is made of the nominal torque, so that it holds L M e with L the (second) derivative. The product
 of the two has a mean whatever is missing in the model, on every recording: neither evidence nor recordings left out
 see that it is noise. Columns of timing are therefore made of a band-limited nominal torque: below the cut-off the
-nominal torque is motion, above it noise. Everything else stays as it is measured, and steps of friction stay sharp.
+nominal torque is motion, above it noise. Columns that are made of the torque or the acceleration itself share
+their noise with the residual too, which takes a part off every coefficient; they hold far more motion than noise, so
+that a far higher cut-off does. Steps of friction stay sharp.
 This is the method of instrumental variables (Soderstrom and Stoica 1983; Janot, Vandanjon and Gautier 2014 for robots).
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from jointwear.discovery.noise import Whitener
+from jointwear.discovery.problem import Problem
 from jointwear.effects import State
+from jointwear.effects.order import second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise, zero_phase_gain
 from jointwear.measurement.motion import low_pass, runs
 
@@ -24,8 +28,60 @@ from jointwear.measurement.motion import low_pass, runs
 FEIGNED = 0.5
 #: Frequencies at which spectra are compared, and cut-offs that are tried.
 FREQUENCIES, CUTOFFS = 512, 80
+#: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
+RIDGE = 1e-6
 #: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.motion.low_pass`.
 HIGHEST = 0.45
+
+
+@dataclass(frozen=True)
+class Cutoffs:
+    """Cut-offs [Hz] of the instruments of one axis; infinite where nothing is filtered.
+
+    Attributes
+    ----------
+    timing, torque : of columns of timing, and of columns of torque itself.
+    judged : where the noise of derived accelerations becomes most of the residual: errors in N m are compared below.
+    """
+
+    timing: float = np.inf
+    torque: float = np.inf
+    judged: float = np.inf
+
+
+def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
+    """Return the cut-offs of the instruments of one axis under a noise model of its residual."""
+    measured = problem.measured
+    if measured.noise is None:
+        return Cutoffs()
+    frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
+    density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
+    rate, load = measured.rate, problem.train_state.load[:, axis]
+    torque = cutoff_of(white, density, frequency, rate, 0, float(np.mean(white(load) ** 2)))
+    # What is motion in a column of timing is seen where noise alone could do no harm.
+    timing = cutoff_of(white, density, frequency, rate)
+    if np.isfinite(timing):
+        timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
+    return Cutoffs(timing, torque, _judged(density / white.density(frequency, rate), frequency))
+
+
+def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:
+    """Return the mean square of the whitened second derivative of the load below `cutoff`, without the base part."""
+    limited = band_limited(problem.train_state, axis, cutoff, problem.measured.rate)
+    column = white(second_derivative(limited, limited.load[:, axis]))
+    inertial = problem.inertial[problem.train, axis]
+    inertial = limit(inertial, np.asarray(limited.record), cutoff, problem.measured.rate)
+    base = white(np.concatenate([problem.friction_columns(limited, axis), inertial], axis=1))
+    base = base / np.maximum(np.sqrt(np.mean(base**2, axis=0)), 1e-12)
+    gram = base.T @ base
+    gram += RIDGE * len(base) * np.eye(len(gram))
+    return float(np.mean((column - base @ np.linalg.solve(gram, base.T @ column)) ** 2))
+
+
+def _judged(share: np.ndarray, frequency: np.ndarray) -> float:
+    """Return the lowest frequency [Hz] from which the noise of derived accelerations is half of the residual."""
+    above = np.flatnonzero(share > 0.5)
+    return float(frequency[above[0]]) if len(above) else np.inf
 
 
 def torque_noise(noise: DerivedNoise, mass_squares: np.ndarray, frequency: np.ndarray) -> np.ndarray:
@@ -38,34 +94,59 @@ def torque_noise(noise: DerivedNoise, mass_squares: np.ndarray, frequency: np.nd
     return mass_squares @ noise.acceleration(frequency)
 
 
-def cutoff_of(white: Whitener, density: np.ndarray, frequency: np.ndarray, rate: float) -> float:
+def cutoff_of(
+    white: Whitener, density: np.ndarray, frequency: np.ndarray, rate: float, order: int = 2, energy: float = 0.0
+) -> float:
     """Return the cut-off [Hz] of the instruments of one axis, infinite where none is needed.
 
     Parameters
     ----------
     white : the noise model of the residual of the axis. density : (k,) of :func:`torque_noise` at `frequency` (k,).
+    order : how often the torque is derived in the columns. energy : mean square of the whitened columns.
 
-    A column of second derivatives of the torque, the worst there is, is filtered with gain h. Of noise alone it would
-    gain N/2 (mean of w h S_a/S_r)^2 / (mean of w^2 h^2 S_a/S_r) nats, w = (2 pi f)^2, S_a the density of the noise of
-    the torque and S_r that of the residual. The cut-off is the highest one at which that is :data:`FEIGNED`.
+    Columns are filtered with gain h. What noise they share with the residual gains
+    N/2 (mean of w h S_a/S_r)^2 / (energy + mean of w^2 h^2 S_a/S_r) nats, w = (2 pi f)^order, S_a the density of the
+    noise of the torque and S_r that of the residual. The cut-off is the highest one at which that is :data:`FEIGNED`;
+    without `energy` it holds for columns of noise alone.
     """
     share = density / white.density(frequency, rate)
-    square = (2 * np.pi * frequency) ** 2
+    power = (2 * np.pi * frequency) ** order
     for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
         gain = 1.0 if cutoff >= HIGHEST * rate else zero_phase_gain(frequency / cutoff)
-        product, energy = np.mean(square * gain * share), np.mean((square * gain) ** 2 * share)
-        if 0.5 * len(white.rows) * product**2 <= FEIGNED * energy or energy == 0:
+        product, whole = np.mean(power * gain * share), energy + np.mean((power * gain) ** 2 * share)
+        if 0.5 * len(white.rows) * product**2 <= FEIGNED * whole or whole == 0:
             return float(cutoff) if cutoff < HIGHEST * rate else np.inf
     return float(cutoff)
 
 
 def band_limited(state: State, axis: int, cutoff: float, rate: float) -> State:
-    """Return the state in which the rigid-body torque of `axis` ends at `cutoff` [Hz]; its friction stays sharp."""
+    """Return the state in which load, acceleration and torque of `axis` end at `cutoff` [Hz]; Coulomb friction stays.
+
+    Viscous friction ends there too: a velocity is derived as well, and late by a few samples its noise looks like that
+    of an acceleration.
+    """
     if not np.isfinite(cutoff):
         return state
-    rigid = state.load[:, axis] + state.drive.armature[axis] * state.acceleration[:, axis]
-    load, torque = state.load.copy(), state.torque.copy()
-    for piece in runs(np.asarray(state.record)):
-        load[piece, axis] = low_pass(state.load[piece, axis], cutoff, rate)
-        torque[piece, axis] += low_pass(rigid[piece], cutoff, rate) - rigid[piece]
-    return replace(state, load=load, torque=torque)
+    level = state.drive.coulomb(axis, state.velocity[:, axis])
+    parts = np.stack([state.load[:, axis], state.acceleration[:, axis], state.torque[:, axis] - level], axis=1)
+    limited = limit(parts, np.asarray(state.record), cutoff, rate)
+    load, acceleration, torque = state.load.copy(), state.acceleration.copy(), state.torque.copy()
+    load[:, axis], acceleration[:, axis] = limited[:, 0], limited[:, 1]
+    torque[:, axis] = limited[:, 2] + level
+    return replace(state, load=load, torque=torque, acceleration=acceleration)
+
+
+def limit(columns: np.ndarray, record: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
+    """Return columns (m, k) filtered with zero phase at `cutoff` [Hz] within each record, as they are for infinity."""
+    if not np.isfinite(cutoff):
+        return columns
+    return np.concatenate([low_pass(columns[piece], cutoff, rate) for piece in runs(record)])
+
+
+def smear_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
+    """Return what the filter behind the derivatives does to the torque of one axis, (N_train, k).
+
+    Nothing where columns of torque end below that filter: what is left of it there would be noise alone.
+    """
+    smear = problem.smear[problem.train, axis]
+    return smear[:, :0] if np.isfinite(cutoffs.torque) else smear

@@ -34,7 +34,7 @@ def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]
     found, profile = [], []
     for axis in problem.judged:
         used = problem.usable[:, axis]
-        for basis in axis_bases(state, axis, used):
+        for basis in axis_bases(white.axis_state(axis), axis, used):
             if basis.argument == "motor angle" and not resolved(white, axis, 6.0):
                 continue
             columns = white.columns(axis, basis.columns)
@@ -125,7 +125,7 @@ def _structure(outcome: Outcome, axis: int) -> list[Term]:
     problem, white = outcome.problem, outcome.white
     wanted = {u.argument for u in outcome.unexplained if u.axis == axis}
     terms = []
-    for basis in axis_bases(problem.train_state, axis, problem.usable[:, axis]):
+    for basis in axis_bases(white.axis_state(axis), axis, problem.usable[:, axis]):
         if basis.argument not in wanted:
             continue
         columns = white.columns(axis, basis.columns)

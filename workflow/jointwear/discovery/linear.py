@@ -13,13 +13,15 @@ class Term:
     """Whitened columns of one group of coefficients with independent Gaussian priors.
 
     `blocks` holds an (m_axis, k) array for every axis that the coefficients act on, `std` (k,) their prior. `raw`
-    holds the same columns before whitening [N m per coefficient], where predictions in N m are wanted.
+    holds the same columns before whitening [N m per coefficient], where predictions in N m are wanted. `drive` is
+    the 0-based axis of whose drive the coefficients are parameters, and the place of the one that is, if it is one.
     """
 
     label: str
     blocks: dict[int, np.ndarray]
     std: np.ndarray
     raw: dict[int, np.ndarray] = field(default_factory=dict)
+    drive: tuple[int, ...] = ()
 
 
 class Fit:

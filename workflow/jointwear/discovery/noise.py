@@ -8,6 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 HIGHEST_ORDER = 6
+#: The same where the noise of derived accelerations shows: it rises with the fourth power of the frequency up to the
+#: end of the band of the derivatives, and falls steeply there.
+HIGHEST_ORDER_DERIVED = 16
 #: Time [s] within which noise forgets to 37 %.
 LONGEST_MEMORY = 0.35
 
@@ -63,12 +66,13 @@ def whitenable(usable: np.ndarray, trajectory: np.ndarray, order: int) -> np.nda
     return np.flatnonzero(good)
 
 
-def estimate(residual: np.ndarray, usable: np.ndarray, trajectory: np.ndarray) -> Whitener:
+def estimate(
+    residual: np.ndarray, usable: np.ndarray, trajectory: np.ndarray, highest: int = HIGHEST_ORDER
+) -> Whitener:
     """Fit the noise model of one axis to a residual (N,).
 
-    The order is chosen by the Bayesian information criterion on the same samples for all orders.
+    The order, up to `highest`, is chosen by the Bayesian information criterion on the same samples for all orders.
     """
-    highest = HIGHEST_ORDER
     rows = whitenable(usable, trajectory, highest)
     while highest and len(rows) < max(200, 30 * highest):
         highest -= 1

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 from jointwear.discovery.candidates import Candidate, Dictionary
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.problem import Problem, White
+from jointwear.discovery.problem import Problem
+from jointwear.discovery.whitening import White
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Named:
     gain_share: float = 0.0
     lowers_error: float = 1.0
     probability: float = 1.0
+    log_odds: float = 0.0
     repeated: float | None = None
     misfit: str = ""
     ties: tuple[Candidate, ...] = ()
@@ -64,16 +66,16 @@ class Refusal:
 
 @dataclass
 class Outcome:
-    """What the search found; `white` and `fit` are those of the final model.
+    """What the search found; `white`, `fit` and `dictionary` are those of the final model, None where it failed.
 
     `refusals` are candidates that a gate refused, `suspects` effects that were taken off an axis that stays
     unexplained, with the reason, `not_tried` (effect, 0-based axis or None) -> reason.
     """
 
     problem: Problem
-    white: White
-    fit: Fit
-    dictionary: Dictionary
+    white: White | None
+    fit: Fit | None
+    dictionary: Dictionary | None
     refused: set = field(default_factory=set)
     named: list[Named] = field(default_factory=list)
     unexplained: list[Unexplained] = field(default_factory=list)
@@ -85,4 +87,6 @@ class Outcome:
     @property
     def noise_floor(self) -> list[float | None]:
         """Standard deviation of the torque noise of every axis [N m], None where it cannot be judged."""
+        if self.white is None:
+            return [None] * self.problem.robot.joints
         return [None if w is None else w.marginal for w in self.white.whiteners]

@@ -90,6 +90,21 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
     return tuple(1 - (root[k] - root["noise_floor"]) / width for k in ("retuned", "augmented"))
 
 
+def body_in_words(effect: Mapping[str, Any]) -> str:
+    """Return an effect given by mass and first moments as a body: mass, centre of mass, inertia; empty for others."""
+    value = {name: p["value"] for name, p in effect["parameters"].items()}
+    if not {"mass", "moment_x", "moment_y", "moment_z", "xx", "yy", "zz"} <= set(value) or value["mass"] <= 0:
+        return ""
+    com = [value[f"moment_{x}"] / value["mass"] for x in "xyz"]
+    # Steiner: from the origin of the link to the centre of mass.
+    square = sum(x * x for x in com)
+    moments = [value[k] - value["mass"] * (square - x * x) for k, x in zip(("xx", "yy", "zz"), com, strict=True)]
+    return (
+        f"{number(value['mass'])} kg with its centre of mass at ({', '.join(number(x) for x in com)}) m in the frame "
+        f"of the last link, moments of inertia about it {', '.join(number(x) for x in moments)} kg m2."
+    )
+
+
 def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return one row per joint: what was named, corrected and left, and the part of the gap that each model leaves."""
     effects, gap = library(), content["gap"]
@@ -154,6 +169,7 @@ def write_page(
         "files": {name: Path(path).relative_to(Path(output).parent).as_posix() for name, path in files.items()},
         "single": single,
         "joints": joint_table(content),
+        "body": body_in_words,
         "published": None,
         "pairs": pairs,
     }

@@ -17,8 +17,8 @@ import numpy as np
 
 from jointwear.discovery.candidates import Candidate, Form, companion, form_of, possible, prior_std
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.problem import White
 from jointwear.discovery.refine import evidence_at, free_parameters
+from jointwear.discovery.whitening import White
 from jointwear.effects import Effect, State, get_effect
 
 DRAWS = 400
@@ -173,7 +173,7 @@ def draw_torque(
         columns = one.columns(white.state_of(effect, axis))
         if not np.isfinite(columns).all() or not np.any(columns):
             continue
-        std = prior_std(white, axis, columns)
+        std = prior_std(white, one.candidate, columns)
         b, cross = fit.projected({axis: (x := white.columns(axis, columns))})
         gram = x.T @ x - cross @ fit.covariance @ cross.T
         points.append((gain(b, gram, std), one, b, gram, std, cross))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import traceback
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,10 +18,12 @@ from jointwear.discovery.findings import make_verdict
 from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.outcome import Outcome, Unexplained
 from jointwear.discovery.problem import Problem, build_problem
+from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Verdict
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
+from jointwear.files.errors import InputError
 from jointwear.measurement.checks import check_recording
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording, split
@@ -91,12 +95,14 @@ class Discovery:
     def where(self) -> list[Unexplained]:
         """Structure that retuning leaves, by axis and argument."""
         white = self.final.outcome.white
+        if white is None:
+            return []
         return unexplained(Outcome(self.problem, white, white.fit(), self.final.outcome.dictionary))[1]
 
     @cached_property
     def experiment(self) -> Experiment | None:
         """The motion that separates what this one leaves together, None where nothing does."""
-        return propose(self.final.outcome)
+        return propose(self.final.outcome) if self.final.outcome.named else None
 
     @cached_property
     def free_identification(self) -> list[float | None]:
@@ -119,11 +125,24 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     """
     settings = settings or Settings()
     recording = split(recording)
+    check_groups(recording, settings.groups)
     measured = cache(lambda: measure(recording))
     restrictions = check_recording(recording, robot, measured)
     problem = build_problem(recording, robot, settings, measured())
     restrictions += motion_restrictions(problem)
-    outcome = search(problem)
+    try:
+        return _judge(recording, problem, restrictions)
+    except InputError:
+        raise
+    except (np.linalg.LinAlgError, ArithmeticError, ValueError, LookupError) as error:
+        # A recording that was not refused gets a verdict: that nothing could be decided, and why.
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"{Path(last.filename).stem}, line {last.lineno}"
+        return _undecided(recording, problem, restrictions, f"the search ended in an error ({where}: {error})")
+
+
+def _judge(recording: Recording, problem: Problem, restrictions: list[str]) -> Discovery:
+    outcome = repeat(search(problem))
     final, files, torques = _written(problem, finalise(outcome))
     if _worse(problem, torques):
         # What bounds and bodies made of the numbers in the file is not what was fitted: leave the links alone.
@@ -131,6 +150,16 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)
     return Discovery(recording, content, final, seen, files, torques)
+
+
+def _undecided(recording: Recording, problem: Problem, restrictions: list[str], why: str) -> Discovery:
+    """Return the verdict of a recording about which nothing can be said: unknown, with the given robot as it is."""
+    n = problem.robot.joints
+    nothing = np.zeros((n, 4)), np.zeros((n, 4)), np.zeros(10 * n), np.zeros((n, 4)), np.zeros(10 * n)
+    final = Final(Outcome(problem, None, None, None), None, (), *nothing, misfits=(why,))
+    final, files, torques = _written(problem, final)
+    content = replace(make_verdict(recording.name, final, [], torques, restrictions), verdict="unknown", retuned=())
+    return Discovery(recording, content, final, [], files, torques)
 
 
 def _written(problem: Problem, final: Final) -> tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]:

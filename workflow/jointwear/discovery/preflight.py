@@ -17,9 +17,11 @@ import numpy as np
 
 from jointwear.discovery.candidates import build_dictionary
 from jointwear.discovery.identifiability import Visible, identifiability
-from jointwear.discovery.problem import Problem, build_problem, estimate_noise, whiten
+from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.restrictions import motion_restrictions
+from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.whitening import whiten
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits

@@ -8,10 +8,9 @@ import numpy as np
 
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Fit, gain
-from jointwear.discovery.problem import White
-from jointwear.effects import Parameter, get_effect, library
+from jointwear.discovery.whitening import White
+from jointwear.effects import Parameter, get_effect
 
-SCALED = {effect.identifier: effect.scaled for effect in library().values() if effect.scaled}
 #: How many values of the one parameter in which a torque is nearly linear the search may start from.
 STARTS = 16
 
@@ -31,7 +30,7 @@ def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
     if effect.scaled:
         # Its size is in the columns: the coefficient is one.
         return float(b[0] - 0.5 * gram[0, 0])
-    return gain(b, gram, prior_std(white, candidate.axis, columns, effect))
+    return gain(b, gram, prior_std(white, candidate, columns))
 
 
 def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
@@ -109,7 +108,7 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     for trial in [candidate, *(replace(candidate, nonlinear=dict(p)) for p in alike)]:
         columns = raw_columns(white, trial)
         b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
-        std = prior_std(white, candidate.axis, columns, effect)
+        std = prior_std(white, trial, columns)
         size = float(np.linalg.norm(np.linalg.solve(gram + np.diag(1 / std**2), b)))
         found.append((gain(b, gram, std), size, trial))
     best = max(value for value, _, _ in found)

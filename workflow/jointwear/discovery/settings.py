@@ -34,7 +34,8 @@ class Settings:
         complexity and search.
     judged_speed : the largest torque of an effect is stated for samples at least as fast [rad/s]: slower, friction
         depends on more than the speed.
-    weak_nats : a name with less evidence must be found again in every run without one group of recordings but one.
+    weak_nats : a name with less evidence must be found again in every run without one group of recordings.
+    groups : (name, trajectory labels) of days or sessions; the user's.
     """
 
     inertial_prior: float = 0.05
@@ -55,9 +56,13 @@ class Settings:
     visible: float = 40.0
     judged_speed: float = 0.025
     weak_nats: float = 100.0
+    groups: tuple[tuple[str, tuple[int, ...]], ...] = ()
 
 
 def settings_of(entry: Mapping[str, Any]) -> Settings:
     """Return the settings that the entry of a data set asks for."""
-    prior = entry.get("inertial_prior")
-    return Settings() if prior is None else Settings(inertial_prior=float(prior))
+    given: dict[str, Any] = {}
+    if entry.get("inertial_prior") is not None:
+        given["inertial_prior"] = float(entry["inertial_prior"])
+    groups = entry.get("group") or {}
+    return Settings(**given, groups=tuple((str(name), tuple(labels)) for name, labels in groups.items()))

@@ -159,7 +159,7 @@ def _write_trajectory(path: Path, time: np.ndarray, position: np.ndarray) -> Non
 
 def _write_evidence(found: Discovery, path: Path, settings: Mapping[str, Any]) -> None:
     outcome, seen = found.final.outcome, found.map
-    scored = scan(outcome.white, outcome.dictionary, outcome.white.fit())
+    scored = [] if outcome.white is None else scan(outcome.white, outcome.dictionary, outcome.white.fit())
     scored = [s for s in scored if np.isfinite(s.evidence)]
 
     def axis_of(value: int | None) -> int:

@@ -100,6 +100,21 @@ def _unit(x: np.ndarray) -> np.ndarray:
     return (x - 0.5 * (x.max() + x.min())) / (half if half > 0 else 1.0)
 
 
+#: Neighbouring frequencies that a line has to stand out of.
+SURROUNDINGS = 64
+
+
+def _level(power: np.ndarray) -> np.ndarray:
+    """Return the mean power (r, k) around each cell of spectra (r, k), at least 1, from medians that no line moves."""
+    rates, size = power.shape
+    if size < 3 * SURROUNDINGS:
+        return np.ones((1, 1))
+    blocks = power.reshape(rates, -1, SURROUNDINGS)
+    median = np.maximum(np.median(blocks, axis=2) / np.log(2), 1.0)
+    padded = np.pad(median, ((0, 0), (1, 1)), mode="edge")
+    return np.repeat(np.maximum(np.maximum(padded[:, :-2], median), padded[:, 2:]), SURROUNDINGS, axis=1)
+
+
 @dataclass(frozen=True)
 class Line:
     """A line or chirp over time: power is in units of the noise (mean 1 if there is none)."""
@@ -116,7 +131,8 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
 
     The residual is put back on its time grid (zero where there is no sample), multiplied by
     exp(-i pi c t^2) for a grid of chirp rates c, and Fourier-transformed; under white noise each cell is
-    exponential with mean one. `p_value` counts the cells searched.
+    exponential with mean one. Where its surroundings hold more than that, the noise is not quite white, and a line has
+    to stand out of them. `p_value` counts the cells searched.
     """
     label = np.asarray(state.record)
     pieces = []
@@ -140,6 +156,7 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
         size = 2 ** int(np.ceil(np.log2(length)))
         turned = np.exp(-1j * np.pi * np.outer(rates, t**2)) * series
         power = np.abs(np.fft.fft(turned, size, axis=1)[:, : size // 2]) ** 2 / filled
+        power /= _level(power)
         cells += power.size // 2
         where = np.unravel_index(np.argmax(power), power.shape)
         value = float(power[where])

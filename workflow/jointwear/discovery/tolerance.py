@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.problem import White
+from jointwear.discovery.whitening import White
 
 
 def with_tolerances(white: White, named: list[Named]) -> list[Term]:

@@ -43,7 +43,7 @@ class NamedEffect:
     Attributes
     ----------
     tie_set : effects that explain the data as well, the named one first.
-    probability : that it is there, given the data and the library.
+    probability : that it is there, given the data and the library; calibrated from `log_odds`, which are coarsened.
     lowers_error : probability that it lowers the squared error [N m] on records left out.
     gain_share : drop of the mean squared error on records left out, over the noise variance of the axis.
     repeated : share of the runs without one group of recordings that name it too, None where there are no groups.
@@ -59,6 +59,7 @@ class NamedEffect:
     form_corrected: bool
     evidence_nats: float
     probability: float
+    log_odds: float
     cross_validated_gain: float
     lowers_error: float
     gain_share: float

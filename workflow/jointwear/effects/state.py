@@ -130,13 +130,12 @@ def make_state(
     elif np.shape(temperature) != shape:
         temperature = np.asarray(temperature, dtype=float)
         temperature = np.broadcast_to(temperature[..., None] if temperature.ndim < len(shape) else temperature, shape)
-    level = np.where(velocity > 0, robot.coulomb_positive, 0.0) + np.where(velocity < 0, robot.coulomb_negative, 0.0)
     return State(
         position=position,
         velocity=velocity,
         acceleration=acceleration,
         load=rigid_torque - robot.armature * acceleration,
-        torque=rigid_torque + robot.viscous * velocity + level,
+        torque=rigid_torque + robot.viscous * velocity + robot.coulomb(velocity),
         time=np.zeros(shape[:-1]) if time is None else np.broadcast_to(np.asarray(time, dtype=float), shape[:-1]),
         temperature=np.asarray(temperature, dtype=float),
         drive=drive_of(robot),

@@ -6,14 +6,23 @@ Imported by the Snakefile at every call of Snakemake, so nothing heavy is import
 from __future__ import annotations
 
 import re
+from datetime import date
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
+from jointwear.files.numbers import check_numbers
+from jointwear.files.regular_files import read_text
 
 SCHEMAS = Path(__file__).resolve().parents[2] / "schemas"
+#: Largest YAML file. Bytes; a robot file has a thousandth of it.
+LARGEST_YAML = 4 << 20
+#: Most values of a YAML file, aliases counted as often as they stand for something: a fleet of ten thousand robots.
+MOST_VALUES = 200_000
+#: Deepest nesting of a YAML file; the configuration has five levels.
+DEEPEST = 50
 
 
 class _StrictLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
@@ -25,10 +34,12 @@ def _mapping(loader: _StrictLoader, node: yaml.MappingNode, deep: bool = False) 
     for key_node, _ in node.value:
         if key_node.tag == "tag:yaml.org,2002:merge":  # <<: *anchor, laid under the mapping's own keys below
             continue
+        line = key_node.start_mark.line + 1
         key = loader.construct_object(key_node, deep=True)
+        if not isinstance(key, (str, int, float, date, type(None))):
+            raise InputError(f"line {line}: a key must be text, not a list or a mapping")
         if key in seen:
-            line = key_node.start_mark.line + 1
-            raise InputError(f"line {line}: key '{key}' is given twice")
+            raise InputError(f"line {line}: key {_quoted(key)} is given twice")
         seen.add(key)
     loader.flatten_mapping(node)
     return {loader.construct_object(k, deep=True): loader.construct_object(v, deep=True) for k, v in node.value}
@@ -40,23 +51,69 @@ _StrictLoader.add_implicit_resolver(
 )
 
 
+def _check_size(node: yaml.Node, seen: dict[int, tuple[int, int] | None]) -> tuple[int, int]:
+    """Return how many values and levels a node stands for when every alias is written out; `seen` remembers nodes.
+
+    Raises
+    ------
+    InputError : if an anchor holds itself, or there are too many values or levels.
+    """
+    line = node.start_mark.line + 1
+    if id(node) in seen:
+        if seen[id(node)] is None:
+            raise InputError(f"line {line}: an anchor holds itself")
+        return seen[id(node)]
+    seen[id(node)] = None
+    total, levels = 1, 0
+    if isinstance(node, yaml.CollectionNode):
+        pairs = isinstance(node, yaml.MappingNode)
+        for entry in node.value:
+            for inner in entry if pairs else (entry,):
+                count, below = _check_size(inner, seen)
+                total, levels = total + count, max(levels, below + 1)
+            if total > MOST_VALUES:
+                raise InputError(f"line {line}: stands for more than {MOST_VALUES} values, aliases written out")
+            if levels > DEEPEST:
+                raise InputError(f"line {line}: is nested more than {DEEPEST} levels deep, aliases written out")
+    seen[id(node)] = total, levels
+    return seen[id(node)]
+
+
+def _check_depth(text: str) -> None:
+    """Check the nesting of a document event by event: to build one that is too deep would end the process."""
+    depth = 0
+    for event in yaml.parse(text, Loader=_StrictLoader):
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise InputError(f"line {event.start_mark.line + 1}: is nested more than {DEEPEST} levels deep")
+
+
+def _load(text: str) -> Any:
+    _check_depth(text)
+    loader = _StrictLoader(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            return None
+        _check_size(node, {})
+        return loader.construct_document(node)
+    finally:
+        loader.dispose()
+
+
 def read_yaml(path: str | Path) -> dict[str, Any]:
     """Read a YAML mapping.
 
     Raises
     ------
-    InputError : if the file is missing, is not valid YAML, holds a key twice, or is not a mapping.
+    InputError : if the file is missing, no regular file, too large, is not valid YAML, holds a key twice or a number
+        that is not finite, or is not a mapping.
     """
     path = Path(path)
+    text = read_text(path, LARGEST_YAML)
     try:
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_StrictLoader)
-    except FileNotFoundError:
-        siblings = [p.name for p in path.parent.glob("*.yaml")] if path.parent.is_dir() else []
-        raise InputError(f"{path}: no such file{nearest(path.name, siblings)}") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text file in UTF-8") from None
+        data = _load(text)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     except yaml.YAMLError as error:
@@ -64,8 +121,15 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         where = f" line {mark.line + 1}:" if mark else ""
         what = getattr(error, "problem", None) or "not valid YAML"
         raise InputError(f"{path}:{where} {what}") from None
+    except RecursionError:
+        # Anchors within anchors within anchors.
+        raise InputError(f"{path}: is nested too deeply") from None
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
+        # Values whose tag says what they are not: 2026-13-45, !!int text.
+        raise InputError(f"{path}: not valid YAML ({error})") from None
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a mapping of keys to values")
+    check_numbers(data, path)
     return data
 
 
@@ -78,7 +142,12 @@ def _dotted(path: list) -> str:
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else (f".{part}" if text else str(part))
-    return text
+    return _quoted(text)[1:-1]
+
+
+def _quoted(word: Any) -> str:
+    """Return a key between quotation marks, cut like every value that a message repeats."""
+    return f"'{shown(str(word))[1:-1]}'"
 
 
 def _describe(error) -> str:
@@ -89,32 +158,35 @@ def _describe(error) -> str:
         allowed = list(error.schema.get("properties", {}))
         key = next(k for k in value if k not in allowed)
         full = f"{where}.{key}" if where else str(key)
-        return f"unknown key '{full}'{nearest(key, allowed)} (allowed: {', '.join(allowed)})"
+        return f"unknown key {_quoted(full)}{nearest(key, allowed)} (allowed: {', '.join(allowed)})"
     if rule == "required":
         missing = next(k for k in error.validator_value if k not in value)
         return f"'{where + '.' if where else ''}{missing}' is missing"
     where = where or "the document"
-    shown = repr(value) if not isinstance(value, (dict, list)) or len(repr(value)) < 60 else type(value).__name__
+    said = shown(value)
     if rule == "enum":
         allowed = [str(v) for v in error.validator_value]
-        return f"'{where}' is {shown}; allowed: {', '.join(allowed)}{nearest(str(value), allowed)}"
+        return f"'{where}' is {said}; allowed: {', '.join(allowed)}{nearest(str(value), allowed)}"
     if rule == "type":
-        return f"'{where}' is {shown}, must be {_words(error.validator_value)}{_limits(error.schema)}"
+        return f"'{where}' is {said}, must be {_words(error.validator_value)}{_limits(error.schema)}"
     if rule in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"):
         bound = error.validator_value
         near = "" if rule.startswith("exclusive") else f"; the nearest valid value is {bound}"
-        return f"'{where}' is {shown}, out of range{_limits(error.schema)}{near}"
+        return f"'{where}' is {said}, out of range{_limits(error.schema)}{near}"
     if rule == "uniqueItems":
         twice = next(v for i, v in enumerate(value) if v in value[:i])
-        return f"'{where}' holds {twice!r} twice"
+        return f"'{where}' holds {shown(twice)} twice"
     if rule in ("minItems", "maxItems"):
         return f"'{where}' has {len(value)} entries, {_words(rule)} {error.validator_value}"
     if rule == "oneOf":
         layouts = error.schema.get("description", "the schema")
         return f"'{where}' must hold exactly one of the layouts described in {layouts}"
     if rule == "pattern":
-        return f"'{where}' is {shown}; {error.schema.get('description', 'it does not match ' + error.validator_value)}"
-    return f"'{where}': {error.message.splitlines()[0]}"
+        return f"'{where}' is {said}; {error.schema.get('description', 'it does not match ' + error.validator_value)}"
+    if rule in ("minLength", "maxLength", "minProperties", "maxProperties"):
+        few, what = rule.startswith("min"), "characters" if rule.endswith("Length") else "entries"
+        return f"'{where}' has {len(value)} {what}, at {'least' if few else 'most'} {error.validator_value}"
+    return f"'{where}' is {said}; it breaks '{rule}' of the schema"
 
 
 def _words(rule) -> str:

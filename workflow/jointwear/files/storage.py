@@ -6,6 +6,7 @@ same bytes.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -17,6 +18,8 @@ import netCDF4
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.files.regular_files import check_regular
+from jointwear.files.text_files import remove, unwritable
 
 # What the CF conventions (version 1.8, sections 2.6.1 and 2.6.2) ask of every file. A history without a date: the
 # same inputs give the same bytes.
@@ -28,6 +31,18 @@ CONVENTIONS = {
         "IEEE CASE 2015"
     ),
 }
+#: Folder whose files carry their own name: what stands below it is read under the name that it was written under.
+RESULTS = "results"
+#: Attribute with that name.
+NAME = "result"
+#: Attribute of a variable that holds finite numbers alone.
+FINITE = "finite"
+#: Size of the parts of a variable that have a checksum each: large enough not to matter, small enough to read slices.
+CHUNK = 1 << 20  # bytes
+#: Deflate packs at most 1,032 to 1 (https://zlib.net/zlib_tech.html): a file cannot hold more than that.
+LARGEST_RATIO = 1032
+#: Size below which what a file declares does not matter. Bytes.
+HARMLESS = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -35,7 +50,8 @@ class Variable:
     """Content of one netCDF variable: dimension names, values (None: filled in later), units, meaning.
 
     `kind` is the numpy type on disk; it is needed where there are no values yet. `compressed` pays for what is
-    mostly zeros, not for noise.
+    mostly zeros, not for noise. `finite` says of a variable that is filled in later that it must hold finite numbers
+    alone; of values that are there it is found out. Reading holds the variable to it.
     """
 
     dimensions: tuple[str, ...]
@@ -45,6 +61,7 @@ class Variable:
     kind: str | None = None
     attributes: dict[str, Any] = field(default_factory=dict)
     compressed: bool = False
+    finite: bool = False
 
 
 @contextmanager
@@ -63,34 +80,71 @@ def create_dataset(
         conventions ask of every file is added.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         with netCDF4.Dataset(part, "w", format="NETCDF4") as dataset:
             dataset.set_fill_off()
-            dataset.setncatts({**CONVENTIONS, "history": _history(attributes), **attributes})
+            dataset.setncatts({**CONVENTIONS, "history": _history(attributes), **_own_name(path), **attributes})
             for name, size in sizes.items():
                 dataset.createDimension(name, size)
             for name, content in variables.items():
-                values = None if content.values is None else _storable(name, np.asarray(content.values))
-                text = values is not None and values.dtype.kind in "UO"
-                kind = content.kind or (str if text else values.dtype)
-                packing = {"compression": "zlib", "complevel": 1} if content.compressed else {}
-                variable = dataset.createVariable(
-                    name, kind, content.dimensions, fill_value=None if text else False, **packing
-                )
-                variable.long_name = content.long_name
-                if content.units is not None:
-                    variable.units = content.units
-                variable.setncatts(content.attributes)
-                if text:
-                    variable[...] = values.astype(object)
-                elif values is not None:
-                    variable[...] = values
+                _create_variable(dataset, name, content, sizes)
             yield dataset
         os.replace(part, path)
+    except (OSError, RuntimeError) as error:
+        raise _unwritten(path, error) from None
     finally:
-        part.unlink(missing_ok=True)
+        remove(part)
+
+
+def _unwritten(path: Path, error: Exception) -> Exception:
+    """Return what to raise for an error while `path` was written: one line where the disk is to blame."""
+    if isinstance(error, OSError) or str(error).startswith("NetCDF:"):
+        return unwritable(path, error)
+    return error
+
+
+def _create_variable(dataset: netCDF4.Dataset, name: str, content: Variable, sizes: Mapping[str, int]) -> None:
+    values = None if content.values is None else _storable(name, np.asarray(content.values))
+    text = values is not None and values.dtype.kind in "UO"
+    kind = content.kind or (str if text else values.dtype)
+    how: dict[str, Any] = {"compression": "zlib", "complevel": 1} if content.compressed else {}
+    if content.dimensions and not text:
+        shape = [sizes[d] for d in content.dimensions]
+        # A checksum a part; netCDF fails to read a part that does not match.
+        how.update(fletcher32=True, chunksizes=_parts(shape, np.dtype(kind).itemsize))
+    variable = dataset.createVariable(name, kind, content.dimensions, fill_value=None if text else False, **how)
+    variable.long_name = content.long_name
+    if content.units is not None:
+        variable.units = content.units
+    variable.setncatts(content.attributes)
+    if content.finite or (values is not None and values.dtype.kind == "f" and bool(np.isfinite(values).all())):
+        variable.setncattr(FINITE, np.int8(1))
+    if text:
+        variable[...] = values.astype(object)
+    elif values is not None:
+        variable[...] = values
+
+
+def _parts(shape: list[int], size: int) -> list[int]:
+    """Return the shape of the parts of a variable: as many of its first entries as fit :data:`CHUNK`."""
+    parts = [max(1, n) for n in shape]
+    for axis in range(len(parts)):
+        rest = size * math.prod(parts[axis + 1 :])
+        parts[axis] = max(1, min(parts[axis], CHUNK // rest))
+        if rest <= CHUNK:
+            break
+    return parts
+
+
+def _own_name(path: Path) -> dict[str, str]:
+    """Return the name of a result below the folder of the results, as an attribute; nothing for other files."""
+    parts = path.parts
+    if RESULTS not in parts:
+        return {}
+    last = len(parts) - 1 - parts[::-1].index(RESULTS)
+    return {NAME: "/".join(parts[last + 1 :])}
 
 
 def write_dataset(path: str | Path, variables: Mapping[str, Variable], attributes: Mapping[str, Any]) -> None:
@@ -135,17 +189,37 @@ def open_dataset(path: str | Path) -> Iterator[netCDF4.Dataset]:
 
     Raises
     ------
-    InputError : naming the file, if it is missing, truncated or not netCDF.
+    InputError : naming the file, if it is missing, truncated, damaged, not netCDF, no regular file, declares more than
+        it can hold, or is a result of another name.
     """
+    check_regular(path)
     try:
         dataset = netCDF4.Dataset(path, "r")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except OSError as error:
+    except (OSError, RuntimeError, ValueError) as error:
         raise InputError(_corrupt(path, error)) from None
     with dataset:
         dataset.set_auto_mask(False)
-        yield dataset
+        try:
+            _check_identity(dataset, Path(path))
+            yield dataset
+        except (RuntimeError, MemoryError) as error:
+            # What netCDF finds while the caller reads.
+            if isinstance(error, RuntimeError) and not str(error).startswith("NetCDF:"):
+                raise
+            raise InputError(_corrupt(path, error)) from None
+
+
+def _check_identity(dataset: netCDF4.Dataset, path: Path) -> None:
+    """Check that a file declares no more than it can hold, and that a result has the name it was written under."""
+    room = max(HARMLESS, LARGEST_RATIO * path.stat().st_size)
+    for name, variable in dataset.variables.items():
+        size = math.prod(variable.shape) * getattr(variable.dtype, "itemsize", 1)
+        if size > room:
+            raise InputError(f"{path}: variable '{name}' declares {size} bytes, more than a file of its size can hold")
+    here = _own_name(path).get(NAME)
+    written = dataset.__dict__.get(NAME)
+    if here is not None and written is not None and written != here:
+        raise InputError(f"{path}: holds the result '{written}', not its own; delete it and run again")
 
 
 def read_variables(path: str | Path, *names: str) -> list[np.ndarray]:
@@ -163,11 +237,31 @@ def read_variable(dataset: netCDF4.Dataset, path: str | Path, name: str, part: A
     """Read one variable (or a part of it) of an open file; errors name the file."""
     if name not in dataset.variables:
         raise InputError(f"{path}: has no variable '{name}' (it has: {', '.join(dataset.variables)})")
+    variable = dataset.variables[name]
     try:
-        return np.asarray(dataset.variables[name][part])
-    except (RuntimeError, OSError) as error:
+        values = np.asarray(variable[part])
+    except (RuntimeError, OSError, MemoryError, UnicodeDecodeError) as error:
         raise InputError(_corrupt(path, error)) from None
+    if values.dtype.kind == "f" and FINITE in variable.ncattrs() and not np.isfinite(values).all():
+        raise InputError(
+            f"{path}: variable '{name}' holds numbers that are not finite, which it had not when it was written; "
+            "delete it and run again"
+        )
+    return values
+
+
+def read_attribute(dataset: netCDF4.Dataset, path: str | Path, name: str) -> Any:
+    """Return a global attribute of an open file.
+
+    Raises
+    ------
+    InputError : naming the file, if it has no such attribute.
+    """
+    if name not in dataset.ncattrs():
+        raise InputError(f"{path}: has no attribute '{name}'; delete it and run again")
+    return dataset.getncattr(name)
 
 
 def _corrupt(path: str | Path, error: Exception) -> str:
-    return f"{path}: is truncated or not a netCDF file ({error}); delete it and run again"
+    reason = str(error) or type(error).__name__
+    return f"{path}: is truncated or not a netCDF file ({reason}); delete it and run again"

@@ -13,27 +13,30 @@ import numpy as np
 
 @dataclass(frozen=True)
 class DerivedNoise:
-    """Noise of the accelerations of a recording, each attribute of shape (n,).
+    """Noise of the accelerations of a recording.
+
+    A velocity that was recorded beside the positions may have been derived from them before: its own floor, above the
+    band of the filter that made it, then says too little. The noise is the larger one of what either signal gives.
 
     Attributes
     ----------
-    density : of the noise of the signal that was derived [unit^2/Hz, one-sided].
-    order : how often it was derived: 2 for a position, 1 for a velocity, 0 for a measured acceleration.
-    band : frequency [Hz] at which the filter or the splines behind the derivatives stop; infinite for none.
+    density : (s, n) of the noise of the signals that may have been derived [unit^2/Hz, one-sided].
+    order : (s,) how often each is derived: 2 for a position, 1 for a velocity, 0 for a measured acceleration.
+    band : (n,) frequency [Hz] at which the filter or the splines behind the derivatives stop; infinite for none.
     sharp : whether the band ends sharply, as that of splines does, or as that of the zero-phase filter.
     """
 
     density: np.ndarray
-    order: np.ndarray
+    order: tuple[int, ...]
     band: np.ndarray
     sharp: bool
 
     def acceleration(self, frequency: np.ndarray) -> np.ndarray:
         """Return the density (n, k) [(rad/s2)^2/Hz] of the noise of the accelerations at frequencies (k,) [Hz]."""
-        gain = (2 * np.pi * frequency) ** (2 * self.order[:, None])
+        gains = (2 * np.pi * frequency) ** (2 * np.array(self.order)[:, None])
         share = frequency / self.band[:, None]
         passed = share <= 1.0 if self.sharp else zero_phase_gain(share) ** 2
-        return self.density[:, None] * gain * passed
+        return np.max(self.density[:, :, None] * gains[:, None, :], axis=0) * passed
 
 
 def zero_phase_gain(share: np.ndarray) -> np.ndarray:

@@ -136,10 +136,11 @@ def measure(recording: Recording) -> Measured:
     acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
     source = position if velocity is None else velocity
     reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
-    noisy, order = (position, 2) if velocity is None else (velocity, 1) if acceleration is None else (acceleration, 0)
-    densities = np.array([noise_floor([noisy[p, j] for p in pieces], rate)[0] for j in range(n)])
-    if order == 2 and recording.encoder_step is not None:
-        densities = np.maximum(densities, quantisation_density(recording.encoder_step, rate))
+    signals = {2: position, 1: velocity, 0: acceleration}
+    orders = (0,) if acceleration is not None else (2,) if velocity is None else (2, 1)
+    densities = np.array([[noise_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders])
+    if orders[0] == 2 and recording.encoder_step is not None:
+        densities[0] = np.maximum(densities[0], quantisation_density(recording.encoder_step, rate))
     for j in range(n):
         density, end = noise_floor([source[p, j] for p in pieces], rate)
         if velocity is None or acceleration is None:
@@ -231,7 +232,7 @@ def measure(recording: Recording) -> Measured:
         0.5 * out_rate if factor > 1 else np.inf,
         reach if derived else None,
         splines,
-        DerivedNoise(densities, np.full(n, order), np.where(np.isfinite(cutoff), cutoff, np.inf), splines),
+        DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines),
     )
 
 

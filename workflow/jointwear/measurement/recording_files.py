@@ -12,8 +12,11 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.errors import InputError, nearest
-from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.files.regular_files import check_regular
+from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.measurement.formats import Layout, read_log
+from jointwear.measurement.formats.arrow import holds_numbers
+from jointwear.measurement.formats.chunk import check_count
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.units import ROLES, UNITS, converted
@@ -89,6 +92,9 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         train=labels_of("train"),
         test=labels_of("test"),
         name=name,
+        encoder_step=None if entry.get("encoder_step") is None else float(entry["encoder_step"]),
+        torque_kind=entry.get("torque_kind") or "motor",
+        encoder_side=entry.get("encoder_side") or "motor",
     )
 
 
@@ -105,7 +111,10 @@ def _from_netcdf(
                         f"(it has: {', '.join(dataset.variables)})"
                     )
                 continue
-            values = np.asarray(read_variable(dataset, path, variable), dtype=float)
+            values = read_variable(dataset, path, variable)
+            if values.dtype.kind not in "iuf":
+                raise InputError(f"{path}: variable '{variable}' for {role} does not hold numbers")
+            values = values.astype(float)
             dimensions = 1 if role in ("time", "trajectory") else 2
             if values.ndim != dimensions and not (role == "temperature" and values.ndim == 1):
                 raise InputError(f"{path}: '{variable}' has {values.ndim} dimensions; {role} needs {dimensions}")
@@ -132,29 +141,40 @@ def _from_bag(path: Path, entry: Mapping[str, Any], names: Mapping[str, str]) ->
 
 
 def _read_table(path: Path) -> dict[str, np.ndarray]:
+    """Return the columns of a table that hold numbers; text, such as notes, is left out."""
+    check_regular(path)
     if path.suffix.lower() == ".parquet":
         try:
             import pyarrow.parquet as parquet
         except ImportError:
             raise InputError(f"{path}: reading Parquet needs the package pyarrow; install it or write CSV") from None
         try:
-            table = parquet.read_table(path)
-        except FileNotFoundError:
-            raise InputError(f"{path}: no such file") from None
-        except Exception as error:
-            raise InputError(f"{path}: is not a Parquet file ({str(error).splitlines()[0]})") from None
-        return {c: np.asarray(table.column(c).to_numpy(), dtype=float) for c in table.column_names}
+            with parquet.ParquetFile(path) as file:
+                check_count(path, len(file.schema_arrow.names))
+                table = file.read()
+            return {
+                name: np.asarray(column.to_numpy(), dtype=float)
+                for name, column in zip(table.column_names, table.columns, strict=True)
+                if holds_numbers(column.type)
+            }
+        except InputError:
+            raise
+        except Exception as error:  # the library raises whatever a damaged file causes
+            raise InputError(f"{path}: is truncated or not a Parquet file ({error})") from None
     try:
         with path.open(encoding="utf-8", newline="") as file:
             header = next(csv.reader(file), None)
             if not header:
                 raise InputError(f"{path}: is empty")
             header = [h.strip() for h in header]
+            check_count(path, len(header))
             rows = np.genfromtxt(file, delimiter=",", dtype=float, ndmin=2)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except ValueError as error:
-        raise InputError(f"{path}: {str(error).splitlines()[0].strip()}") from None
+    except InputError:
+        raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except (ValueError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read as CSV ({error})") from None
     if rows.size == 0 or rows.shape[1] != len(header):
         raise InputError(
             f"{path}: the header names {len(header)} columns, the rows have {rows.shape[1] if rows.size else 0}"
@@ -200,14 +220,24 @@ def write_recording(recording: Recording, path: str | Path, settings: Mapping[st
             variables[role] = Variable(("instant", "joint"), values, f"measured {role}", unit)
     attributes = provenance.attributes(f"measured data set {recording.name}, checked", settings)
     attributes |= {"dataset": recording.name, "train": list(recording.train), "test": list(recording.test)}
+    attributes |= {"torque_kind": recording.torque_kind, "encoder_side": recording.encoder_side}
+    if recording.encoder_step is not None:
+        attributes["encoder_step"] = recording.encoder_step
     write_dataset(path, variables, attributes)
 
 
 def read_recording(path: str | Path) -> Recording:
     """Read what :func:`write_recording` wrote."""
     with open_dataset(path) as dataset:
-        name = str(dataset.dataset)
-        train, test = (tuple(int(x) for x in np.atleast_1d(getattr(dataset, k))) for k in ("train", "test"))
+        name = str(read_attribute(dataset, path, "dataset"))
+        labels = [np.atleast_1d(read_attribute(dataset, path, k)) for k in ("train", "test")]
+        known = set(dataset.ncattrs()) & {"encoder_step", "torque_kind", "encoder_side"}
+        told = {k: getattr(dataset, k) for k in known}
+    try:
+        train, test = (tuple(int(x) for x in given) for given in labels)
+    except (TypeError, ValueError):
+        raise InputError(f"{path}: 'train' and 'test' must be numbers; delete it and run again") from None
+    step = told.get("encoder_step")
     found, _ = _from_netcdf(Path(path), {role: role for role in ROLES}, set())
     return Recording(
         time=found["time"],
@@ -220,4 +250,7 @@ def read_recording(path: str | Path) -> Recording:
         train=train,
         test=test,
         name=name,
+        encoder_step=None if step is None else float(step),
+        torque_kind=str(told.get("torque_kind", "motor")),
+        encoder_side=str(told.get("encoder_side", "motor")),
     )

@@ -101,7 +101,7 @@ def _condition(state: State, j: int, found: list[Episode]) -> AxisCondition:
         growth=growth,
         growth_std=std,
         limit=float(state.entry.get("limits", {}).get("coulomb_increase_percent", DEFAULT_LIMIT)),
-        outlook=_outlook(state, j, open_ones) if level == CHANGED else None,
+        outlook=_outlook(state, j) if level == CHANGED else None,
         episodes=open_ones,
         past=tuple(e for e in own if e.resolved is not None),
     )
@@ -127,19 +127,10 @@ def latest(state: State, name: str, j: int) -> tuple[float, float]:
     return float(np.average(value[good], weights=weight)), float(1 / np.sqrt(weight.sum()))
 
 
-def _outlook(state: State, j: int, episodes: tuple[Episode, ...]) -> Outlook | None:
-    """The forecast as of the newest window: that of the state, or the one of the newest alarm less the time since."""
-    stored = getattr(state, "hours_to_limit", None)
-    if stored is not None:
-        return None if np.isnan(stored[j]).all() else Outlook(*(float(h) for h in stored[j]))
-    names = ("hours_to_limit", "hours_to_limit_low", "hours_to_limit_high")
-    told = [a for e in episodes for a in e.alarms if a["hours_to_limit_low"] is not None]
-    if not told:
-        return None
-    alarm = max(told, key=lambda a: a["time"])
-    since = max(float(state.end[-1]) - float(alarm["time"]), 0.0) / 3600
-    left = [math.inf if alarm[name] is None else max(float(alarm[name]) - since, 0.0) for name in names]
-    return Outlook(*left)
+def _outlook(state: State, j: int) -> Outlook | None:
+    """The forecast as of the newest judged window, None where none is due."""
+    stored = state.hours_to_limit[j]
+    return None if np.isnan(stored).all() else Outlook(*(float(h) for h in stored))
 
 
 def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:

@@ -44,7 +44,7 @@ def standing(state: State) -> dict[str, Any]:
         "dated": state.dated,
         "axes": [axis_row(c) for c in ordered],
         "episodes": [episode_row(e, conditions) for e in episodes],
-        "findings": as_json(list(getattr(state, "findings", None) or ())),
+        "findings": as_json(state.findings),
         "refusals": [told for told in state.refused if told][-TOLD_REFUSALS:],
     }
 

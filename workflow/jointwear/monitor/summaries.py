@@ -10,7 +10,6 @@ import numpy as np
 
 from jointwear.files.json_values import finite
 from jointwear.measurement.flags import FLAG_WORDS, Flag
-from jointwear.monitor.charts import FEWEST
 from jointwear.monitor.condition import (
     CHANGED,
     FEWEST_NOW,
@@ -22,6 +21,7 @@ from jointwear.monitor.condition import (
     latest,
 )
 from jointwear.monitor.local_time import log_time
+from jointwear.monitor.records import Reason
 from jointwear.monitor.state import State
 from jointwear.monitor.words import BADGES
 
@@ -32,6 +32,16 @@ NAMES = {
     "viscous": "change of viscous friction",
     "backlash": "change of play",
     "friction": "friction at usual speed",
+}
+
+
+#: Why an axis is not judged, in words, where what was found in reading does not say it.
+REASONS = {
+    Reason.NONE: "its friction is too small against the noise, or the motion too one-sided, to be seen",
+    Reason.BASELINE: "it moves in too few windows of the normal period to know what is normal",
+    Reason.LEARNING: "what is normal is being learnt anew since an event or a step",
+    Reason.CONDITIONS: "a program, load or temperature that the normal period did not have",
+    Reason.COARSE: "its friction is too small against the noise for the limit to be seen",
 }
 
 
@@ -78,12 +88,11 @@ def why_unjudged(state: State, j: int, start: int = 0) -> str:
     count, words = max(found, key=lambda pair: pair[0])
     if count == len(flags):
         return words
-    normal = int(np.sum(state.count[: state.baseline, j] > 0))
-    if normal < FEWEST:
-        return f"it moves in {normal} windows of the normal period; {FEWEST} are needed to know what is normal"
-    if count >= 0.5 * len(flags):
+    reasons, counts = np.unique(state.reason[start:, j][here], return_counts=True)
+    main = Reason(int(reasons[np.argmax(counts)]))
+    if main is Reason.NONE and count >= 0.5 * len(flags):
         return words
-    return "its friction is too small against the noise, or the motion too one-sided, to be seen"
+    return REASONS[main]
 
 
 def when(state: State, seconds: float, zone: tzinfo = UTC) -> str:

@@ -11,6 +11,8 @@ from jointwear.monitor.local_time import duration, local_day, log_time
 from jointwear.publishing.report.numbers import fixed, number
 
 BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNRESOLVED: "close", UNJUDGED: "other"}
+#: A space at which no line ends.
+NO_BREAK = "\u00a0"
 #: Share of the limit below which growth has no bar: it would not be seen.
 LEAST_BAR = 0.02
 
@@ -23,7 +25,7 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
         "title": f"Axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else ""),
         "level": axis["level"],
         "badge": BADGES[axis["level"]],
-        "change": change_words(axis),
+        "change": change_words(axis).replace(" %", NO_BREAK + "%"),
         "bar": bar(axis),
         "outlook": outlook_words(row, axis, zone),
         "since": "" if axis["since"] is None else log_time(axis["since"], zone, dated),

@@ -19,6 +19,19 @@ from jointwear.running.configuration import config_schema
 
 LIBRARY = Path(__file__).resolve().parents[1]
 MARK = "Written by `make reference` from {source}; edits here are lost.\n"
+#: What other programs may build on; everything else may change without notice.
+PUBLIC = (
+    "files.errors", "files.registered", "files.storage",
+    "statistics.intervals", "statistics.randomness",
+    "robots.robot", "robots.robot_file", "robots.dynamics", "robots.inertia", "robots.trajectory",
+    "effects", "effects.effect", "effects.state",
+    "measurement.recording", "measurement.recording_files", "measurement.formats", "measurement.units",
+    "reproduction.wear", "reproduction.simulation", "reproduction.worn_run", "reproduction.features",
+    "reproduction.normal_model", "reproduction.detection", "reproduction.location", "reproduction.tables",
+    "reproduction.verdicts",
+    "discovery.pipeline", "discovery.settings", "discovery.stages",
+    "monitor.windows", "monitor.normal_state", "monitor.decision", "monitor.judge", "monitor.stages",
+)  # fmt: skip
 _BOUNDS = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}
 
 
@@ -146,13 +159,13 @@ def _signature(node: ast.FunctionDef) -> str:
 
 
 def _library() -> str:
-    """Modules, public functions and classes with the first paragraph of their docstrings; read, never imported."""
+    """Public modules, their functions and classes with the first paragraph of each docstring; read, never imported."""
     lines = ["# Library", "", MARK.format(source="the docstrings of `workflow/jointwear`")]
-    lines += ["Readings and effects have pages of their own.", ""]
-    for path in sorted(LIBRARY.rglob("*.py")):
+    lines += ["The modules that other programs may build on. Readings and effects have pages of their own.", ""]
+    for module_name in PUBLIC:
+        base = LIBRARY.joinpath(*module_name.split("."))
+        path = base / "__init__.py" if base.is_dir() else base.with_suffix(".py")
         name = path.relative_to(LIBRARY)
-        if name.parts[0] == "readings" or name.parts[:2] == ("effects", "entries"):
-            continue
         tree = ast.parse(path.read_text(encoding="utf-8"))
         module = ".".join(["jointwear", *name.with_suffix("").parts]).removesuffix(".__init__")
         lines += [f"## {module}", "", _first(tree), ""]

@@ -118,5 +118,5 @@ def write_detection(features: str | Path, model: str | Path, output: str | Path,
             "onset_t2": Variable(each, onset(above_t2, rule, count), "hour of detection by T2, NaN if none", "h"),
             "alarms": Variable(each, alarms(above, rule, count), "alarms of the run by Q", "1"),
         },
-        provenance.attributes("Q-statistic, T2 and onset of wear", settings),
+        provenance.attributes("Q-statistic, T2 and onset of wear", settings, [features, model]),
     )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import provenance
+from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
 from jointwear.reproduction.readings import (
     empty_bin_floor,
@@ -50,9 +51,16 @@ def histograms(torque: np.ndarray, scale: np.ndarray, bins: int, reading: Mappin
     torque : (r, hours, samples, n) [N m].
     scale : (r, hours or 1, n) maximum by which the torque is divided [N m]; 0 counts as 1.
     bins : number of equal bins on [0, 1].
+
+    Raises
+    ------
+    InputError : if a torque is not finite.
     """
     safe = np.where(scale == 0, 1.0, scale)[:, :, None, :]
     position = select(torque_sign, reading["torque_sign"])(torque / safe)
+    if not np.isfinite(position).all():
+        # As whole numbers they would be anything.
+        raise InputError("a torque, or its share of the largest, is not finite; its histogram means nothing")
     index = np.floor(position * bins).astype(np.intp)
     # The maximum itself belongs to the last bin, not beyond it.
     index[(index == bins) & (position <= 1)] = bins - 1
@@ -141,7 +149,7 @@ def write_reference(torque: str | Path, output: str | Path, settings: Mapping[st
                 compressed=True,
             ),
         },
-        provenance.attributes("normal operation in brief", settings),
+        provenance.attributes("normal operation in brief", settings, [torque]),
     )
 
 
@@ -189,5 +197,5 @@ def write_features(torque: str | Path, reference: str | Path, output: str | Path
             "mean_absolute_torque": Variable(by_hour, joined["mean_absolute_torque"], "mean |torque|", "N m"),
             "variation": Variable(by_hour, joined["variation"], "coefficient of variation of |torque|", "1"),
         },
-        provenance.attributes("hourly features of the torque", settings),
+        provenance.attributes("hourly features of the torque", settings, [torque, reference]),
     )

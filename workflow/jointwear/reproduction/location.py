@@ -154,4 +154,6 @@ def write_location(
         "1",
         kind="i1",
     )
-    write_dataset(output, variables, provenance.attributes("lags between axes and source of the wear", settings))
+    made_from = [path for path in (features, training, detection) if path is not None]
+    described = provenance.attributes("lags between axes and source of the wear", settings, made_from)
+    write_dataset(output, variables, described)

@@ -82,5 +82,5 @@ def write_normal_model(features: str | Path, output: str | Path, settings: Mappi
             "q": Variable(("replicate", "hour"), training_q, "Q-statistic in training", "1"),
             "t2": Variable(("replicate", "hour"), training_t2, "T2 in training", "1"),
         },
-        provenance.attributes("principal component model of normal operation", settings),
+        provenance.attributes("principal component model of normal operation", settings, [features]),
     )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import provenance
+from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, create_dataset
 from jointwear.reproduction.readings import (
     coulomb_direction,
@@ -173,7 +174,9 @@ def simulate_run(
             ("sample",), sampling["interval"] * np.arange(samples), "time of the sample in its hour", "s"
         ),
         "axis": Variable(("axis",), np.arange(1, n + 1), "axis of the robot", "1"),
-        "torque": Variable(("replicate", "hour", "sample", "axis"), None, "measured joint torque", "N m", kind="f4"),
+        "torque": Variable(
+            ("replicate", "hour", "sample", "axis"), None, "measured joint torque", "N m", kind="f4", finite=True
+        ),
         "commanded_torque": Variable(
             ("hour", "sample", "axis"), repeated.torque, "torque without disturbance and noise", "N m", kind="f4"
         ),
@@ -184,11 +187,15 @@ def simulate_run(
     }
     sizes = {"replicate": replicates, "hour": hours, "sample": samples, "axis": n}
     title = f"torque of {the_task.name}, {what}"
-    described = {**settings, "key": list(key), "hours": hours}
-    with create_dataset(output, sizes, variables, provenance.attributes(title, described)) as dataset:
+    own = {"key": list(key), "hours": hours}
+    with create_dataset(output, sizes, variables, provenance.attributes(title, settings, own=own)) as dataset:
         share = np.zeros(n)
         for replicate in range(replicates):
             torque = repeated.measure(generator(settings["seed"], *key, replicate=replicate), threads)
+            if not np.isfinite(torque).all():
+                raise InputError(
+                    f"{robot}: its torques on {task} are not finite; a number of either is out of proportion"
+                )
             share = np.fmax(share, exceedance(torque, dynamics.robot.torque_limit))
             dataset["torque"][replicate] = torque
         dataset["limit_share"][:] = np.where(np.isnan(dynamics.robot.torque_limit), np.nan, share)

@@ -160,7 +160,9 @@ def _text(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def write_table(name: str, rows: list[Row], stem: str | Path, settings: Mapping[str, Any]) -> None:
+def write_table(
+    name: str, rows: list[Row], stem: str | Path, settings: Mapping[str, Any], made_from: Sequence[str] = ()
+) -> None:
     """Write the table `name` as `stem`.csv and `stem`.nc.
 
     The netCDF file has one dimension, `row`, and one variable a column; what is missing is NaN.
@@ -181,7 +183,7 @@ def write_table(name: str, rows: list[Row], stem: str | Path, settings: Mapping[
             content = np.array([np.nan if v is None else v for v in values], dtype=float)
             units = "percent" if column == "increase_percent" else "1" if column in _SHARES else _UNIT_OF_TABLE[name]
         variables[column] = Variable(("row",), content, column.replace("_", " "), units)
-    write_dataset(f"{stem}.nc", variables, provenance.attributes(name.replace("_", " "), settings))
+    write_dataset(f"{stem}.nc", variables, provenance.attributes(name.replace("_", " "), settings, made_from))
     replace_text(f"{stem}.csv", buffer.getvalue())
 
 
@@ -213,7 +215,9 @@ def write_tables(
         "table_v": lambda: table_v(features, detections, printed),
         "table_vi": lambda: table_vi(features, detections, printed),
     }[name]()
-    write_table(name, rows, stem, {"table": name, "replicate": replicate} if name == "table_ii" else {"table": name})
+    settings = {"table": name, "replicate": replicate} if name == "table_ii" else {"table": name}
+    # Runs of the same settings alone may stand in one table.
+    write_table(name, rows, stem, settings, sorted({*features, *detections, *locations}))
 
 
 def tabulate_results(

@@ -1,6 +1,6 @@
 """Rigid-body dynamics and friction of a robot, on Pinocchio.
 
-The only module that knows Pinocchio. Arrays have shape (..., n) for n joints: position [rad], velocity
+Pinocchio does the mechanics. Arrays have shape (..., n) for n joints: position [rad], velocity
 [rad/s], acceleration [rad/s2], torque [N m], all on the joint side.
 """
 
@@ -11,8 +11,13 @@ import pinocchio as pin
 
 from jointwear.files.errors import InputError
 from jointwear.robots.robot import Link, Robot
+from jointwear.robots.urdf_file import moving_mass
 
 _BLOCK = 4096  # states
+#: Name of the frame at the tip of the arm; a URDF may have frames of any ordinary name.
+TIP = "jointwear/tip"
+#: Relative difference of the moving mass between URDF and model that is round-off.
+MASS_TOLERANCE = 1e-9
 
 
 def _pin_inertia(link: Link) -> pin.Inertia:
@@ -44,7 +49,7 @@ def build_model(robot: Robot) -> pin.Model:
             )
             model.appendBodyToJoint(joint, _pin_inertia(link), frame)
             parent, placement = joint, frame
-        model.addFrame(pin.Frame("end_effector", parent, 0, frame, pin.FrameType.OP_FRAME))
+        model.addFrame(pin.Frame(TIP, parent, 0, frame, pin.FrameType.OP_FRAME))
     if robot.payload is not None:
         model.appendBodyToJoint(model.njoints - 1, _pin_inertia(robot.payload), frame)
     model.armature = robot.armature
@@ -56,7 +61,7 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
     try:
         full = pin.buildModelFromUrdf(str(robot.urdf))
     except (ValueError, RuntimeError) as error:
-        raise InputError(f"{robot.urdf}: Pinocchio cannot read it ({str(error).splitlines()[0]})") from None
+        raise InputError(f"{robot.urdf}: Pinocchio cannot read it ({error})") from None
     if full.nq != full.nv:
         # Continuous joints have a (cos, sin) pair as position; the project's positions are angles.
         root = pin.Model()
@@ -73,9 +78,12 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
     names = list(full.names)[1:]
     if names != list(robot.joint_names):
         raise InputError(f"{robot.urdf}: joints are {names}, the robot file has {list(robot.joint_names)}")
+    mass, told = sum(body.mass for body in list(full.inertias)[1:]), moving_mass(robot.urdf)
+    if abs(mass - told) > MASS_TOLERANCE * told:
+        raise InputError(f"{robot.urdf}: Pinocchio reads {mass:g} kg of moving links, the file holds {told:g} kg")
     last = [f for f in full.frames if f.type == pin.FrameType.BODY and f.parentJoint == full.njoints - 1]
     tip = last[-1].placement if last else pin.SE3.Identity()
-    full.addFrame(pin.Frame("end_effector", full.njoints - 1, 0, tip, pin.FrameType.OP_FRAME))
+    full.addFrame(pin.Frame(TIP, full.njoints - 1, 0, tip, pin.FrameType.OP_FRAME))
     return full
 
 
@@ -92,7 +100,7 @@ class Dynamics:
         self.model = build_model(robot)
         self.data = self.model.createData()
         self._pool: pin.ModelPool | None = None
-        self._tip = self.model.getFrameId("end_effector")
+        self._tip = self.model.getFrameId(TIP)
 
     def rigid_body_torque(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, threads: int = 1

@@ -76,6 +76,10 @@ class Robot:
     effects: tuple[EffectEntry, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict)
 
+    def coulomb(self, velocity: np.ndarray) -> np.ndarray:
+        """Return the Coulomb friction [N m] of every joint at velocities (..., n), 0 at rest."""
+        return np.where(velocity > 0, self.coulomb_positive, 0.0) + np.where(velocity < 0, self.coulomb_negative, 0.0)
+
     @property
     def joints(self) -> int:
         """Number of joints."""

@@ -37,7 +37,7 @@ def read_task_file(path: str | Path, robot: dict[str, Any] | None = None) -> dic
             "one for each waypoint, the last for the way back to the first"
         )
     cycle = sum(data["durations"])
-    if abs(HOUR / cycle - round(HOUR / cycle)) > 1e-9:
+    if cycle > HOUR * (1 + 1e-9) or abs(HOUR / cycle - round(HOUR / cycle)) > 1e-9:
         nearest_cycle = HOUR / max(1, round(HOUR / cycle))
         raise InputError(
             f"{path}: 'durations' add up to {cycle} s; a whole number of cycles must fit an hour; "
@@ -51,6 +51,11 @@ def read_task_file(path: str | Path, robot: dict[str, Any] | None = None) -> dic
         data["unit"] = "rad"
     if robot is not None:
         _check_limits(path, data["waypoints"], robot, degrees)
+    for i, pose in enumerate(data["waypoints"]):
+        if len(pose) != len(data["waypoints"][0]):
+            raise InputError(
+                f"{path}: 'waypoints[{i}]' has {len(pose)} positions, 'waypoints[0]' has {len(data['waypoints'][0])}"
+            )
     return data
 
 

@@ -21,6 +21,15 @@ class Motion:
     acceleration: np.ndarray
 
 
+def quintic_profile(s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return share of the way, rate and second rate by s = t/T of the quintic of the toolbox's jtraj, each like `s`.
+
+    The share is 10 s^3 - 15 s^4 + 6 s^5. Written with (1 - s) factored out, both rates are exactly zero at both ends,
+    so that the sign of a velocity never comes from round-off.
+    """
+    return s**3 * (10 - 15 * s + 6 * s**2), 30 * s**2 * (1 - s) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
+
+
 def quintic(start: np.ndarray, stop: np.ndarray, duration: float, time: np.ndarray) -> Motion:
     """Move from rest at `start` to rest at `stop` along the quintic of the toolbox's jtraj.
 
@@ -29,20 +38,14 @@ def quintic(start: np.ndarray, stop: np.ndarray, duration: float, time: np.ndarr
     start, stop : (n,) positions [rad].
     duration : time of the motion [s].
     time : (...,) instants in [0, duration] [s].
-
-    Notes
-    -----
-    With s = t/T the position is start + (stop - start)(10 s^3 - 15 s^4 + 6 s^5). Written with (1 - s)
-    factored out, velocity and acceleration are exactly zero at both ends, so that the sign of a velocity
-    never comes from round-off.
     """
-    s = (np.asarray(time, dtype=float) / duration)[..., None]
+    share, rate, second = quintic_profile((np.asarray(time, dtype=float) / duration)[..., None])
     span = np.asarray(stop, dtype=float) - np.asarray(start, dtype=float)
     return Motion(
         time=np.asarray(time, dtype=float),
-        position=np.asarray(start, dtype=float) + span * s**3 * (10 - 15 * s + 6 * s**2),
-        velocity=span * 30 * s**2 * (1 - s) ** 2 / duration,
-        acceleration=span * 60 * s * (1 - s) * (1 - 2 * s) / duration**2,
+        position=np.asarray(start, dtype=float) + span * share,
+        velocity=span * rate / duration,
+        acceleration=span * second / duration**2,
     )
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.numbers import check_numbers
 from jointwear.files.registered import is_registered, locate
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
@@ -133,7 +134,12 @@ def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict
     for path in files:
         read_yaml(path)
     schema = config_schema()
-    config = _plain(config)
+    try:
+        config = _plain(config)
+        # What came by --config no reader of files has seen.
+        check_numbers(config, "config")
+    except RecursionError:
+        raise InputError("config: an anchor holds itself") from None
     check(config, schema, "config")
     config = normalise_numbers(config, schema)
     config["reading"] = {a.name: config["reading"].get(a.name, a.default) for a in readings.ambiguities().values()}

@@ -12,6 +12,7 @@ from typing import Any
 
 from jointwear.files.errors import InputError, nearest
 from jointwear.files.registered import will_be_fetched
+from jointwear.files.regular_files import check_regular
 from jointwear.robots.robot_file import robot_sources
 
 _WRITTEN = re.compile(r"^(?:\./)?results/discover/([A-Za-z][A-Za-z0-9_]*)/robot\.yaml$")
@@ -33,25 +34,27 @@ def check_datasets(config: Mapping[str, Any]) -> None:
     datasets = config["discover"]["datasets"]
     for name, entry in datasets.items():
         for key in ("measured", "robot"):
-            path = Path(entry[key])
-            made_for = written_for(path) if key == "robot" else None
+            made_for = written_for(entry[key]) if key == "robot" else None
             if made_for in datasets:
                 _check_order(name, datasets)
                 continue
-            if not path.is_file() and not will_be_fetched(path):
-                if made_for is not None:
-                    raise InputError(
-                        f"config: 'discover.datasets.{name}.robot' is {path}, which does not exist, and the config "
-                        f"has no data set '{made_for}' that would make it{nearest(made_for, datasets)}"
-                    )
-                there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() else []
+            if will_be_fetched(entry[key]):
+                continue
+            if made_for is not None and not Path(entry[key]).is_file():
                 raise InputError(
-                    f"config: 'discover.datasets.{name}.{key}' is {path}: no such file{nearest(path.name, there)}"
+                    f"config: 'discover.datasets.{name}.robot' is {entry[key]}, which does not exist, and the config "
+                    f"has no data set '{made_for}' that would make it{nearest(made_for, datasets)}"
                 )
+            try:
+                if key == "measured" and Path(entry[key]).is_dir():
+                    continue  # a bag
+                check_regular(entry[key])
+            except InputError as error:
+                raise InputError(f"config: 'discover.datasets.{name}.{key}' is {error}") from None
         if written_for(entry["robot"]) in datasets:
             continue
         for path in robot_sources(entry["robot"])[1:]:
-            if not Path(path).is_file() and not will_be_fetched(path):
+            if not Path(path).exists() and not will_be_fetched(path):
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
 
 

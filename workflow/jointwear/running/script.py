@@ -2,22 +2,55 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from jointwear.files.errors import InputError
 
+#: What the surroundings of a run refuse, not the program: OSErrors of these kinds are no defect to trace back.
+SURROUNDINGS = frozenset(
+    (
+        *(errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO),
+        *(errno.ELOOP, errno.ENAMETOOLONG, errno.ENOTDIR, errno.EISDIR, errno.EMFILE, errno.ENFILE),
+    )
+)
+
+
+def message_of(error: BaseException) -> str | None:
+    """Return the one line that says what is wrong, None for an error that only a traceback explains."""
+    if isinstance(error, InputError):
+        return f"jointwear: {error}"
+    if isinstance(error, OSError) and error.errno in SURROUNDINGS:
+        return f"jointwear: {error.filename or 'a file'}: {error.strerror}"
+    if isinstance(error, MemoryError):
+        return "jointwear: there is not enough memory"
+    return None
+
 
 @contextmanager
 def reported(log: str | None = None) -> Iterator[None]:
-    """Turn an :class:`InputError` into one line on standard error (and in the rule's log) and exit 1."""
+    """Turn what a user can mend into one line on standard error (and in the rule's log) and exit 1.
+
+    That is an :class:`InputError`, a file or folder that the system refuses, or want of memory.
+    """
     try:
         yield
-    except InputError as error:
-        message = f"jointwear: {error}"
+    except (InputError, OSError, MemoryError) as error:
+        message = message_of(error)
+        if message is None:
+            raise
         print(message, file=sys.stderr)
+        _note(message, log)
+        sys.exit(1)
+
+
+def _note(message: str, log: str | None) -> None:
+    try:
         if log:
             with open(log, "a", encoding="utf-8") as file:
                 print(message, file=file)
-        sys.exit(1)
+    except OSError:
+        # Where the log cannot be written either, standard error has it.
+        return

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from jointwear.files.errors import InputError
+from jointwear.files.regular_files import check_regular
 from jointwear.measurement.formats.chunk import Chunk, Layout, layout_of
 from jointwear.measurement.log_kinds import FORMATS, log_format
 
@@ -24,8 +25,8 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
     kind = log_format(path)
     if kind is None:
         raise InputError(f"{path}: no kind of log (allowed: {', '.join(FORMATS)}, or a bag's folder)")
-    if not Path(path).exists():
-        raise InputError(f"{path}: no such file")
+    if not Path(path).is_dir():
+        check_regular(path)
     if kind == "netcdf":
         from jointwear.measurement.formats.netcdf import read
     elif kind == "csv":

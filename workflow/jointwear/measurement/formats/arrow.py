@@ -81,9 +81,14 @@ def _seconds(column: pa.Array | pa.ChunkedArray, zone: str | None = None) -> np.
     return seconds
 
 
+def holds_numbers(kind: pa.DataType) -> bool:
+    """Whether a column of this type can be read as floats."""
+    return pa.types.is_decimal(kind) or pa.types.is_integer(kind) or pa.types.is_floating(kind)
+
+
 def _numbers(path: Path, name: str, column: pa.Array | pa.ChunkedArray) -> np.ndarray:
     kind = column.type
-    if pa.types.is_decimal(kind) or pa.types.is_integer(kind) or pa.types.is_floating(kind):
+    if holds_numbers(kind):
         column = column.cast(pa.float64())
     elif pa.types.is_null(kind):
         return np.full(len(column), np.nan)

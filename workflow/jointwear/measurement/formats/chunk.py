@@ -95,6 +95,21 @@ def _each(given: Any, axes: int) -> tuple[float, ...] | None:
     return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * axes
 
 
+#: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
+MOST_COLUMNS = 10_000
+
+
+def check_count(path: Path, count: int) -> None:
+    """Check the number of columns of a table.
+
+    Raises
+    ------
+    InputError : if there are more than :data:`MOST_COLUMNS`.
+    """
+    if count > MOST_COLUMNS:
+        raise InputError(f"{path}: has {count} columns (allowed: at most {MOST_COLUMNS})")
+
+
 def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str, list[str]]:
     """Return role -> columns of a table. A joint role has one column an axis, numbered from 1 (or 0).
 
@@ -103,6 +118,7 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
     InputError : if a role that is needed or named in the config is not there, or has another number of axes.
     """
     there = list(columns)
+    check_count(path, len(there))
     found: dict[str, list[str]] = {}
     for role, name in layout.names.items():
         if not isinstance(name, str):

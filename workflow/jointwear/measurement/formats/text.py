@@ -16,7 +16,7 @@ from pyarrow import csv as arrow_csv
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.arrow import chunk_of, stamps
-from jointwear.measurement.formats.chunk import Chunk, Layout, find_columns
+from jointwear.measurement.formats.chunk import Chunk, Layout, check_count, find_columns
 from jointwear.measurement.units import UNITS
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
@@ -87,7 +87,8 @@ def _head(path: Path, layout: Layout) -> Head:
     if not any(line.strip() for line in lines):
         raise InputError(f"{path}: is empty")
     place, names, delimiter = _find_header(path, lines, layout)
-    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    seen: set[str] = set()
+    twice = next((name for name in names if name in seen or seen.add(name)), None)
     if twice is not None:
         raise InputError(f"{path}: the header names the column '{twice}' twice")
     if all(_is_number(name.replace(",", ".")) for name in names):
@@ -144,6 +145,7 @@ def _find_header(path: Path, lines: list[str], layout: Layout) -> tuple[int, lis
             names = [name.strip() for name in next(csv.reader([line], delimiter=delimiter), [])]
         except csv.Error as error:
             raise InputError(f"{path}: cannot be read as CSV ({error})") from None
+        check_count(path, len(names))
         fallback = fallback or (k, names, delimiter)
         if len(names) < 3:
             continue

@@ -79,6 +79,8 @@ class Readings:
         settings = digest([reading, model_of(entry["robot"])])
         if settings != self.settings:
             self.logs = {}
+            # The windows of a baseline that another model made do not compare with those to come.
+            (self.own / "baseline.nc").unlink(missing_ok=True)
         self._survey(entry, reading, logs, anew=settings != self.settings)
         fresh = settings == self.settings and code == self.code
         self.settings, self.code = settings, code

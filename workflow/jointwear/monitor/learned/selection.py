@@ -10,7 +10,7 @@ from jointwear.measurement.recording import Recording
 from jointwear.monitor.learned.gather import Piece
 
 #: Pieces of a recording, and samples beyond which there are fewer: the search takes time in proportion.
-MOST_PIECES, MOST_SAMPLES = 30, 60_000
+MOST_PIECES, MOST_SAMPLES = 30, 16_000
 #: Fewest pieces to learn from: every fifth is held out, and each must be predicted from the others.
 FEWEST_PIECES = 5
 #: One piece in this many is held out.

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
+
 from jointwear.running.project import SOURCES
 
 METADATA = "ro-crate-metadata.json"
@@ -11,3 +14,18 @@ FILES = "run/files.json"
 PROJECT = (*SOURCES, "requirements")
 PROJECT_FILES = ("pyproject.toml", "CITATION.cff", "LICENSE", "README.md")
 COMMIT = "commit.json"
+#: What runs when the workflow runs: rules, scripts, library, and templates, which may hold expressions.
+CODE = ("Snakefile", "workflow", "report")
+#: The page and its numbers, without which there is nothing to verify.
+REPORT = ("results/report/index.html", "results/report/summary.json")
+#: Snakemake's mark on a folder that it made.
+STAMP = ".snakemake_timestamp"
+
+
+def files_of(root: Path, parts: tuple[str, ...]) -> Iterator[str]:
+    """Yield the names of the files in folders (or files) of a project, sorted, without what Python or a kill left."""
+    for part in parts:
+        whole = root / part
+        for path in sorted(whole.rglob("*")) if whole.is_dir() else [whole]:
+            if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".part":
+                yield path.relative_to(root).as_posix()

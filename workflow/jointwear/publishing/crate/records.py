@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from jointwear.files.errors import InputError
@@ -13,12 +13,17 @@ from jointwear.files.errors import InputError
 
 @dataclass(frozen=True)
 class Made:
-    """How one file came about: rule, files it was made from, begin and end [s since 1970]."""
+    """How one file came about: rule, files it was made from, begin and end [s since 1970].
+
+    `log` names the job, whose other outputs have the same; `checksums` are the SHA-256 of files that the job has read.
+    """
 
     rule: str
     inputs: tuple[str, ...]
     begin: float
     end: float
+    log: tuple[str, ...] = ()
+    checksums: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -27,6 +32,12 @@ class Run:
 
     results: dict[str, Made]
     sources: tuple[str, ...]
+
+    @property
+    def checksums(self) -> dict[str, str]:
+        """SHA-256 of files as the last job that Snakemake has noted it for has read them."""
+        made = sorted(self.results.values(), key=lambda m: m.begin)
+        return {name: value for m in made for name, value in m.checksums.items()}
 
     @property
     def begin(self) -> float:
@@ -68,13 +79,15 @@ def trace(wanted: Iterable[str], root: str | Path = ".") -> Run:
         results[name] = records[name]
         waiting.extend(records[name].inputs)
     # A job's other outputs belong to the run as well: a table is written as netCDF and as CSV.
-    jobs = {(made.rule, made.inputs) for made in results.values()}
-    results.update({name: made for name, made in records.items() if (made.rule, made.inputs) in jobs})
-    there = {name: made for name, made in sorted(results.items()) if (Path(root) / name).exists()}
-    missing = sorted(set(wanted) - there.keys())
+    jobs = {(made.rule, made.inputs, made.log) for made in results.values()}
+    results.update({n: made for n, made in records.items() if (made.rule, made.inputs, made.log) in jobs})
+    missing = sorted(name for name in results if not (Path(root) / name).exists())
     if missing:
-        raise InputError(f"{missing[0]}: not made yet; run `make reproduce` first")
-    return Run(there, tuple(sorted(sources)))
+        raise InputError(
+            f"{missing[0]}: is not there{f', nor are {len(missing) - 1} further results' if missing[1:] else ''}; "
+            "run `make reproduce` first"
+        )
+    return Run(dict(sorted(results.items())), tuple(sorted(sources)))
 
 
 def _records(folder: Path) -> dict[str, Made]:
@@ -88,8 +101,10 @@ def _records(folder: Path) -> dict[str, Made]:
             coded = "".join(part.removeprefix("@") for part in path.relative_to(folder).parts)
             name = base64.b64decode(coded).decode()
             entry = json.loads(path.read_text(encoding="utf-8"))
-            made = Made(entry["rule"], tuple(entry["input"]), float(entry["starttime"]), float(entry["endtime"]))
-        except (OSError, ValueError, KeyError, TypeError):
+            times = float(entry["starttime"]), float(entry["endtime"])
+            read = {n: c.removeprefix("sha256:") for n, c in (entry.get("input_checksums") or {}).items()}
+            made = Made(entry["rule"], tuple(entry["input"]), *times, tuple(entry.get("log") or ()), read)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             continue
         found[name] = made
     return found

@@ -6,7 +6,6 @@ but for dates.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
@@ -23,10 +22,11 @@ from rocrate.model.creativework import CreativeWork
 from rocrate.rocrate import ROCrate
 
 from jointwear import __version__
-from jointwear.publishing.crate.layout import COMMIT, CONFIG, FILES, METADATA, PROJECT, PROJECT_FILES
+from jointwear.publishing.crate.layout import COMMIT, CONFIG, FILES, METADATA, PROJECT, PROJECT_FILES, files_of
 from jointwear.publishing.crate.records import Run, trace
 from jointwear.publishing.crate.software import software
 from jointwear.publishing.report import origin
+from jointwear.publishing.soundness import check_results, checksum
 from jointwear.running.configuration import config_schema
 
 PROFILES = (
@@ -72,12 +72,6 @@ def agent_of(environment: Mapping[str, str] = os.environ) -> Agent:
     return Agent(environment.get("AGENT") or Agent.name, orcid)
 
 
-def checksum(path: Path) -> str:
-    """Return the SHA-256 of a file."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def write_crate(
     output: str | Path, wanted: Sequence[str], config: Mapping[str, Any], *, root: str | Path = ".", agent: Agent
 ) -> None:
@@ -93,10 +87,11 @@ def write_crate(
 
     Raises
     ------
-    InputError : if a result is missing.
+    InputError : if a result is missing, damaged, or not what the jobs after it have read.
     """
     root, output = Path(root), Path(output)
     run = trace(wanted, root)
+    check_results(root, [*_result_files(run, root)], run.checksums)
     with tempfile.TemporaryDirectory(dir=output.resolve().parent, prefix=".crate-") as name:
         own, done = Path(name) / "own", Path(name) / "crate"
         files = {path: root / path for path in (*_project_files(root), *_result_files(run, root))}
@@ -109,11 +104,7 @@ def write_crate(
 
 def _project_files(root: Path) -> Iterator[str]:
     """Names of the project's own files, sorted."""
-    for part in PROJECT:
-        whole = root / part
-        for path in sorted(whole.rglob("*")) if whole.is_dir() else [whole]:
-            if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".part":
-                yield path.relative_to(root).as_posix()
+    yield from files_of(root, PROJECT)
     yield from (name for name in PROJECT_FILES if (root / name).is_file())
 
 

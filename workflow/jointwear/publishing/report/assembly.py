@@ -49,6 +49,13 @@ class Results:
     normal_locations: Mapping[str, str]
     figure_run: Mapping[str, str] = field(default_factory=dict)
 
+    def computed(self) -> list[str]:
+        """Return every netCDF file among them."""
+        by_name = (self.tables, self.models, self.training_features, self.training_simulations)
+        normal = (self.normal_simulations, self.normal_detections, self.normal_locations)
+        named = [path for files in (*by_name, *normal, self.figure_run) for path in files.values()]
+        return sorted({p for p in (*self.simulations, *self.detections, *self.locations, *named) if p.endswith(".nc")})
+
 
 def _figures(results: Results, printed: Published, replicate: int) -> dict[str, Any]:
     run = results.figure_run

@@ -10,6 +10,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.json_documents import read_json
+
 PACKAGES = ("jinja2", "matplotlib", "netCDF4", "numpy", "pin", "scikit-learn", "scipy", "snakemake", "xarray")
 
 
@@ -20,7 +22,7 @@ def commit(root: str | Path) -> dict[str, Any] | None:
     """
     packed = Path(root) / "commit.json"
     if packed.is_file():
-        return json.loads(packed.read_text(encoding="utf-8"))
+        return read_json(packed, object)
 
     def git(*arguments: str) -> str:
         call = ["git", "-C", str(root), *arguments]

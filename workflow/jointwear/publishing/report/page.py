@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from jointwear import __version__
-from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json
 from jointwear.files.json_values import as_json
+from jointwear.files.provenance import check_lineage
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report import origin
 from jointwear.publishing.report.assembly import Results, assemble
+from jointwear.publishing.report.first_screen import claims, left_out
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.rendering import render_chapters, render_page
 from jointwear.publishing.report.wording import summary
@@ -39,10 +41,18 @@ def read_chapter(path: str | Path) -> Any:
     ------
     InputError : if the file is missing or not JSON.
     """
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as JSON ({error}); delete it and run again") from None
+    return read_json(path, object)
+
+
+def settings_behind(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the configuration says about every result of the reproduction, under the keys that results have."""
+    return {
+        **{key: config[key] for key in ("seed", "replicates", "sampling", "noise", "reading")},
+        **config["detection"],
+        "bins": config["histogram"]["bins"],
+        "shape": config["wear"]["shape"],
+        "wear_hours": config["wear"]["hours"],
+    }
 
 
 def write_report(
@@ -69,10 +79,13 @@ def write_report(
 
     Raises
     ------
-    InputError : naming the file, if one is missing or corrupt.
+    InputError : naming the file, if one is missing, damaged, or was made with another configuration.
     """
+    check_lineage(results.computed(), settings_behind(config))
     data = assemble(results, config)
+    further = {name: read_chapter(path) for name, path in (chapters or {}).items()}
     words = summary(data)
+    words |= {"claims": claims(data, words["statements"]), "left_out": left_out(data, further)}
     source = {"version": __version__, "commit": origin.commit(root), "packages": origin.versions()}
     kept = {k: v for k, v in data.items() if k not in ("rows", "assumptions", "paper")}
     content = {"summary": words, **kept, "seed": config["seed"], "source": source}
@@ -85,7 +98,7 @@ def write_report(
         "figure_files": {name: os.path.relpath(path, Path(output).parent) for name, path in figures.items()},
         "times": origin.rule_times(Path(root) / ".snakemake" / "metadata"),
         "pages": other_pages(Path(output).parent.parent),
-        **{name: read_chapter(path) for name, path in (chapters or {}).items()},
+        **further,
     }
     context["chapters"] = render_chapters(context)
     replace_text(numbers, json.dumps(as_json(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from jointwear.files.json_documents import read_json
+from jointwear.publishing.soundness import checksum
 
 # Torque samples are a thousand times what is computed from them, and follow from the seed: not published.
 SAMPLES = "simulation"
@@ -58,9 +59,8 @@ def data_files(results: Path) -> list[DataFile]:
         name = path.relative_to(results)
         if name.parts[0] in LEFT_OUT and name.parts[0] != SAMPLES:
             continue
-        with path.open("rb") as file:
-            checksum = hashlib.file_digest(file, "sha256").hexdigest()
-        found.append(DataFile(name.as_posix(), path.stat().st_size, checksum, name.parts[0] not in LEFT_OUT))
+        published = name.parts[0] not in LEFT_OUT
+        found.append(DataFile(name.as_posix(), path.stat().st_size, checksum(path), published))
     return sorted(found, key=lambda f: (order.get(f.path.split("/")[0], len(order)), f.path))
 
 
@@ -106,7 +106,7 @@ def reruns(measured: str | Path) -> list[dict[str, Any]]:
     path = Path(measured)
     if not path.is_file():
         return []
-    found: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    found: Mapping[str, Any] = read_json(path)
     return list(found.get("reruns", {}).get("edits", []))
 
 

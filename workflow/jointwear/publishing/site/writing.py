@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear import __version__
+from jointwear.publishing.crate.records import trace
 from jointwear.publishing.report.rendering import render_page
 from jointwear.publishing.site.contents import (
     STAGES,
@@ -21,6 +22,7 @@ from jointwear.publishing.site.contents import (
     size_words,
     without_dead_links,
 )
+from jointwear.publishing.soundness import check_results
 
 ARCHIVE = "jointwear-results.zip"
 # Everything but the largest stage fits one small archive.
@@ -32,6 +34,7 @@ def write_site(
     output: str | Path,
     *,
     edits: Sequence[Mapping[str, Any]],
+    wanted: Sequence[str] = (),
     measured: str | Path = "data/benchmarks/results.json",
     root: str | Path = ".",
 ) -> None:
@@ -41,11 +44,18 @@ def write_site(
     ----------
     output : folder of the site; what it held is replaced when the new site is complete.
     edits : changes to try: `command`, `what`, for the page that lists them; times come from `measured`.
+    wanted : results of which everything behind them must be there, as Snakemake has recorded it.
     measured : JSON file of `make bench`; without it the page names no times.
     root : folder of the project.
+
+    Raises
+    ------
+    InputError : if a result is missing, damaged, or not what the jobs after it have read.
     """
     output, results = Path(output), Path(root) / "results"
+    run = trace(wanted, root)
     files, found = data_files(results), pages(results)
+    check_results(Path(root), [f"results/{f.path}" for f in files], run.checksums)
     held = [f.path for f in files if f.published]
     with tempfile.TemporaryDirectory(dir=output.resolve().parent, prefix=".site-") as name:
         site = Path(name) / "site"

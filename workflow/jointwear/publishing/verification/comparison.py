@@ -1,12 +1,11 @@
 """Are two files of the same name equal, equal within a tolerance, or different?
 
-Dates and run times are exempt: in pages they stand inside elements marked `data-varies`, in `summary.json` under
-`source`, where versions of software stand as well.
+Dates and run times are exempt: in pages they stand inside elements marked `data-varies`, of which both pages must have
+the same in the same places, in `summary.json` under `source`, where versions of software stand as well.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterator
@@ -17,12 +16,23 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.files.storage import open_dataset
+from jointwear.files.errors import InputError, shown
+from jointwear.files.json_documents import read_json
+from jointwear.files.storage import open_dataset, read_variable
 
-TOLERANCE = 1e-6  # of the largest size in a variable; single precision holds 6e-8
+TOLERANCE = 1e-6  # of each number; single precision holds 6e-8
+#: Numbers below this share of the largest of their variable count as if they were that large: what is left where large
+#: numbers cancel is round-off, allowed up to 1e-12 of the largest.
+CANCELLED = 1e-6
 EQUAL, CLOSE, DIFFERENT, MISSING = "equal", "equal within tolerance", "different", "missing"
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _VARYING_KEYS = ("source",)
+#: Attributes of a file that say when and by what it was written, not what it holds.
+_VARYING_ATTRIBUTES = ("history", "source", "workflow_version")
+#: Elements that may stand inside a varying one: words, links and tables, but no pictures or scripts.
+_PLAIN_TAGS = frozenset(
+    ["a", "b", "caption", "code", "div", "h3", "p", "small", "span", "table", "tbody", "td", "th", "thead", "tr"]
+)
 _VOID = ("area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr")
 
 
@@ -40,8 +50,7 @@ def compare_files(ours: str | Path, theirs: str | Path, tolerance: float = TOLER
     Parameters
     ----------
     ours, theirs : recomputed file and the one of the crate.
-    tolerance : largest difference allowed, as a share of the largest size in the variable (netCDF) or of the number
-        itself (text).
+    tolerance : largest difference of a number allowed, as a share of the number itself.
     """
     ours, theirs = Path(ours), Path(theirs)
     if not ours.is_file():
@@ -50,11 +59,16 @@ def compare_files(ours: str | Path, theirs: str | Path, tolerance: float = TOLER
         return Outcome(MISSING, "is not in the crate")
     if _same_bytes(ours, theirs):
         return Outcome(EQUAL)
-    if ours.suffix == ".nc":
-        return _compare_netcdf(ours, theirs, tolerance)
-    if ours.suffix == ".json":
-        return _compare_values(_json(ours), _json(theirs), tolerance)
-    return _compare_text(_text(ours), _text(theirs), tolerance)
+    try:
+        if ours.suffix == ".nc":
+            return _compare_netcdf(ours, theirs, tolerance)
+        if ours.suffix == ".json":
+            return _compare_values(read_json(ours, object), read_json(theirs, object), tolerance)
+        return _compare_text(_text(ours), _text(theirs), tolerance)
+    except InputError as error:
+        return Outcome(DIFFERENT, str(error))
+    except UnicodeDecodeError:
+        return Outcome(DIFFERENT, "is not text in UTF-8")
 
 
 def _same_bytes(a: Path, b: Path) -> bool:
@@ -74,23 +88,32 @@ def _compare_netcdf(a: Path, b: Path, tolerance: float) -> Outcome:
             return Outcome(DIFFERENT, f"variables in one file only: {', '.join(changed)}")
         largest, where = 0.0, ""
         for name in one.variables:
-            x, y = np.asarray(one[name][...]), np.asarray(other[name][...])
-            if x.shape != y.shape:
+            x, y = read_variable(one, a, name), read_variable(other, b, name)
+            if x.shape != y.shape or one[name].dimensions != other[name].dimensions:
                 return Outcome(DIFFERENT, f"{name}: shape {x.shape}, in the crate {y.shape}")
+            if _attributes(one[name]) != _attributes(other[name]):
+                return Outcome(DIFFERENT, f"{name}: its units or other attributes differ")
             gap = relative_difference(x, y)
             if gap > largest:
                 largest, where = gap, name
+        if _attributes(one, _VARYING_ATTRIBUTES) != _attributes(other, _VARYING_ATTRIBUTES):
+            return Outcome(DIFFERENT, "global attributes differ")
     if largest > tolerance:
-        return Outcome(DIFFERENT, f"{where}: differs by {largest:.2g} of its largest size")
+        return Outcome(DIFFERENT, f"{where}: a number differs by {largest:.2g} of its size")
     if largest > 0:
-        return Outcome(CLOSE, f"{where}: differs by {largest:.2g} of its largest size")
-    return Outcome(CLOSE, "same numbers, other attributes or layout")
+        return Outcome(CLOSE, f"{where}: a number differs by {largest:.2g} of its size")
+    return Outcome(CLOSE, "same numbers, other software or layout")
+
+
+def _attributes(holder: Any, left_out: tuple[str, ...] = ()) -> dict[str, str]:
+    return {name: repr(holder.getncattr(name)) for name in holder.ncattrs() if name not in left_out}
 
 
 def relative_difference(x: np.ndarray, y: np.ndarray) -> float:
-    """Return the largest difference as a share of the largest size in `y`; infinite for text that differs.
+    """Return the largest difference of two numbers as a share of the larger; infinite for text that differs.
 
-    NaN equals NaN; NaN against a number is an infinite difference.
+    Numbers below :data:`CANCELLED` of the largest count as if they were that large. NaN equals NaN; NaN against a
+    number is an infinite difference.
     """
     if x.dtype.kind not in "iufb" or y.dtype.kind not in "iufb":
         return 0.0 if np.array_equal(x, y) else math.inf
@@ -102,12 +125,11 @@ def relative_difference(x: np.ndarray, y: np.ndarray) -> float:
     if not np.array_equal(x[~finite], y[~finite], equal_nan=True):
         return math.inf
     x, y = x[finite].astype(float), y[finite].astype(float)
-    size = max(np.abs(y).max(initial=0.0), np.abs(x).max(initial=0.0))
-    return float(np.abs(x - y).max(initial=0.0) / size) if size else 0.0
-
-
-def _json(path: Path) -> Any:
-    return json.loads(path.read_text(encoding="utf-8"))
+    size = np.maximum(np.abs(x), np.abs(y))
+    floor = CANCELLED * size.max(initial=0.0)
+    if not floor:
+        return float(np.inf) if size.any() else 0.0
+    return float((np.abs(x - y) / np.maximum(size, floor)).max())
 
 
 def _without_varying(value: Any) -> Any:
@@ -119,7 +141,7 @@ def _compare_values(a: Any, b: Any, tolerance: float) -> Outcome:
     for place, x, y in _pairs(_without_varying(a), _without_varying(b), ""):
         gap = _number_gap(x, y)
         if gap > tolerance:
-            return Outcome(DIFFERENT, f"{place.lstrip('.')}: {x!r}, in the crate {y!r}"[:160])
+            return Outcome(DIFFERENT, f"{place.lstrip('.')}: {shown(x)}, in the crate {shown(y)}")
         largest = max(largest, gap)
     if largest == 0:
         return Outcome(EQUAL, "but for dates, run times and versions")
@@ -158,13 +180,18 @@ class _Plain(HTMLParser):
             self.kept.append(text)
 
     def handle_starttag(self, tag: str, attrs: list) -> None:
-        if self._depth or any(name == "data-varies" for name, _ in attrs):
+        kind = dict(attrs).get("data-varies")
+        if self._depth or kind is not None:
+            # The element itself counts, and what may not stand in one; its words and numbers do not.
+            if kind is not None or tag not in _PLAIN_TAGS:
+                self.kept.append(f"<{tag} data-varies={kind!r}>")
             self._depth += tag not in _VOID
         else:
             self._keep(self.get_starttag_text() or "")
 
     def handle_startendtag(self, tag: str, attrs: list) -> None:
-        self._keep(self.get_starttag_text() or "")
+        if tag not in _PLAIN_TAGS or not self._depth:
+            self.kept.append(self.get_starttag_text() or "")
 
     def handle_endtag(self, tag: str) -> None:
         if self._depth:

@@ -2,93 +2,68 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
-from jointwear.files.errors import InputError
-from jointwear.publishing.crate.layout import CONFIG, FILES, METADATA
+from jointwear.files.documents import read_yaml
+from jointwear.files.errors import InputError, printable
+from jointwear.publishing.crate.layout import COMMIT, CONFIG, PROJECT, PROJECT_FILES, STAMP
 from jointwear.publishing.crate.software import software
 from jointwear.publishing.verification.comparison import CLOSE, EQUAL, TOLERANCE, Outcome, compare_files
+from jointwear.publishing.verification.packed_run import check_contents, foreign_code, listing, unpacked
+from jointwear.running.configuration import prepare
+from jointwear.running.shipped import ROOT
 
-
-@contextmanager
-def unpacked(crate: str | Path) -> Iterator[Path]:
-    """Give the folder of a crate, which may be a folder or a zip file.
-
-    Raises
-    ------
-    InputError : if there is no crate of this project at the path.
-    """
-    path = Path(crate)
-    if not path.exists():
-        raise InputError(f"config: 'crate' is {crate}: no such file or folder; `make crate` writes one to crate")
-    if path.is_dir():
-        yield _checked(path, crate)
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            with zipfile.ZipFile(path) as file:
-                file.extractall(folder)
-        except zipfile.BadZipFile as error:
-            raise InputError(f"config: 'crate' is {crate}: neither a folder nor a zip file ({error})") from None
-        yield _checked(Path(folder), crate)
-
-
-def _checked(folder: Path, crate: str | Path) -> Path:
-    found = sorted([*folder.glob(METADATA), *folder.glob(f"*/{METADATA}")])
-    if not found or not (found[0].parent / FILES).is_file():
-        raise InputError(f"config: 'crate' is {crate}: holds no {METADATA} with {FILES}; it is no crate of jointwear")
-    return found[0].parent
-
-
-def listing(crate: Path) -> dict[str, Any]:
-    """Return what the crate lists: results with checksums, wanted files, software, seed."""
-    return json.loads((crate / FILES).read_text(encoding="utf-8"))
+#: What a run leaves below results beside its results.
+NOT_RESULTS = ("results/logs/", "results/benchmarks/")
 
 
 def recompute(crate: Path, folder: Path, cores: int) -> None:
-    """Run the workflow of an unpacked crate in an empty folder, with the Python that runs now.
+    """Run the workflow of a checked crate in an empty folder, with the Python that runs now.
+
+    Nothing but what a run is made from is copied: neither results nor files that Python or Snakemake would pick up.
 
     Raises
     ------
     InputError : if the run fails; its last lines are in the message.
     """
-    shutil.copytree(crate, folder, dirs_exist_ok=True, ignore=_results_of(crate))
+    for part in (*PROJECT, *PROJECT_FILES, COMMIT, CONFIG):
+        source, target = crate / part, folder / part
+        if source.is_dir():
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+        elif source.is_file():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, target)
     # The crate brings a library of its own; that of this process must not shadow it.
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    command = [sys.executable, "-m", "snakemake", "--cores", str(cores), *listing(crate)["wanted"]]
-    done = subprocess.run(
-        [*command, "--configfile", CONFIG], cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-m", "snakemake", "--cores", str(cores), "--configfile", CONFIG]
+    # Behind the dashes a name is a file, whatever it looks like.
+    command += ["--", *listing(crate)["wanted"]]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise InputError(f"crate {crate}: the run failed: {(done.stdout + done.stderr)[-2000:]}")
-
-
-def _results_of(crate: Path) -> Callable[[str, list[str]], list[str]]:
-    def ignored(folder: str, names: list[str]) -> list[str]:
-        return [n for n in names if (Path(folder) == crate and n == "results") or n == "__pycache__"]
-
-    return ignored
+        last = " | ".join((done.stdout + done.stderr).splitlines()[-12:])
+        raise InputError(f"crate {crate}: the run failed: {last[-1500:]}")
 
 
 def compare_runs(crate: Path, folder: Path, tolerance: float = TOLERANCE) -> dict[str, Outcome]:
-    """Compare every result that the crate lists with the file of the same name under `folder`."""
-    return {name: compare_files(folder / name, crate / name, tolerance) for name in sorted(listing(crate)["results"])}
+    """Compare every result that the crate lists or that was made under `folder` with the file of the same name."""
+    made = {p.relative_to(folder).as_posix() for p in (folder / "results").rglob("*") if p.is_file()}
+    made = {name for name in made if not name.startswith(NOT_RESULTS) and not name.endswith(STAMP)}
+    names = sorted(made | listing(crate)["results"].keys())
+    return {name: compare_files(folder / name, crate / name, tolerance) for name in names}
 
 
 def describe(outcomes: dict[str, Outcome]) -> str:
     """Return the comparison as text: a line a file, then the count of each verdict."""
-    lines = [f"{o.verdict:23s} {name}{f'  ({o.detail})' if o.detail else ''}" for name, o in outcomes.items()]
+    lines = [
+        f"{o.verdict:23s} {printable(name)}{f'  ({printable(o.detail)})' if o.detail else ''}"
+        for name, o in outcomes.items()
+    ]
     counts = Counter(o.verdict for o in outcomes.values())
     summary = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items()))
     return "\n".join([*lines, f"verify: {len(outcomes)} files: {summary}"])
@@ -100,17 +75,48 @@ def changed_versions(crate: Path, now: dict[str, str]) -> list[str]:
     return [f"{k}: {now.get(k, 'none')}, in the crate {then[k]}" for k in sorted(then) if now.get(k) != then[k]]
 
 
-def verify(crate: str | Path, cores: int) -> bool:
-    """Compute a crate again, print the comparison file by file, and return whether nothing differs.
+def check_trust(crate: Path, own: Path) -> None:
+    """Check that the workflow of a crate is this one, file by file, and that its configuration is one for it.
 
     Raises
     ------
-    InputError : if there is no crate at the path or its workflow fails.
+    InputError : naming the files that differ; a workflow is a program, and it would run with the user's rights.
+    """
+    differing = foreign_code(crate, own)
+    if differing:
+        raise InputError(
+            f"crate {crate}: its workflow is not this one: {len(differing)} files differ, as {differing[0]}. It would "
+            "run with your rights: look at it, then add --config trust=true, or verify with the version of jointwear "
+            "that wrote it"
+        )
+    prepare(read_yaml(crate / CONFIG))
+
+
+def verify(crate: str | Path, cores: int, trust: bool = False, own: Path = ROOT) -> bool:
+    """Compute a crate again, print the comparison file by file, and return whether nothing differs.
+
+    Parameters
+    ----------
+    crate : folder or zip file.
+    cores : of the run.
+    trust : whether a workflow other than that in `own` may run.
+    own : top folder of the project.
+
+    Raises
+    ------
+    InputError : if there is no crate at the path, it is not what it lists, its workflow is not trusted or fails.
     """
     with unpacked(crate) as source, tempfile.TemporaryDirectory(prefix="jointwear-verify-") as name:
         folder = Path(name)
+        check_contents(source)
+        print(f"checksums: all of {len(listing(source)['results'])} results and of the workflow are as listed")
+        if trust:
+            # Snakemake would evaluate what a configuration may ask it to; ours asks for nothing.
+            read_yaml(source / CONFIG)
+        else:
+            check_trust(source, own)
         for line in changed_versions(source, software()):
-            print(f"software: {line}")
+            print(f"software: {printable(line)}")
         recompute(source, folder, cores)
         outcomes = compare_runs(source, folder)
     print(describe(outcomes), flush=True)

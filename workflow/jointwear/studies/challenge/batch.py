@@ -8,6 +8,7 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.robots.robot import load_robot
+from jointwear.studies.challenge.arms import ARMS, arm_of, arm_path
 from jointwear.studies.challenge.case_files import write_case_data, write_truth
 from jointwear.studies.challenge.generate import INERTIAL_PRIOR, generate
 from jointwear.studies.challenge.plan import Case
@@ -15,7 +16,6 @@ from jointwear.studies.challenge.plan import Case
 
 def generate_batch(
     cases: list[Case],
-    robot_path: str,
     seed: int,
     folder: str | Path,
     truth_json: str | Path,
@@ -25,20 +25,27 @@ def generate_batch(
 
     Raises
     ------
-    InputError : if the robot file is missing, broken, or gives a URDF.
+    InputError : if the robot file of an arm is missing or broken.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    nominal = load_robot(robot_path)
-    settings: dict[str, Any] = {"seed": seed, "robot": robot_path}
     listed, truths = [], []
     for case in cases:
-        data, truth = generate(case, nominal, seed)
+        arm = arm_of(case, seed)
+        data, truth = generate(case, load_robot(arm_path(arm)), seed)
+        settings: dict[str, Any] = {"seed": seed, "robot": ARMS[arm][0], **data.told}
         write_case_data(folder / f"{case.name}.nc", data, "Data set of the hidden-effect test", settings)
         listed.append(
-            {"case": case.name, "file": f"{case.name}.nc", "train": list(data.train), "test": list(data.test)}
+            {
+                "case": case.name,
+                "file": f"{case.name}.nc",
+                "robot": ARMS[arm][0],
+                "told": dict(data.told),
+                "train": list(data.train),
+                "test": list(data.test),
+            }
         )
         truths.append(truth)
-    write_truth(truth_json, truth_netcdf, truths, settings)
-    content = {"robot": robot_path, "inertial_prior": INERTIAL_PRIOR, "cases": listed}
+    write_truth(truth_json, truth_netcdf, truths, {"seed": seed})
+    content = {"inertial_prior": INERTIAL_PRIOR, "cases": listed}
     replace_text(folder / "cases.json", json.dumps(content, indent=1) + "\n")

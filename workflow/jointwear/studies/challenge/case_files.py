@@ -38,27 +38,54 @@ def write_case_data(path: str | Path, data: CaseData, title: str, settings: dict
     write_dataset(path, variables, attributes(title, settings))
 
 
+def padded(arrays: Sequence[np.ndarray], least: tuple[int, ...] = (0, 0)) -> np.ndarray:
+    """Stack arrays (..., k, n) of several lengths and numbers of joints; what one lacks is NaN.
+
+    `least` (k, n) is the shape to fill where there are no arrays.
+    """
+    size = [max([least[d], *(a.shape[d] for a in arrays)]) for d in (-2, -1)]
+    lead = arrays[0].shape[:-2] if len(arrays) else ()
+    result = np.full((len(arrays), *lead, *size), np.nan)
+    for k, array in enumerate(arrays):
+        result[k, ..., : array.shape[-2], : array.shape[-1]] = array
+    return result
+
+
 def write_truth(
     json_path: str | Path, netcdf_path: str | Path, truths: Sequence[Truth], settings: dict[str, Any]
 ) -> None:
     """Write the truth of one batch: facts as JSON, noise-free torque as netCDF.
 
-    Effects of all cases lie end to end along `effect`; `first_effect` (case) says where those of a case begin.
+    Cases have their own numbers of samples and joints: arrays are filled up with NaN. Effects of all cases lie end to
+    end along `effect`; `first_effect` (case) says where those of a case begin.
     """
     replace_text(json_path, json.dumps({"cases": [t.facts for t in truths]}, indent=1) + "\n")
     counts = [len(t.effects) for t in truths]
+    torque = padded([t.torque for t in truths])
     variables = {
         "case": Variable(("case",), np.array([t.facts["case"] for t in truths], dtype=object), "name of the case"),
         "torque": Variable(
             ("case", "sample", "joint"),
-            np.array([t.torque for t in truths], dtype="f4"),
+            torque.astype("f4"),
             f"torque without noise, every {TRUTH_STRIDE}th held-out sample, NaN where not judged",
+            "N m",
+        ),
+        "measured": Variable(
+            ("case", "sample", "joint"),
+            padded([t.measured for t in truths]).astype("f4"),
+            "torque as it was measured at the same samples",
+            "N m",
+        ),
+        "given": Variable(
+            ("case", "sample", "joint"),
+            padded([t.given for t in truths]).astype("f4"),
+            "torque of the given robot on the true motion at the same samples",
             "N m",
         ),
         "first_effect": Variable(("case",), np.cumsum([0, *counts[:-1]]).astype("i4"), "first row along effect"),
         "effect_torque": Variable(
             ("effect", "sample", "joint"),
-            np.concatenate([t.effects for t in truths]).astype("f4"),
+            padded([term for t in truths for term in t.effects], np.shape(torque)[1:]).astype("f4"),
             "torque of each hidden effect at the same samples",
             "N m",
         ),
@@ -74,9 +101,11 @@ def read_truth(json_path: str | Path, netcdf_path: str | Path) -> list[Truth]:
     InputError : naming the file, if it is missing or broken.
     """
     facts = read_json(json_path)["cases"]
-    torque, first, effects = read_variables(netcdf_path, "torque", "first_effect", "effect_torque")
+    torque, measured, given, first, effects = read_variables(
+        netcdf_path, "torque", "measured", "given", "first_effect", "effect_torque"
+    )
     ends = [*first[1:], len(effects)]
-    return [Truth(f, torque[k], effects[first[k] : ends[k]]) for k, f in enumerate(facts)]
+    return [Truth(f, torque[k], effects[first[k] : ends[k]], measured[k], given[k]) for k, f in enumerate(facts)]
 
 
 def read_json(path: str | Path) -> dict[str, Any]:

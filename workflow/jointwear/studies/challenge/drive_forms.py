@@ -74,12 +74,15 @@ def constant_error(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
 
 
 def constant_temperature(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
-    """Gain of the measured torque that falls by 2 to 4 % per 20 K, as 1 / (1 + a dT) or with a quadratic part."""
+    """Torque constant that falls by 2 to 4 % per 20 K, so that a torque computed from current rises.
+
+    As 1 / (1 - a dT), or with a quadratic part.
+    """
     size, form = log_uniform(rng, 0.02, 0.04), str(rng.choice(["divided", "quadratic"]))
 
     def law(state):
         dt = (state.temperature[:, axis] - REFERENCE_TEMPERATURE) / 20
-        gain = 1 / (1 + size * dt) if form == "divided" else 1 - size * (dt + 0.15 * dt**2)
+        gain = 1 / (1 - size * dt) if form == "divided" else 1 + size * (dt + 0.15 * dt**2)
         return state.torque[:, axis] * (gain - 1)
 
     return hidden_law(

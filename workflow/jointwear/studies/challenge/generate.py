@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,22 +11,20 @@ import numpy as np
 from jointwear.robots.robot import Robot
 from jointwear.statistics.randomness import generator
 from jointwear.studies.challenge.arm import Arm, with_one_wrong_number, with_wrong_numbers
+from jointwear.studies.challenge.circumstances import Circumstances, behind_the_gears, draw_circumstances
 from jointwear.studies.challenge.hide import SMOOTH_ONLY, allowed_axes, draw_hidden
 from jointwear.studies.challenge.motion import Path, fourier_path, transfer_paths
 from jointwear.studies.challenge.plan import Case
 from jointwear.studies.challenge.scene import Scene, scene_of
-from jointwear.studies.challenge.sensors import encoder_steps, quantise, torque_noise
+from jointwear.studies.challenge.sensors import felt_noise, quantise, torque_noise
 from jointwear.studies.challenge.separability import IDENTIFIABLE, Sieve, build_sieve, energy_left_by
 from jointwear.studies.challenge.surroundings import start_times, temperatures
-from jointwear.studies.challenge.tiers import EFFECTS, TIERS, Tier
+from jointwear.studies.challenge.tiers import EFFECTS, TIERS, WHOLE_ARM, Tier
 from jointwear.studies.challenge.tracking import track
 from jointwear.studies.challenge.world import Hidden, World, build_world, total_torque
 
-DURATION, INTERVAL = 15.0, 0.01
 #: The recording that is held out; never the first or last, so that nothing has to be foretold.
 TEST = 2
-#: Share of cases whose motion is that of a closed loop with tracking error.
-CLOSED_LOOP = 0.1
 #: Every so many samples of the held-out recording keep their noise-free torque.
 TRUTH_STRIDE = 5
 INERTIAL_PRIOR = 0.05
@@ -51,21 +50,25 @@ class CaseData:
     acceleration: np.ndarray | None
     train: tuple[int, ...]
     test: tuple[int, ...]
+    told: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What is hidden: facts for JSON, and over every fifth held-out sample (k, n) the noise-free torque and the
-    torque of each hidden effect (e, k, n) [N m]; NaN where the axis is not judged: at rest and at the ends."""
+    """What is hidden: facts for JSON, and over every fifth held-out sample the noise-free torque (k, n), the torque of
+    each hidden effect (e, k, n), the measured torque and that of the given robot on the true motion (k, n) [N m]; NaN
+    where the axis is not judged: at rest and at the ends."""
 
     facts: dict[str, Any]
     torque: np.ndarray
     effects: np.ndarray
+    measured: np.ndarray
+    given: np.ndarray
 
 
-def _paths(tier: Tier, robot: Robot, rng: np.random.Generator, count: int) -> list[Path]:
+def _paths(tier: Tier, robot: Robot, rng: np.random.Generator, count: int, duration: float) -> list[Path]:
     if tier.motion == "transfer":
-        return transfer_paths(robot, rng, count, DURATION)
+        return transfer_paths(robot, rng, count, duration)
     # One recording in three is slow throughout: a good excitation also creeps.
     return [
         fourier_path(robot, rng, np.exp(rng.uniform(np.log(0.5), np.log(2.0), robot.joints)) * rng.choice([0.3, 1, 1]))
@@ -106,21 +109,24 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
 
     Parameters
     ----------
-    nominal : the robot that discovery will be given, by DH table.
+    nominal : the robot that discovery will be given, by DH table; behind the gears where torque is sensed there.
     seed : of the whole test; the case's words are the spawn key.
     """
     rng = generator(seed, *case.key, replicate=case.number)
     tier = TIERS[case.tier]
+    how = circumstances_of(case, nominal, seed)
+    if how.torque == "link_sensor":
+        nominal = behind_the_gears(nominal)
     robot, wrong = _real_arm(case, tier, nominal, rng)
     arm = Arm(robot)
     count = int(rng.integers(4, 6))
-    samples = round(DURATION / INTERVAL)
-    paths = _paths(tier, nominal, rng, count)
-    starts = start_times(rng, count, DURATION)
+    samples = round(how.duration / how.interval)
+    paths = _paths(tier, nominal, rng, count, how.duration)
+    starts = start_times(rng, count, how.duration)
     heat = temperatures(rng, count, nominal.joints)
-    world = build_world(arm, paths, starts, heat, samples, INTERVAL)
+    world = build_world(arm, paths, starts, heat, samples, how.interval)
     hidden = _draw(case, scene_of(world), rng)
-    closed = rng.random() < CLOSED_LOOP and not any(h.name in SMOOTH_ONLY for h in hidden)
+    closed = how.controller is not None and not any(h.name in SMOOTH_ONLY for h in hidden)
     if closed:
         laws = [h.law for h in hidden if h.law is not None]
         moved = track(
@@ -129,15 +135,19 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
             paths,
             starts,
             heat,
-            DURATION,
+            how.duration,
             float(rng.uniform(3, 6)),
             (lambda state: sum(law(state) for law in laws)) if laws else None,
+            integral=how.controller == "pid",
         )
-        world = build_world(arm, moved, starts, heat, samples, INTERVAL)
+        world = build_world(arm, moved, starts, heat, samples, how.interval)
     torque, terms = total_torque(world, hidden)
-    deviation = tier.noise * torque.std(axis=0)
+    deviation = how.quiet * tier.noise * torque.std(axis=0)
     noise = torque_noise(rng, deviation, tier.colour, count, samples)
-    data = _measure(world, torque + noise, rng, closed)
+    data = _measure(world, torque + noise, rng, closed, how)
+    # What an encoder's steps do to derived accelerations hides an effect as torque noise does.
+    inertia = np.diagonal(arm.mass_matrix(world.state.position[::200]), axis1=1, axis2=2).mean(axis=0)
+    felt = felt_noise(deviation, how.step, inertia, 1 / how.interval)
     train = world.state.recording != TEST
     facts: dict[str, Any] = {
         "case": case.name,
@@ -145,6 +155,12 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
         "tier": case.tier,
         "kind": case.kind,
         "subject": case.subject,
+        "arm": nominal.name,
+        "rate": round(1 / how.interval),
+        "link_side": how.link_side,
+        "encoder_step": how.step.tolist(),
+        "torque_kind": how.torque,
+        "controller": how.controller if closed else None,
         "closed_loop": bool(closed),
         "noise": deviation.tolist(),
         "wrong_number": wrong,
@@ -152,8 +168,8 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
     held = np.flatnonzero(~train)
     facts["effects"] = []
     if hidden:
-        sieve = build_sieve(world, nominal, train, deviation, tier.colour, INERTIAL_PRIOR)
-        plain = build_sieve(world, nominal, train, deviation, 0.0, INERTIAL_PRIOR) if tier.colour else sieve
+        sieve = build_sieve(world, nominal, train, felt, tier.colour, INERTIAL_PRIOR)
+        plain = build_sieve(world, nominal, train, felt, 0.0, INERTIAL_PRIOR) if tier.colour else sieve
         for k, (item, term) in enumerate(zip(hidden, terms, strict=True)):
             # The second effect must stand out beside the first one.
             other = [t for j, t in enumerate(terms) if j != k]
@@ -162,11 +178,14 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
             for item, term, entry in zip(hidden, terms, facts["effects"], strict=True):
                 entry["rivals"] = _rivals(item, term, world, sieve, rng) if entry["energy"] > IDENTIFIABLE else {}
     if wrong:
-        facts["wrong_number"]["energy"] = _energy_of_number(wrong, world, nominal, train, deviation, tier.colour)
+        facts["wrong_number"]["energy"] = _energy_of_number(wrong, world, nominal, train, felt, tier.colour)
     kept = held[::TRUTH_STRIDE]
     effects = np.array([t[kept] for t in terms]).reshape(len(terms), len(kept), nominal.joints)
     hide = ~_judged(world)[kept]
-    return data, Truth(facts, np.where(hide, np.nan, torque[kept]), np.where(hide, np.nan, effects))
+    s = world.state
+    given = Arm(nominal).torque(s.position[kept], s.velocity[kept], s.acceleration[kept])
+    shown = (np.where(hide, np.nan, x) for x in (torque[kept], effects, data.torque[kept], given))
+    return data, Truth(facts, *shown)
 
 
 def _judged(world: World) -> np.ndarray:
@@ -176,8 +195,15 @@ def _judged(world: World) -> np.ndarray:
     return inside[:, None] & (np.abs(world.state.velocity) >= REST)
 
 
-def _measure(world: World, torque: np.ndarray, rng: np.random.Generator, closed: bool) -> CaseData:
-    s, robot = world.state, world.arm.robot
+def circumstances_of(case: Case, nominal: Robot, seed: int) -> Circumstances:
+    """Return how a case is driven and logged."""
+    rng = generator(seed, *case.key, "circumstances", replicate=case.number)
+    smooth = case.subject in SMOOTH_ONLY
+    return draw_circumstances(rng, case.kind, case.subject, nominal.gear_ratio, smooth)
+
+
+def _measure(world: World, torque: np.ndarray, rng: np.random.Generator, closed: bool, how: Circumstances) -> CaseData:
+    s = world.state
     given = rng.random()
     velocity = acceleration = None
     if given > 0.5:
@@ -188,13 +214,14 @@ def _measure(world: World, torque: np.ndarray, rng: np.random.Generator, closed:
     return CaseData(
         time=np.round(s.time, 6),
         trajectory=s.recording,
-        position=quantise(s.position, encoder_steps(rng, robot.gear_ratio)),
+        position=np.where(how.step > 0, quantise(s.position, np.where(how.step > 0, how.step, 1.0)), s.position),
         torque=torque,
         temperature=quantise(s.temperature + rng.normal(0, 0.05, s.temperature.shape), 0.1),
         velocity=velocity,
         acceleration=acceleration,
         train=tuple(k for k in labels if k != TEST),
         test=(TEST,),
+        told={"torque_kind": how.torque, "encoder_side": "link" if how.link_side else "motor"},
     )
 
 
@@ -226,7 +253,7 @@ def _rivals(item: Hidden, term: np.ndarray, world: World, sieve: Sieve, rng: np.
     for name in EFFECTS:
         if name == item.name or (name in SMOOTH_ONLY and hasattr(world.paths[0], "torque_at")):
             continue
-        if name != "payload" and axis not in allowed_axes(name, scene):
+        if name not in WHOLE_ARM and axis not in allowed_axes(name, scene):
             continue
         draws = [draw_hidden(name, scene, rng, axis).term(world) for _ in range(_RIVAL_DRAWS)]
         left[name] = energy_left_by(sieve, term, draws)

@@ -6,6 +6,7 @@ import numpy as np
 
 from jointwear.studies.challenge import drive_forms, friction_forms, outside_forms, structure_forms
 from jointwear.studies.challenge.scene import Scene
+from jointwear.studies.challenge.tiers import WHOLE_ARM
 from jointwear.studies.challenge.world import Hidden
 
 DRAW = {**friction_forms.DRAW, **drive_forms.DRAW, **structure_forms.DRAW, **outside_forms.DRAW}
@@ -19,7 +20,7 @@ SMOOTH_ONLY = {"joint_flexibility"}
 def allowed_axes(name: str, scene: Scene) -> list[int]:
     """Return the 0-based axes on which an effect can act; empty for one of the whole arm."""
     axes = list(range(scene.joints))
-    if name == "payload":
+    if name in WHOLE_ARM:
         return []
     if name in _LOADED:
         return [k for k in axes if scene.load[k] > 0.4 * scene.coulomb[k]]

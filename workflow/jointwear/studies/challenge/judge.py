@@ -8,9 +8,14 @@ from typing import Any
 import numpy as np
 
 from jointwear.studies.challenge.separability import IDENTIFIABLE, SEPARABLE
+from jointwear.studies.challenge.tiers import WHOLE_ARM
 
 #: The augmented model counts as not worse where its error exceeds that of the retuned one by no more than this share.
 NOT_WORSE = 1e-3
+#: The augmented model is worse than the given one where its error on an axis is larger by more than this share.
+WORSE = 0.05
+#: A gap is judged where the given model's error exceeds the floor by this share.
+CLOSABLE = 0.02
 
 
 def accepted_names(effect: Mapping[str, Any]) -> set[str]:
@@ -36,6 +41,30 @@ def error_norm(predicted: np.ndarray, truth: np.ndarray) -> float:
     return float(np.sqrt(np.sum(np.nanmean(square[:, moving], axis=0))))
 
 
+def gap_closed(errors: Mapping[str, float], floor: float) -> float | None:
+    """Return 1 - (augmented - floor) / (nominal - floor); None where the given model is as good as the motion allows.
+
+    The floor is what derived velocities and accelerations cost: the error of the given model on the logged motion
+    against itself on the true motion. No model that is fed with the logged motion gets below it.
+    """
+    if errors["nominal"] < floor * (1 + CLOSABLE):
+        return None
+    return 1 - (errors["augmented"] - floor) / (errors["nominal"] - floor)
+
+
+def worse_axes(predicted: np.ndarray, target: np.ndarray) -> list[int]:
+    """Return the 1-based axes on which the augmented model is worse than the given one by more than `WORSE`.
+
+    Parameters
+    ----------
+    predicted : (3, k, n) torque of nominal, retuned and augmented model. target : (k, n), NaN where not judged [N m].
+    """
+    seen = np.isfinite(target).any(axis=0)
+    square = np.where(np.isfinite(target), (predicted[[0, 2]] - target) ** 2, np.nan)[:, :, seen]
+    given, augmented = np.sqrt(np.nanmean(square, axis=1))
+    return [int(k) + 1 for k in np.flatnonzero(seen)[augmented > given * (1 + WORSE)]]
+
+
 def judge(
     facts: Mapping[str, Any], verdict: Mapping[str, Any], errors: Mapping[str, float] | None, seconds: float | None
 ) -> dict[str, Any]:
@@ -44,7 +73,8 @@ def judge(
     Parameters
     ----------
     facts : truth of the case. verdict : content of verdict.json, or {"refused": reason}.
-    errors : error norm of the models "nominal", "retuned" and "augmented" against the noise-free held-out torque.
+    errors : error norm of the models "nominal", "retuned" and "augmented" against the noise-free held-out torque, and
+        "floor", what derived motion costs (see :func:`gap_closed`).
 
     Returns
     -------
@@ -73,8 +103,13 @@ def judge(
         "seconds": seconds,
     }
     row["identifiable"] = None if row["energy"] is None else row["energy"] > IDENTIFIABLE
+    hidden = truth if kind in ("single", "two") else []
     row["names"] = [
-        {"evidence": e.get("evidence_nats"), "right": kind in ("single", "two") and any(_matches(e, t) for t in truth)}
+        {
+            "evidence": e.get("evidence_nats"),
+            "probability": e.get("probability"),
+            "right": any(_matches(e, t) for t in hidden),
+        }
         for e in named
     ]
     if kind == "single":
@@ -90,11 +125,12 @@ def judge(
         row["right_number"] = _number_listed(facts["wrong_number"], verdict)
     elif kind == "outside":
         row["unknown"] = row["verdict"] == "unknown"
+        row["unknown_only"] = row["unknown"] and not named
     if errors:
         row["errors"] = dict(errors)
         row["not_worse"] = errors["augmented"] <= errors["retuned"] * (1 + NOT_WORSE)
         if kind in ("single", "two"):
-            row["gap_closed"] = 1 - errors["augmented"] / errors["nominal"]
+            row["gap_closed"] = gap_closed(errors, errors.get("floor", 0.0))
     return row
 
 
@@ -106,7 +142,7 @@ def _judge_single(effect: Mapping[str, Any], named: list[Mapping[str, Any]]) -> 
         "name_first": bool(first) and first["effect"] in accepted_names(effect),
         "name_first_strict": bool(first) and first["effect"] == effect["effect"],
         "axis_right": bool(first)
-        and first["axis"] in (_axes(effect) | ({None} if first["effect"] == "payload" else set())),
+        and first["axis"] in (_axes(effect) | ({None} if first["effect"] in WHOLE_ARM else set())),
         "exact_set": exact,
         "exact_set_strict": exact and all(_matches(e, effect, strict=True) for e in named),
         "tie_holds": bool(accepted_names(effect) & set(ties)) if first else None,

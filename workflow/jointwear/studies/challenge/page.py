@@ -7,12 +7,14 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report.rendering import render_page
+from jointwear.studies.challenge.arms import ARMS
 from jointwear.studies.challenge.case_files import read_json
-from jointwear.studies.challenge.generate import CLOSED_LOOP, DURATION, INTERVAL
+from jointwear.studies.challenge.circumstances import CLOSED_LOOP, RATES
 from jointwear.studies.challenge.plan import part_batches
-from jointwear.studies.challenge.scores import SHARES, UPPER_LIMITS
+from jointwear.studies.challenge.scores import SHARES, UPPER_LIMITS, reached
 from jointwear.studies.challenge.separability import IDENTIFIABLE, SEPARABLE
 from jointwear.studies.challenge.tiers import COUNTS, DRAWINGS, EFFECTS, FULL, TARGETS, TIERS
+from jointwear.studies.world.page import world_context
 
 _WORDS = {
     "identifiable_share": "single effects that the motion can show (identifiable)",
@@ -22,6 +24,9 @@ _WORDS = {
     "gap_tenth": "held-out gap closed, 10th percentile",
     "not_worse": "not worse than retuning on held-out motion",
     "not_worse_named": "the same, only cases with a named effect",
+    "worse": "augmented worse than given on an axis by > 5 %, held-out measurement",
+    "calibration_error": "expected calibration error of the probability",
+    "seconds": "seconds of one core, median",
     "tie_size": "mean size of the tie set",
     "name_first_strict": "right name first, no two names counted as one",
     "exact_set_strict": "exact set, no two names counted as one",
@@ -46,18 +51,19 @@ def _target(name: str, tier: str) -> str:
     value = TARGETS[name][list(TIERS).index(tier)]
     if isinstance(value, tuple):
         return f"{value[0]:.2f} to {value[1]:.2f}"
-    if name == "false_names":
-        return f"at most {value} of {FULL['nothing']}"
     return f"{'at most' if name in UPPER_LIMITS else 'at least'} {value:g}"
 
 
 def _shown(name: str, score: Mapping[str, Any]) -> str:
     if score["value"] is None:
         return "no cases"
-    if name == "false_names":
-        return f"{score['value']} of {score['count']}"
     interval = f" ({score['low']:.2f} to {score['high']:.2f})" if score["low"] is not None else ""
     return f"{score['value']:.3f}{interval}"
+
+
+def score_of(content: Mapping[str, Any], name: str, which: str = "scores") -> Mapping[str, Any]:
+    """Return a score of a tier; one that was not counted when the summary was made has no value."""
+    return content[which].get(name, {"value": None, "count": 0, "low": None, "high": None})
 
 
 def score_table(tiers: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -67,11 +73,11 @@ def score_table(tiers: Mapping[str, Any]) -> list[dict[str, Any]]:
             "words": _WORDS[name],
             "cells": [
                 {
-                    "value": _shown(name, content["scores"][name]),
-                    "all": _shown(name, content["all_cases"][name]),
-                    "count": content["scores"][name]["count"],
+                    "value": _shown(name, score_of(content, name)),
+                    "all": _shown(name, score_of(content, name, "all_cases")),
+                    "count": score_of(content, name)["count"],
                     "target": _target(name, tier),
-                    "reached": content["scores"][name].get("reached"),
+                    "reached": reached(name, tier, score_of(content, name)),
                 }
                 for tier, content in tiers.items()
             ],
@@ -151,6 +157,7 @@ def write_page(
     seed: int,
     command: str | None = None,
     drawing: int | None = None,
+    world_path: str | None = None,
 ) -> None:
     """Write the page from the scores (and, where they were run, those of the peers).
 
@@ -158,6 +165,7 @@ def write_page(
     ----------
     part : a seed set or its first batches. command : what makes the scores, where they were not made just now.
     drawing : of the seed set that was run; default the present one.
+    world_path : summary of the tier "world", where it is kept.
 
     Raises
     ------
@@ -170,9 +178,11 @@ def write_page(
         f"{_WORDS[name]} ({tier})"
         for tier, content in tiers.items()
         for name in TARGETS
-        if content["scores"][name].get("reached") is False
+        if reached(name, tier, score_of(content, name)) is False
     ]
-    judged = sum(content["scores"][n].get("reached") is not None for content in tiers.values() for n in TARGETS)
+    judged = sum(
+        reached(name, tier, score_of(content, name)) is not None for tier, content in tiers.items() for name in TARGETS
+    )
     context = {
         "names": _NAMES,
         "set_words": set_words(part, scores["cases"], drawing),
@@ -187,11 +197,12 @@ def write_page(
         "judged": judged,
         "confusion": {name: confusion_table(content["confusion"]) for name, content in tiers.items()},
         "calibration": {name: calibration_points(content["calibration"]) for name, content in tiers.items()},
+        "world": world_context(read_json(world_path)) if world_path else None,
         "peers": read_json(peers_path) if peers_path else None,
         "identifiable": IDENTIFIABLE,
         "separable": SEPARABLE,
         "closed_loop": CLOSED_LOOP,
-        "duration": DURATION,
-        "rate": round(1 / INTERVAL),
+        "arms": len(ARMS),
+        "rates": (min(RATES), max(RATES)),
     }
     replace_text(output, render_page("challenge.html.j2", context))

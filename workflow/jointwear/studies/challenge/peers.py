@@ -18,7 +18,7 @@ import numpy as np
 from jointwear.files.errors import InputError
 from jointwear.files.storage import open_dataset
 from jointwear.files.text_files import replace_text
-from jointwear.robots.robot import load_robot
+from jointwear.studies.challenge.arms import given_robot
 from jointwear.studies.challenge.case_files import read_json
 from jointwear.studies.challenge.peer_terms import AxisProblem, build_problems
 
@@ -131,11 +131,11 @@ def solve_batch_with_peers(folder: str | Path, output: str | Path) -> None:
         ) from None
     folder = Path(folder)
     listed = read_json(folder / "cases.json")
-    robot = load_robot(listed["robot"])
     entries = []
     for case in listed["cases"]:
         with open_dataset(folder / case["file"]) as dataset:
             data = {name: np.asarray(v[...]) for name, v in dataset.variables.items()}
+        robot = given_robot(case)
         start = time.perf_counter()
         problems = build_problems(data, robot, tuple(case["train"]), listed["inertial_prior"])
         prepared = time.perf_counter() - start

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.studies.challenge.arms import rated_load
 from jointwear.studies.challenge.world import World
 
 
 @dataclass(frozen=True)
 class Scene:
     """Per axis (n,): Coulomb level [N m], largest speed [rad/s], lowest and highest position [rad], root mean square
-    of load and torque [N m]; `span` is the time from the first sample to the last [s]."""
+    of load and torque [N m]; `span` is the time from the first sample to the last [s],
+    `rated` the load [kg] that the arm is made for."""
 
     coulomb: np.ndarray
     viscous: np.ndarray
@@ -24,6 +26,7 @@ class Scene:
     gear: np.ndarray
     armature: np.ndarray
     span: float
+    rated: float
 
     @property
     def joints(self) -> int:
@@ -45,6 +48,7 @@ def scene_of(world: World) -> Scene:
         gear=robot.gear_ratio,
         armature=robot.armature,
         span=float(state.time[-1] - state.time[0]),
+        rated=rated_load(robot.name),
     )
 
 

@@ -14,7 +14,7 @@ from jointwear.files.storage import read_variables
 from jointwear.files.text_files import replace_text
 from jointwear.studies.challenge.case_files import read_json, read_truth
 from jointwear.studies.challenge.generate import Truth
-from jointwear.studies.challenge.judge import error_norm, judge
+from jointwear.studies.challenge.judge import error_norm, judge, worse_axes
 from jointwear.studies.challenge.scores import calibration, confusion, detection_limits, reached, score_tier
 from jointwear.studies.challenge.tiers import TIERS
 
@@ -41,7 +41,12 @@ def judge_case(truth: Truth, verdict: dict[str, Any], predicted: np.ndarray, sec
     errors = None
     if np.isfinite(predicted).any():
         errors = {m: error_norm(p, truth.torque) for m, p in zip(_MODELS, predicted, strict=True)}
+        errors["floor"] = error_norm(predicted[0], truth.given)
     row = judge(truth.facts, verdict, errors, seconds)
+    if errors:
+        row["worse"] = worse_axes(predicted, truth.measured)
+    for key in ("arm", "rate", "torque_kind", "controller"):
+        row[key] = truth.facts.get(key)
     if row["kind"] == "single" and row.get("name_first_strict") and row["axis_right"]:
         row["covered"] = peak_covered(truth.facts["effects"][0], verdict["effects"][0])
     return row

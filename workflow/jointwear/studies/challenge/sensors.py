@@ -28,6 +28,25 @@ def encoder_steps(rng: np.random.Generator, gear: np.ndarray) -> np.ndarray:
     return 2 * np.pi / np.where(np.abs(gear) > 4, counts * np.abs(gear), 2.0**19)
 
 
+#: Highest frequency [Hz] of the motion of an arm: a filter above it costs nothing.
+MOTION_BAND = 10.0
+
+
+def felt_noise(torque: np.ndarray, step: np.ndarray, inertia: np.ndarray, rate: float) -> np.ndarray:
+    """Return the standard deviation (n,) [N m] of white noise that is worth torque noise and encoder steps together.
+
+    Parameters
+    ----------
+    torque : (n,) of the torque channel [N m]. step : (n,) of the encoders [rad]. inertia : (n,) [kg m2].
+    rate : of the log [Hz].
+    """
+    # Rounding has the variance step^2 / 12 spread up to half the rate; twice differentiated it is multiplied by
+    # (2 pi f)^4, whose mean over the band is (2 pi)^4 band^4 / 5.
+    band = min(MOTION_BAND, rate / 4)
+    acceleration = step**2 / 12 * (2 * np.pi * band) ** 4 / 5
+    return np.sqrt(torque**2 + inertia**2 * acceleration)
+
+
 def quantise(values: np.ndarray, step: np.ndarray | float) -> np.ndarray:
     """Round to whole steps."""
     return np.round(values / step) * step

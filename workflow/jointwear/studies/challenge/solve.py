@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,9 @@ from jointwear.files.provenance import attributes
 from jointwear.files.storage import Variable, open_dataset, write_dataset
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.recording import Recording
-from jointwear.robots.robot import Robot, load_robot
-from jointwear.studies.challenge.case_files import read_json
+from jointwear.robots.robot import Robot
+from jointwear.studies.challenge.arms import given_robot
+from jointwear.studies.challenge.case_files import padded, read_json
 
 #: Held-out predictions are kept for every so many samples, as in the truth files.
 STRIDE = 5
@@ -34,6 +36,12 @@ def read_recording(path: Path, train: Sequence[int], test: Sequence[int]) -> Rec
     with open_dataset(path) as dataset:
         values = {name: np.asarray(v[...]) for name, v in dataset.variables.items() if name != "joint"}
     return Recording(**values, train=tuple(train), test=tuple(test), name=path.stem)
+
+
+def with_words(recording: Recording, told: Mapping[str, Any]) -> Recording:
+    """Return the recording with what the user says of it, as far as a recording can hold it."""
+    fields = {f.name for f in dataclasses.fields(recording)}
+    return dataclasses.replace(recording, **{k: v for k, v in told.items() if k in fields})
 
 
 def solve(recording: Recording, robot: Robot, settings: Settings) -> tuple[dict[str, Any], np.ndarray, float]:
@@ -78,10 +86,10 @@ def solve_batch(folder: str | Path, json_path: str | Path, netcdf_path: str | Pa
     """
     folder = Path(folder)
     listed = read_json(folder / "cases.json")
-    robot = load_robot(listed["robot"])
     entries, torques = [], []
     for case in listed["cases"]:
-        recording = read_recording(folder / case["file"], case["train"], case["test"])
+        recording = with_words(read_recording(folder / case["file"], case["train"], case["test"]), case["told"])
+        robot = given_robot(case)
         said, torque, seconds = solve(recording, robot, Settings(inertial_prior=listed["inertial_prior"], **settings))
         entries.append({"case": case["case"], "seconds": round(seconds, 3), "verdict": said})
         torques.append(torque)
@@ -91,7 +99,7 @@ def solve_batch(folder: str | Path, json_path: str | Path, netcdf_path: str | Pa
         "model": Variable(("model",), np.array(MODELS, dtype=object), "model that predicts the torque"),
         "torque": Variable(
             ("case", "model", "sample", "joint"),
-            np.array(torques, dtype="f4"),
+            padded(torques).astype("f4"),
             f"predicted torque, every {STRIDE}th held-out sample",
             "N m",
         ),

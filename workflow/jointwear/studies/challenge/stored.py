@@ -39,9 +39,16 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
     replace_text(output, json.dumps({**head, "tiers": content["tiers"]}, indent=1) + "\n")
 
 
-def write_stored_page(stored: str | Path, peers: str | None, output: str | Path) -> None:
-    """Write the page from the summary that is kept with the project, with the `peers` where they are kept too."""
+def write_stored_page(stored: str | Path, peers: str | None, output: str | Path, world: str | None = None) -> None:
+    """Write the page from the summary that is kept with the project, with `peers` and `world` where they are kept."""
     content = read_json(stored)
     write_page(
-        str(stored), peers, str(output), content["part"], content["seed"], content["command"], content["drawing"]
+        str(stored),
+        peers,
+        str(output),
+        content["part"],
+        content["seed"],
+        content["command"],
+        content["drawing"],
+        world,
     )

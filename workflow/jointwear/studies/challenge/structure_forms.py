@@ -43,8 +43,8 @@ def spring(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
 
 
 def payload(scene: Scene, rng: np.random.Generator, axis: int | None = None) -> Hidden:
-    """A body at the flange, a cylinder with its own inertia; 0.05 kg up to 2.5 kg, the rated load of the PUMA 560."""
-    mass = log_uniform(rng, 0.05, 2.5)
+    """A body at the flange, a cylinder with its own inertia; 2 % of the rated load up to all of it."""
+    mass = log_uniform(rng, 0.02, 1.0) * scene.rated
     offset = np.array([*rng.uniform(-0.04, 0.04, 2), rng.uniform(0.02, 0.12)])
     radius = 0.02 + 0.03 * mass ** (1 / 3)
     inertia = mass * radius**2 * np.diag([7 / 12, 7 / 12, 1 / 2])
@@ -61,13 +61,18 @@ def payload(scene: Scene, rng: np.random.Generator, axis: int | None = None) -> 
     return Hidden("payload", None, "cylinder", mass, "kg", parameters, term)
 
 
+#: Root mean square [N m] of the load on the second axis of a PUMA 560 in these motions.
+_PUMA_LOAD = 40.0
+
+
 def flexibility(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
     """Two masses and a gear spring, solved exactly: the motor leads the link by the wind-up of the gear.
 
     Position is measured on the link. The motor turns at theta = q + wind-up(load), so that its inertia and its
     friction follow theta. The spring is linear or stiffens with the cube of the wind-up.
     """
-    stiffness = log_uniform(rng, 5e2, 2e4)
+    # 500 to 20,000 N m/rad for an arm of the PUMA's loads, in proportion for heavier ones.
+    stiffness = log_uniform(rng, 5e2, 2e4) * max(1.0, scene.load[axis] / _PUMA_LOAD)
     form = str(rng.choice(["linear", "stiffening"]))
     load_scale = 2 * scene.load[axis]
     cubic = stiffness * rng.uniform(0.05, 0.2) / (load_scale / stiffness) ** 2 if form == "stiffening" else 0.0
@@ -184,7 +189,25 @@ def delay(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
     return Hidden("actuation_delay", axis, form, time, "s", {"delay": time}, term, electrical=True)
 
 
+def tilt(scene: Scene, rng: np.random.Generator, axis: int | None = None) -> Hidden:
+    """A base that stands askew by 0.5 to 5 degrees in any direction."""
+    angle, heading = np.deg2rad(log_uniform(rng, 0.5, 5.0)), rng.uniform(0, 2 * np.pi)
+
+    def term(world: World) -> np.ndarray:
+        robot, s = world.arm.robot, world.state
+        # Rodrigues about a horizontal line.
+        line = np.cross(robot.gravity, [np.cos(heading), np.sin(heading), 0.3])
+        line = line / np.linalg.norm(line)
+        gravity = robot.gravity * np.cos(angle) + np.cross(line, robot.gravity) * np.sin(angle)
+        askew, rest = Arm(replace(robot, gravity=gravity)), np.zeros_like(s.position)
+        return askew.load(s.position, rest, rest) - world.arm.load(s.position, rest, rest)
+
+    degrees = float(np.rad2deg(angle))
+    return Hidden("mounting_tilt", None, "rotated_gravity", degrees, "degree", {"angle": float(angle)}, term)
+
+
 DRAW = {
+    "mounting_tilt": tilt,
     "joint_spring": spring,
     "payload": payload,
     "joint_flexibility": flexibility,

@@ -25,6 +25,7 @@ def track(
     bandwidth: float,
     law: Callable[[State], np.ndarray] | None = None,
     step: float = 1e-3,
+    integral: bool = False,
 ) -> list[SampledPath]:
     """Let a controller drive the arm along the paths, all recordings side by side.
 
@@ -34,7 +35,7 @@ def track(
     paths : r wanted motions. duration : of each [s].
     bandwidth : natural frequency of the PD loop [Hz]; it is critically damped with the mean mass of each joint.
     law : a hidden torque (r, n) [N m] that the arm feels, of the state (r rows; load and acceleration are zero).
-    step : of the integration [s].
+    step : of the integration [s]. integral : the controller also adds up the position error, four times as slowly.
 
     Returns
     -------
@@ -54,9 +55,12 @@ def track(
     kept = np.empty((4, rows, count, n))
     q, v = wanted[:, 0, 0].copy(), wanted[:, 1, 0].copy()
     rest, numbers, empty = np.zeros((rows, n)), np.arange(rows), np.zeros((rows, n))
-    last = np.zeros((rows, n))
+    last, summed = np.zeros((rows, n)), np.zeros((rows, n))
     for k in range(count):
         torque = feed[:, k] + stiff * (wanted[:, 0, k] - q) + damp * (wanted[:, 1, k] - v)
+        if integral:
+            summed += step * rate / 4 * stiff * (wanted[:, 0, k] - q)
+            torque = torque + summed
         # Everything is taken in the middle of the step, so that torque and motion belong to the same instant.
         middle, speed = q + step / 2 * v, v + step / 2 * last
         turn = np.tanh(speed / _SIGN_WIDTH)

@@ -122,11 +122,10 @@ class Factory:
     def _friction(self, velocity: np.ndarray, temperature: float, growth: tuple[int, float] | None) -> np.ndarray:
         """Friction of the real arm (s, n) at a temperature [degC]; `growth`: 0-based axis and its growth."""
         real = self.real
-        level = np.where(velocity > 0, real.coulomb_positive, np.where(velocity < 0, real.coulomb_negative, 0.0))
         factor = np.ones(real.joints)
         if growth is not None:
             factor[growth[0]] += growth[1]
-        coulomb = level * factor
+        coulomb = real.coulomb(velocity) * factor
         # Vogel: ln(viscosity) = B / (T + C), with the numbers of a gear oil.
         viscous = real.viscous * np.exp(700.0 / (temperature + 105.0) - 700.0 / 130.0)
         torque = coulomb + viscous * velocity

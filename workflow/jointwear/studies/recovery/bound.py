@@ -16,6 +16,7 @@ from jointwear.files import provenance
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot, load_robot
+from jointwear.robots.trajectory import quintic_profile
 from jointwear.studies.recovery.tables import Tables, read_tables
 
 QUASI_STATIC = 1e6  # s: nothing is left but gravity and Coulomb friction
@@ -122,12 +123,10 @@ def _objective(dynamics: Dynamics, u: np.ndarray, time: float, increase: float, 
     start = middle + half * np.sin(u[..., :n])
     span = middle + half * np.sin(u[..., n : 2 * n]) - start
     s = (0.5 + 0.5 * np.sin(u[..., -1:])) * (1 - 1e-9) + 5e-10
-    position = start + span * s**3 * (10 - 15 * s + 6 * s**2)
-    velocity = span * 30 * s**2 * (1 - s) ** 2 / time
-    acceleration = span * 60 * s * (1 - s) * (1 - 2 * s) / time**2
-    torque = dynamics.inverse_dynamics(position, velocity, acceleration)
-    coulomb = np.where(velocity > 0, robot.coulomb_positive, robot.coulomb_negative)
-    value = np.abs(torque + increase * coulomb)
+    share, rate, second = quintic_profile(s)
+    velocity = span * rate / time
+    torque = dynamics.inverse_dynamics(start + span * share, velocity, span * second / time**2)
+    value = np.abs(torque + increase * robot.coulomb(velocity))
     penalty = np.where(np.isfinite(limit), np.maximum(np.abs(torque) - limit, 0.0), 0.0)
     return value - 20.0 * (penalty.sum(axis=-1, keepdims=True) - penalty) - 20.0 * penalty
 

@@ -251,8 +251,7 @@ class Problem:
 
     def _with_friction(self, rigid, velocity, c, worn) -> np.ndarray:
         """(S, t, k, n) -> (S, t, k, n, c): friction, wear and gain added."""
-        level = np.where(velocity > 0, self.robot.coulomb_positive, 0.0)
-        level = (level + np.where(velocity < 0, self.robot.coulomb_negative, 0.0)) * c.coulomb[:, None, None, :]
+        level = self.robot.coulomb(velocity) * c.coulomb[:, None, None, :]
         base = rigid + velocity * self.robot.viscous * c.viscous[:, None, None, :] + level
         torque = base[..., None] + level[..., None] * worn[:, :, None]
         return torque * c.gain[:, None, None, :, None]

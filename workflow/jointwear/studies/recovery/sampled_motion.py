@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.robots.trajectory import quintic_profile
+
 INSTANTS = 6
 CYCLE = 60.0
 INTERVAL = CYCLE / INSTANTS
@@ -42,10 +44,8 @@ def progress(phase: np.ndarray, outward: np.ndarray) -> tuple[np.ndarray, np.nda
     back = time >= outward
     duration = np.where(back, CYCLE - outward, outward)
     s = np.where(back, CYCLE - time, time) / duration
-    share = s**3 * (10 - 15 * s + 6 * s**2)
-    rate = np.where(back, -1.0, 1.0) * 30 * s**2 * (1 - s) ** 2 / duration
-    second = 60 * s * (1 - s) * (1 - 2 * s) / duration**2
-    return share, rate, second
+    share, rate, second = quintic_profile(s)
+    return share, np.where(back, -1.0, 1.0) * rate / duration, second / duration**2
 
 
 def states(start: np.ndarray, stop: np.ndarray, phase: np.ndarray, outward: np.ndarray, speed: np.ndarray) -> States:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.monitor.baseline import choose_baseline
 from jointwear.monitor.judge import UNJUDGED, judge, settings_of
-from jointwear.monitor.stages import baseline_windows
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.fast_path import nominal_robot
@@ -26,8 +26,8 @@ def product_judge(
     statistics: WindowStatistics, entry: dict[str, Any], cell: Cell
 ) -> tuple[list[dict[str, Any]], np.ndarray]:
     """The judge of the monitor as a user calls it."""
-    robot = nominal_robot(cell)
-    judgement = judge(statistics, baseline_windows(statistics, entry["baseline"]), settings_of(robot, entry))
+    baseline = choose_baseline(statistics, entry["baseline"])
+    judgement = judge(statistics, baseline.mask, settings_of(nominal_robot(cell), entry))
     return judgement.alarms, judgement.status
 
 

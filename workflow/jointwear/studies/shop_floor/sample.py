@@ -47,7 +47,10 @@ def table(s: dict[str, Any]) -> str:
     )
     for key in ("by_scenario", "by_thermometer", "by_arm"):
         for name, value in s[key].items():
-            lines.append(f"    {name:22s}   {_rate(value)}; {value['alarmed']} of {value['robots']} robots")
+            lines.append(
+                f"    {name:22s}   {_rate(value)}; {value['alarmed']} of {value['robots']} robots, "
+                f"{value['unjudged']:.0%} unjudged"
+            )
     for key in ("coulomb_in_two_weeks", "coulomb", "together", "viscous"):
         d = s[key]
         lines.append(f"  {key.replace('_', ' '):24s} found {_share(d['found'])}; axis right {_share(d['right'])}")

@@ -79,7 +79,8 @@ def summary(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
     def groups(key: str) -> dict[str, Any]:
         names = list(dict.fromkeys(f[key] for f in facts))
-        return {name: false_alarms([f for f in facts if f[key] == name]) for name in names}
+        parts = {name: [f for f in facts if f[key] == name] for name in names}
+        return {k: false_alarms(p) | {"unjudged": float(np.mean([f["unjudged"] for f in p]))} for k, p in parts.items()}
 
     coulomb = [f for f in facts if f["worn"] and f["kind"] == "coulomb"]
     fast = [f for f in coulomb if f["duration"] <= TWO_WEEKS]

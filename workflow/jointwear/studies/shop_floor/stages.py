@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from jointwear.files.text_files import replace_text
+from jointwear.statistics.intervals import counted_share
 from jointwear.studies.shop_floor.judging import outcome
 from jointwear.studies.shop_floor.kept import kept_robot, simulate_robots
 from jointwear.studies.shop_floor.plan import RATES, robots_of
-from jointwear.studies.shop_floor.scores import curve, summary
+from jointwear.studies.shop_floor.scores import curve, poisson_rate, summary
 
 
 def simulate_batch(seed_set: str, batch: str, output: str | Path) -> None:
@@ -28,13 +32,16 @@ def judge_batch(seed_set: str, batch: str, windows: str | Path, output: str | Pa
     replace_text(output, json.dumps(facts, indent=1) + "\n")
 
 
-def summarise(outcomes: Sequence[str | Path], before: str | Path, output: str | Path) -> None:
+def summarise(
+    outcomes: Sequence[str | Path], before: str | Path, grid: Mapping[str, str | Path], output: str | Path
+) -> None:
     """Put the numbers of the chapter together.
 
     Parameters
     ----------
     outcomes : files of :func:`judge_batch`. before : scores of the judge that this one took the place of, as written
-        by ``sample --summary``.
+        by ``sample --summary``. grid : task -> file of
+        :func:`jointwear.studies.monitor_study.grid_judgement.judge_grid`.
     """
     facts = [fact for path in outcomes for fact in json.loads(Path(path).read_text(encoding="utf-8"))]
     chapter = {
@@ -42,5 +49,25 @@ def summarise(outcomes: Sequence[str | Path], before: str | Path, output: str | 
         "curves": [{"rate": rate, **curve([f for f in facts if f["rate"] == rate])} for rate in RATES],
         "refused": sum(bool(f["refused"]) for f in facts if f["rate"] == RATES[0]),
         "before": json.loads(Path(before).read_text(encoding="utf-8")),
+        "grid": _grid({task: json.loads(Path(path).read_text(encoding="utf-8")) for task, path in grid.items()}),
     }
     replace_text(output, json.dumps(chapter, indent=1) + "\n")
+
+
+def _grid(tasks: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+    """Return what the judgement finds on the paper's grid: cells that move, those found in every run, false alarms."""
+    cells = [{"task": task, **cell} for task, found in tasks.items() for cell in found["cells"] if cell["moves"]]
+    runs, detected = sum(c["runs"] for c in cells), sum(c["detected"] for c in cells)
+    hours = [c["hour"] for c in cells if c["hour"] is not None]
+    some = next(iter(tasks.values()))
+    return {
+        "cells": len(cells),
+        "whole": sum(c["detected"] == c["runs"] for c in cells),
+        "replicates": max(c["runs"] for c in cells),
+        "rate": some["rate"],
+        "detected": counted_share(detected, runs),
+        "named": counted_share(sum(c["named"] for c in cells), runs),
+        "hour": float(np.median(hours)) if hours else None,
+        "missed": [f"{c['task']} axis {c['axis']}, {c['increase']:g} %" for c in cells if c["detected"] < c["runs"]],
+        "false": poisson_rate(sum(t["false"] for t in tasks.values()), sum(t["hours"] for t in tasks.values())),
+    }

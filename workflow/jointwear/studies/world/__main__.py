@@ -5,22 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
-from jointwear.studies.world.answers import answer
-from jointwear.studies.world.case import generate
-from jointwear.studies.world.plan import KINDS, SETS, Case, cases
+from jointwear.studies.world.plan import KINDS, SETS, cases
 from jointwear.studies.world.scores import WORDS, score
+from jointwear.studies.world.stages import solve_case
 
-
-def solve_case(case: Case) -> dict[str, Any]:
-    """Make a case in a folder that goes away, and return its judged row."""
-    with tempfile.TemporaryDirectory() as folder:
-        return answer(generate(case, folder))
+#: The field of a row that says whether the answer is right.
+ANSWERS = {"single": "exact_set", "two": "two_exact", "retuned": "retuned", "outside": "unknown_only"}
 
 
 def line(row: dict[str, Any]) -> str:
@@ -36,12 +31,10 @@ def line(row: dict[str, Any]) -> str:
             f"{w['number']}@{w['axis']} x {1 + w['share']:.2f}{'' if row['identifiable'] else ' (not identifiable)'}"
         )
     given = " + ".join(
-        f"{name}@{axis or 'arm'}{'' if n.get('probability') is None else ' p %.3f' % n['probability']}"
+        f"{name}@{axis or 'arm'}" + ("" if n.get("probability") is None else f" p {n['probability']:.3f}")
         for (name, axis), n in zip(row["named"], row["names"], strict=True)
     )
-    field = {"single": "exact_set", "two": "two_exact", "retuned": "retuned", "outside": "unknown_only"}.get(
-        row["kind"]
-    )
+    field = ANSWERS.get(row["kind"])
     good = row[field] if field else not row["false_name"]
     extra = f" WORSE {row['worse']}" if row.get("worse") else ""
     gap = f" gap {row['gap_closed']:.2f}" if row.get("gap_closed") is not None else ""

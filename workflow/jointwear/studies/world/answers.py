@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from jointwear.discovery import Settings
-from jointwear.measurement.recording import Recording
-from jointwear.studies.challenge.judge import accepted_names, error_norm, judge
+from jointwear.studies.challenge.judge import accepted_names, error_norm, judge, worse_axes
 from jointwear.studies.challenge.scoring import peak_covered
-from jointwear.studies.challenge.solve import MODELS, solve
-from jointwear.studies.world.case import INERTIAL_PRIOR, WorldCase
+from jointwear.studies.challenge.solve import MODELS, solve, with_words
+from jointwear.studies.world.case import WorldCase
+from jointwear.studies.world.setting import INERTIAL_PRIOR
 
-#: The augmented model is worse than the given one where its error on an axis is larger by more than this share.
-WORSE = 0.05
+#: What a row keeps of the circumstances of a case.
+CIRCUMSTANCES = (
+    "arm",
+    "rate",
+    "bits",
+    "link_side",
+    "torque_kind",
+    "controller",
+    "motion",
+    "velocity",
+    "inertial_error",
+)
 #: Half width of a 95 % interval in standard deviations.
 _TWO_SIDED = 1.96
 #: Names that a disturbance outside the library may rightly get: a soft obstacle and a bent tooth are springs in q.
 TOLERATED = {"wall": {"joint_spring"}, "bump": {"joint_spring"}}
-
-
-def with_words(recording: Recording, told: Mapping[str, Any]) -> Recording:
-    """Return the recording with what the user says of it, as far as a recording can hold it."""
-    fields = {f.name for f in dataclasses.fields(recording)}
-    return dataclasses.replace(recording, **{k: v for k, v in told.items() if k in fields})
 
 
 def answer(case: WorldCase, settings: Settings | None = None) -> dict[str, Any]:
@@ -39,41 +42,23 @@ def answer(case: WorldCase, settings: Settings | None = None) -> dict[str, Any]:
     settings = settings or Settings(inertial_prior=INERTIAL_PRIOR)
     recording = with_words(case.recording, case.told)
     verdict, torque, seconds = solve(recording, case.robot, settings)
-    return judged(case.facts, verdict, torque, case.torque, case.measured, seconds)
+    return judged(case, verdict, torque, seconds)
 
 
-def judged(
-    facts: Mapping[str, Any],
-    verdict: Mapping[str, Any],
-    predicted: np.ndarray,
-    truth: np.ndarray,
-    measured: np.ndarray,
-    seconds: float | None,
-) -> dict[str, Any]:
-    """Judge a verdict; `predicted` (3, k, n) of nominal, retuned and augmented, `truth` and `measured` (k, n) [N m]."""
-    errors = None
+def judged(case: WorldCase, verdict: Mapping[str, Any], predicted: np.ndarray, seconds: float | None) -> dict[str, Any]:
+    """Judge a verdict; `predicted` (3, k, n) is the torque of nominal, retuned and augmented model [N m]."""
+    facts, errors = case.facts, None
     if np.isfinite(predicted).any():
-        errors = {m: error_norm(p, truth) for m, p in zip(MODELS, predicted, strict=True)}
+        errors = {m: error_norm(p, case.torque) for m, p in zip(MODELS, predicted, strict=True)}
+        errors["floor"] = error_norm(predicted[0], case.given)
     row = judge(facts, verdict, errors, seconds)
-    for key in (
-        "arm",
-        "rate",
-        "bits",
-        "link_side",
-        "torque_kind",
-        "controller",
-        "motion",
-        "velocity",
-        "inertial_error",
-    ):
+    if errors:
+        row["worse"] = worse_axes(predicted, case.measured)
+        row["worse_than_truth"] = worse_axes(predicted, case.torque)
+    for key in CIRCUMSTANCES:
         row[key] = facts[key]
     named = verdict.get("effects", [])
-    if errors:
-        row["worse"] = _worse(predicted, measured)
-        row["worse_than_truth"] = _worse(predicted, truth)
     row["refused"] = verdict.get("refused")
-    for name, entry in zip(row["names"], named, strict=True):
-        name["probability"] = entry.get("probability")
     if facts["kind"] == "single" and row.get("name_first_strict") and row["axis_right"]:
         row["covered"] = peak_covered(facts["effects"][0], named[0])
         row["parameters"] = _parameters(facts["effects"][0]["parameters"], named[0].get("parameters", {}))
@@ -89,15 +74,6 @@ def judged(
     row["unexplained"] = [u.get("axis") for u in verdict.get("unexplained", [])]
     row["suspects"] = [[s.get("effect"), s.get("axis")] for s in verdict.get("suspects", [])]
     return row
-
-
-def _worse(predicted: np.ndarray, target: np.ndarray) -> list[int]:
-    """Return the 1-based axes on which the augmented model is worse than the given one."""
-    given, augmented = (
-        np.sqrt(np.nanmean(np.where(np.isfinite(target), (p - target) ** 2, np.nan), axis=0))
-        for p in (predicted[0], predicted[2])
-    )
-    return [int(k) + 1 for k in np.flatnonzero(augmented > given * (1 + WORSE))]
 
 
 def _parameters(true: Mapping[str, float], given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

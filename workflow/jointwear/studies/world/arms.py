@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 
+from jointwear.files.registered import locate
 from jointwear.studies.world.chains import Chain, of_a_solid, read_chain
-from jointwear.studies.world.packages import robots_folder
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class ArmKind:
     drives: Drives
 
 
+_ROBOTS = "package:example-robot-data/robots/"
 _UR = tuple(f"{j}_joint" for j in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"))
 
 
@@ -168,7 +169,7 @@ def chain_of(name: str) -> Chain:
     InputError : if the package that describes it is not installed.
     """
     kind = ARMS[name]
-    return heavy_chain() if kind.path is None else read_chain(robots_folder() / kind.path, kind.joints)
+    return heavy_chain() if kind.path is None else read_chain(locate(_ROBOTS + kind.path), kind.joints)
 
 
 def heavy_chain() -> Chain:

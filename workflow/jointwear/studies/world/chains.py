@@ -113,15 +113,15 @@ def urdf_text(chain: Chain, name: str) -> str:
     parent = "base"
     for k, joint in enumerate(chain.names):
         link = f"link_{k + 1}"
-        i = chain.inertia[k]
+        places = {"xx": (0, 0), "xy": (0, 1), "xz": (0, 2), "yy": (1, 1), "yz": (1, 2), "zz": (2, 2)}
+        moments = " ".join(f'i{word}="{float(chain.inertia[k][place])!r}"' for word, place in places.items())
         angles = _words(pin.rpy.matrixToRpy(chain.rotation[k]))
         lines += [
             f'  <link name="{link}">',
             "    <inertial>",
             f'      <origin xyz="{_words(chain.com[k])}" rpy="0 0 0"/>',
             f'      <mass value="{float(chain.mass[k])!r}"/>',
-            f'      <inertia ixx="{float(i[0, 0])!r}" ixy="{float(i[0, 1])!r}" ixz="{float(i[0, 2])!r}" '
-            f'iyy="{float(i[1, 1])!r}" iyz="{float(i[1, 2])!r}" izz="{float(i[2, 2])!r}"/>',
+            f"      <inertia {moments}/>",
             "    </inertial>",
             "  </link>",
             f'  <joint name="{joint}" type="revolute">',

@@ -1,4 +1,4 @@
-"""Hidden errors of motors and torque channels: torque constants, cogging, drift, delays; ``draw(scales, rng, axis)``."""
+"""Hidden errors of motors and torque channels: torque constants, cogging, drift, delay; ``draw(scales, rng, axis)``."""
 
 from __future__ import annotations
 

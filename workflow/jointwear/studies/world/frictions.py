@@ -1,4 +1,4 @@
-"""Hidden friction: MuJoCo's friction loss, damping and springs, changed as the arm runs; ``draw(scales, rng, axis)``."""
+"""Hidden friction: MuJoCo's friction loss, damping and springs changed as the arm runs; ``draw(scales, rng, axis)``."""
 
 from __future__ import annotations
 

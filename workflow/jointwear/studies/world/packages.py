@@ -1,16 +1,13 @@
-"""The packages that the plants need, and what to say where they are missing."""
+"""The engine of the plants, and what to say where it is missing."""
 
 from __future__ import annotations
 
-import importlib.metadata
-from pathlib import Path
+from functools import cache
 
 from jointwear.files.errors import InputError
 
-_ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
-_HINT = "make test-plants installs it (requirements/plants.txt)"
 
-
+@cache
 def mujoco():
     """Return the module `mujoco`.
 
@@ -22,22 +19,6 @@ def mujoco():
         import mujoco
     except ImportError:
         raise InputError(
-            f"challenge: tier 'world' needs the package 'mujoco', which is not installed; {_HINT}"
+            "challenge: the tier 'world' needs the package mujoco, which is not installed (make plants installs it)"
         ) from None
     return mujoco
-
-
-def robots_folder() -> Path:
-    """Return the folder of the robot descriptions of `example-robot-data`.
-
-    Raises
-    ------
-    InputError : if it is not installed.
-    """
-    try:
-        distribution = importlib.metadata.distribution("example-robot-data")
-    except importlib.metadata.PackageNotFoundError:
-        raise InputError(
-            f"challenge: tier 'world' needs the package 'example-robot-data', which is not installed; {_HINT}"
-        ) from None
-    return Path(str(distribution.locate_file(_ROBOTS)))

@@ -99,3 +99,10 @@ def batches(seed_set: str) -> list[list[Case]]:
     """Return the cases of a seed set in runs of at most `BATCH`; the first ones are a fair sample of all."""
     every = cases(seed_set)
     return [every[k : k + BATCH] for k in range(0, len(every), BATCH)]
+
+
+def part_batches(part: str) -> tuple[str, int]:
+    """Return the seed set of a part and how many batches it holds: a seed set, or `<set>_first_<k>`."""
+    seed_set, _, first = part.partition("_first_")
+    count = -(-sum(COUNTS.values()) // BATCH)
+    return seed_set, min(count, int(first)) if first else count

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.statistics.intervals import wilson_interval
+from jointwear.studies.challenge.reliability import calibration_error
 
 Row = Mapping[str, Any]
 
@@ -53,9 +54,6 @@ WORDS = {name: words for name, (_, _, words) in SHARES.items()} | {
     "seconds": "seconds of one core, median",
 }
 
-#: Bins of the probability of a name.
-PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 1.0)
-
 
 def _seen(rows: Sequence[Row], kind: str) -> list[Row]:
     return [r for r in rows if r["kind"] == kind and r["identifiable"]]
@@ -85,10 +83,7 @@ def score(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
     scores["gap_median"] = _value(float(np.median(gaps)) if gaps else None, len(gaps))
     scores["gap_tenth"] = _value(float(np.percentile(gaps, 10)) if gaps else None, len(gaps))
     scores["coverage"] = _share(intervals(rows))
-    bins = reliability(rows)
-    total = sum(b["names"] for b in bins)
-    error = sum(abs(b["right"] - b["expected"]) for b in bins) / total if total else None
-    scores["calibration_error"] = _value(error, total)
+    scores["calibration_error"] = _value(*calibration_error(rows))
     seconds = [r["seconds"] for r in rows if r["seconds"] is not None]
     scores["seconds"] = _value(float(np.median(seconds)) if seconds else None, len(seconds))
     return {name: {**s, "target": TARGETS.get(name), "reached": reached(name, s)} for name, s in scores.items()}
@@ -102,26 +97,6 @@ def intervals(rows: Sequence[Row]) -> list[bool]:
         if row.get("covered") is not None:
             found.append(bool(row["covered"]))
     return found
-
-
-def reliability(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Return for bins of the probability: how many names were given, how many right, how many expected to be right."""
-    names = [n for r in rows for n in r["names"] if n.get("probability") is not None]
-    result = []
-    for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:], strict=True):
-        last = high == PROBABILITY_EDGES[-1]
-        inside = [n for n in names if low <= n["probability"] < high or (last and n["probability"] >= high)]
-        if inside:
-            result.append(
-                {
-                    "low": low,
-                    "high": high,
-                    "names": len(inside),
-                    "right": int(sum(n["right"] for n in inside)),
-                    "expected": float(sum(n["probability"] for n in inside)),
-                }
-            )
-    return result
 
 
 def reached(name: str, found: Mapping[str, Any]) -> bool | None:

@@ -1,4 +1,4 @@
-"""The circumstances of a case: arm, encoders, rates, torque channel, controller and how well the robot file is known."""
+"""The circumstances of a case: arm, encoders, rates, torque channel, controller, errors of the robot file."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ import numpy as np
 from jointwear.studies.world.arms import ARMS, ArmKind
 from jointwear.studies.world.control import CONTROLLERS
 
+#: The recording that is held out; never the first or last.
+TEST = 2
+#: Relative standard deviation of inertial parameters that a user tells discovery.
+INERTIAL_PRIOR = 0.05
 #: Things that a torque sensor behind the gear can see.
 LINK_SENSED = {
     "payload",

@@ -67,11 +67,7 @@ def payload(scales: Scales, rng: np.random.Generator, axis: int | None = None) -
     line = scales.chain.axis[-1]
     place = line * rng.uniform(0.03, 0.12) * max(1.0, side / 0.06) + rng.uniform(-0.04, 0.04, 3)
     sides = side * rng.uniform(0.6, 1.4, 3)
-    inertia = (
-        mass
-        / 12
-        * np.array([sides[1] ** 2 + sides[2] ** 2, sides[0] ** 2 + sides[2] ** 2, sides[0] ** 2 + sides[1] ** 2])
-    )
+    inertia = mass / 12 * (np.sum(sides**2) - sides**2)
 
     def build(drafted):
         last = drafted.link(drafted.chain.joints - 1)
@@ -89,7 +85,9 @@ def tilt(scales: Scales, rng: np.random.Generator, axis: int | None = None) -> H
     def build(drafted):
         drafted.spec.option.gravity = down
 
-    return Hidden("mounting_tilt", None, "gravity", float(np.rad2deg(angle)), "degree", build=build)
+    # Turns of gravity about x and about y that bring it there.
+    parameters = {"about_x": float(np.arcsin(down[1] / 9.81)), "about_y": float(-np.arcsin(down[0] / 9.81))}
+    return Hidden("mounting_tilt", None, "gravity", float(np.rad2deg(angle)), "degree", parameters, build=build)
 
 
 def elastic_gear(scales: Scales, rng: np.random.Generator, axis: int) -> Hidden:

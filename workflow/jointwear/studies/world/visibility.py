@@ -17,8 +17,6 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import inertial_regressor, mass_direction, prior_factor
 from jointwear.robots.robot import Robot
 
-#: Highest frequency [Hz] of the motion of an arm: a filter above it costs nothing.
-MOTION_BAND = 10.0
 #: Slower samples [rad/s] count as rest.
 REST = 0.02
 #: Pairs of neighbouring samples that are looked at, at most.
@@ -71,20 +69,6 @@ class Sieve:
             plain = np.sqrt(self.weight) * np.array([self.rows(o) for o in others])
             energy -= (sieved @ rows) @ np.linalg.lstsq(sieved @ plain.T, sieved @ rows, rcond=1e-10)[0]
         return float(max(energy, 0.0))
-
-
-def felt_noise(torque: np.ndarray, step: np.ndarray, inertia: np.ndarray, rate: float) -> np.ndarray:
-    """Return the standard deviation (n,) [N m] of white noise that is worth torque noise and encoder steps together.
-
-    Parameters
-    ----------
-    torque : (n,) of the torque channel [N m]. step : (n,) of the encoders [rad]. inertia : (n,) [kg m2].
-    """
-    # Rounding has the variance step^2 / 12, its density is 2 / rate of it; twice differentiated (2 pi f)^4, mean
-    # over the band: (2 pi)^4 band^4 / 5.
-    band = min(MOTION_BAND, rate / 4)
-    acceleration = step**2 / 12 * (2 * np.pi * band) ** 4 / 5
-    return np.sqrt(torque**2 + inertia**2 * acceleration)
 
 
 def build_sieve(

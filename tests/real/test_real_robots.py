@@ -14,11 +14,15 @@ from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError
 from jointwear.files.storage import read_variables
 from jointwear.robots.robot import load_robot
+from jointwear.running.shipped import shipped
+
+pytestmark = pytest.mark.real
 
 
 def entry_of(file, name):
     with open(f"config/examples/{file}", encoding="utf-8") as stream:
-        return yaml.safe_load(stream)["discover"]["datasets"][name]
+        entry = yaml.safe_load(stream)["discover"]["datasets"][name]
+    return {**entry, "measured": shipped(entry["measured"])}
 
 
 @pytest.mark.parametrize("name", ["staubli_tx40", "staubli_tx40_backward"])
@@ -56,7 +60,7 @@ def test_the_stage_writes_the_verdict_of_the_library(tmp_path):
         np.testing.assert_allclose(read_variables(d / "models.nc", kind)[0], found.torques[kind])
     # A fit without effects misses the coupled wrist however free its parameters are.
     assert written["free_identification"][4] > 2.0 * written["gap"]["augmented"][4]
-    published = "data/measured/staubli_tx40/published.yaml"
+    published = "data/published/staubli_tx40.yaml"
     write_page(d / "verdict.json", d / "where.nc", d / "models.nc", d / "page.html", d / "figures", published)
     page = (d / "page.html").read_text(encoding="utf-8")
     assert "fvm6" in page
@@ -75,3 +79,9 @@ def test_a_refused_data_set_leaves_its_reason(tmp_path):
     content = json.loads((tmp_path / "refused.json").read_text())
     assert set(content) == {"dataset", "reason", "suggestion"}
     assert not (tmp_path / "recording.nc").exists()
+
+
+def test_a_bag_of_a_real_arm_is_read_with_the_arm_of_a_package():
+    recording = load_recording(entry_of("discover_ur10.yaml", "ur10"), "ur10")
+    assert recording.position.shape == (3441, 6)
+    assert recording.time[-1] == pytest.approx(27.52)

@@ -1,0 +1,185 @@
+"""Noise of derived accelerations: predicted, kept from looking like timing, and real timing still found."""
+
+import re
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointwear import effects
+from jointwear.discovery import Recording, discover
+from jointwear.discovery.instruments import band_limited, cutoff_of, limit, torque_noise
+from jointwear.discovery.noise import Whitener
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.whitening import whiten
+from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
+from jointwear.measurement.motion import low_pass, measure
+from jointwear.measurement.recording import split
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import load_robot
+
+RATE = 200.0
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+def coarse(robot, seed=0, step=2 * np.pi / 2**16, late=0.0, **told):
+    """Four records of 8 s at 200 Hz with a coarse encoder; the torque is exact but for 0.2 %, maybe late."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(0, 8.0, 1 / RATE)
+    parts = []
+    for k in range(4):
+        phase, speed = rng.uniform(0, 6, (2, 6)), 2 * np.pi * np.array([0.25, 0.6])[:, None] * rng.uniform(0.8, 1.2, 6)
+        size = np.array([0.5, 0.15])[:, None]
+
+        def motion(t, size=size, speed=speed, phase=phase):
+            x = speed * t[:, None, None] + phase
+            q = np.sum(size * np.sin(x), axis=1)
+            return q, np.sum(size * speed * np.cos(x), axis=1), -np.sum(size * speed**2 * np.sin(x), axis=1)
+
+        torque = Dynamics(robot).inverse_dynamics(*motion(time - late))
+        noise = 0.002 * torque.std(axis=0) * rng.standard_normal(torque.shape)
+        parts.append((time + 9 * k, np.full(len(time), k), motion(time)[0], torque + noise))
+    time, label, q, torque = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return Recording(time, label, step * np.round(q / step), torque, name="coarse", **told)
+
+
+@pytest.fixture(scope="module")
+def white(robot):
+    recording = split(coarse(robot))
+    problem = build_problem(recording, robot, Settings(), measure(recording))
+    return whiten(problem, estimate_noise(problem))
+
+
+def test_rounding_has_its_density():
+    rng = np.random.default_rng(2)
+    values = rng.uniform(0, 1, 200_000)
+    error = values - 0.01 * np.round(values / 0.01)
+    assert np.var(error) == pytest.approx(quantisation_density(0.01, 500.0) * 250.0, rel=0.02)
+
+
+def test_gain_is_that_of_the_filter():
+    time = np.arange(4000) / RATE
+    for frequency in (5.0, 18.0, 30.0):
+        passed = low_pass(np.sin(2 * np.pi * frequency * time), 20.0, RATE)[1000:3000]
+        assert np.sqrt(2 * np.mean(passed**2)) == pytest.approx(zero_phase_gain(frequency / 20.0), abs=0.02)
+
+
+def test_noise_of_accelerations_is_predicted(robot):
+    recording = coarse(robot)
+    exact = measure(coarse(robot, step=1e-12))
+    # A missing sample: a filter takes the place of splines, whose own error would be larger on so smooth a motion.
+    recording.position[700, 5] = np.nan
+    measured = measure(recording)
+    assert not measured.fitted
+    frequency = np.linspace(0, RATE / 2, 1025)[1:]
+    predicted = np.sqrt(measured.noise.acceleration(frequency).sum(axis=1) * frequency[0])
+    used = measured.usable & exact.usable
+    for axis in range(4):
+        error = (measured.acceleration - exact.acceleration)[used[:, axis], axis]
+        assert np.sqrt(np.mean(error**2)) == pytest.approx(predicted[axis], rel=0.25)
+
+
+def test_what_the_noise_model_leaves_is_white(white):
+    for axis in white.problem.judged:
+        assert np.var(white.fit().residual[axis]) == pytest.approx(1.0, abs=0.15)
+
+
+def test_cutoff_falls_with_the_noise_and_vanishes_without():
+    model = Whitener(np.arange(5000), np.zeros(0), 1.0)
+    frequency = np.linspace(0, RATE / 2, 513)[1:]
+    found = []
+    for density in (1e-22, 1e-13, 1e-11, 1e-10):
+        noise = DerivedNoise(np.array([[density]]), (2,), np.array([np.inf]), True)
+        found.append(cutoff_of(model, torque_noise(noise, np.eye(1), frequency)[0], frequency, RATE))
+    assert found[0] == np.inf
+    assert all(a > b for a, b in pairwise(found))
+    noise = torque_noise(noise, np.eye(1), frequency)[0]
+    # Columns that hold much motion are hurt less.
+    assert cutoff_of(model, noise, frequency, RATE, 0, 1e4) > cutoff_of(model, noise, frequency, RATE, 0)
+
+
+def test_a_given_step_counts_where_the_positions_were_smoothed(robot):
+    recording = split(coarse(robot, step=1e-9))
+    told = replace(recording, encoder_step=1e-4)
+    assert np.all(measure(told).noise.density > 100 * measure(recording).noise.density)
+
+
+def test_a_limited_state_keeps_steps_of_friction(white):
+    state, axis = white.problem.train_state, 1
+    limited = band_limited(state, axis, 5.0, RATE)
+    level = state.drive.coulomb(axis, state.velocity[:, axis])
+    record = np.asarray(state.record)
+    smooth = limit((state.torque[:, axis] - level)[:, None], record, 5.0, RATE)[:, 0]
+    np.testing.assert_allclose(limited.torque[:, axis], smooth + level)
+    np.testing.assert_array_equal(limited.torque[:, 0], state.torque[:, 0])
+    assert band_limited(state, axis, np.inf, RATE) is state
+
+
+def test_a_coarse_encoder_is_no_timing(robot):
+    found = discover(coarse(robot, seed=5), robot)
+    assert not found.effects, found.effects
+    assert found.verdict in ("none", "retuned")
+
+
+def test_a_late_torque_is_found_through_a_coarse_encoder(robot):
+    found = discover(coarse(robot, seed=6, late=0.02), robot)
+    named = {(e["effect"], e["axis"]) for e in found.effects}
+    assert ("actuation_delay", 2) in named
+    delay = next(e for e in found.effects if e["axis"] == 2)["parameters"]["delay"]["value"]
+    assert delay == pytest.approx(0.02, rel=0.25)
+
+
+def test_discovery_knows_no_effect_by_name():
+    # A robot file has a key `payload` of its own.
+    names = "|".join(sorted(set(effects.library()) - {"payload"}))
+    for path in sorted(Path("workflow/jointwear/discovery").rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        assert not re.search(rf"\b(?:{names})\b", text), path
+        assert not re.search(r"effect\w*\s*[!=]=\s*[\"']|label\.split\(", text), path
+
+
+NEW = '''
+"""A hump of the housing that the joint rides over."""
+import numpy as np
+from jointwear.effects.effect import Effect, Parameter
+
+def _columns(state, axis, source, p):
+    return (1 / np.cosh((state.position[..., axis] - p["place"]) / p["width"]) ** 2)[..., None]
+
+EFFECT = Effect(
+    identifier="housing_hump", name="Hump of the housing", equation="h / cosh^2((q - q0) / w)",
+    parameters=(
+        Parameter("height", "N m", -1e4, 1e4, "h"),
+        Parameter("place", "rad", -9.0, 9.0, "q0", fixed=True),
+        Parameter("width", "rad", 0.01, 1.0, "w", 0.1),
+    ),
+    confused_with=("joint_spring",), excitation="both directions", source="a test", argument="position",
+    argument_unit="rad", columns=_columns,
+    torque=lambda state, axis, source, p: p["height"] * _columns(state, axis, source, p)[..., 0],
+    parameters_of=lambda p, c: {**p, "height": float(c[0])},
+    grid=lambda state, axis: [{"place": float(x), "width": 0.1} for x in np.linspace(-0.5, 0.5, 11)],
+)
+'''
+
+
+def test_an_effect_of_one_new_file_is_found_named_and_written(robot, tmp_path):
+    recording = coarse(robot, seed=9, step=1e-6)
+    hump = 3.0 / np.cosh((recording.position[:, 2] - 0.2) / 0.12) ** 2
+    torque = recording.torque.copy()
+    torque[:, 2] += hump
+    (tmp_path / "housing_hump.py").write_text(NEW, encoding="utf-8")
+    with effects.more_entries(tmp_path):
+        found = discover(replace(recording, torque=torque), robot)
+        assert [(e["effect"], e["axis"]) for e in found.effects] == [("housing_hump", 3)]
+        (entry,) = found.augmented_robot["effects"]
+        assert entry["parameters"]["height"] == pytest.approx(3.0, rel=0.1)
+        with found.files["augmented"].robot() as written:
+            effects.check_effects(written)

@@ -1,0 +1,188 @@
+"""A URDF that is wrong is refused in one line: numbers, inertia, joints, tree. Nothing of it is left out silently."""
+
+import os
+
+import pytest
+
+from jointwear.files.errors import InputError
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.rigid_body import fault_of_inertia
+from jointwear.robots.robot import load_robot
+from jointwear.robots.robot_file import read_robot_file
+
+
+def link(name, mass="2.0", inertia='ixx="0.02" iyy="0.02" izz="0.01" ixy="0" iyz="0" ixz="0"', com="0 0 0.1"):
+    body = f'<origin xyz="{com}"/><mass value="{mass}"/><inertia {inertia}/>'
+    return f'<link name="{name}"><inertial>{body}</inertial></link>'
+
+
+def joint(name, parent, child, kind="revolute", inside='<limit lower="-1" upper="1" effort="5" velocity="1"/>'):
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><axis xyz="0 1 0"/>'
+        f"{inside}</joint>"
+    )
+
+
+ARM = [
+    '<link name="base"/>',
+    link("upper"),
+    link("lower", mass="1.37"),
+    joint("shoulder", "base", "upper"),
+    joint("elbow", "upper", "lower"),
+]
+
+
+def write(folder, parts, extra=""):
+    (folder / "arm.urdf").write_text('<?xml version="1.0"?>\n<robot name="arm">' + "".join(parts) + "</robot>")
+    (folder / "arm.yaml").write_text(f"name: arm\nurdf: arm.urdf\n{extra}")
+    return folder / "arm.yaml"
+
+
+def changed(old, new):
+    text = "\n".join(ARM)
+    assert old in text
+    return [text.replace(old, new)]
+
+
+def test_a_sound_arm_is_read_and_built(tmp_path):
+    arm = Dynamics(load_robot(write(tmp_path, ARM)))
+    assert arm.robot.joint_names == ("shoulder", "elbow")
+    assert sum(body.mass for body in arm.model.inertias) == pytest.approx(3.37)
+
+
+NUMBERS = ["1,37", "1.37kg", "nan", "", "inf", "1e999", "0x10", "1_0", "१", "1.37 ", "1e30", "-1.37"]
+
+
+@pytest.mark.parametrize("text", NUMBERS)
+def test_a_mass_that_is_no_number_is_refused_not_left_out(tmp_path, text):
+    with pytest.raises(InputError, match=r"arm\.urdf: link 'lower'.*mass"):
+        read_robot_file(write(tmp_path, changed('"1.37"', f'"{text}"')))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('ixx="0.02"', 'ixx="-0.02"', ["link 'upper'", "negative", "inertia_check: none"]),
+        ('ixx="0.02"', 'ixx="0.2"', ["link 'upper'", "larger than the sum of the other two"]),
+        ('ixy="0"', 'ixy="0,1"', ["'ixy' of <inertia>", "decimal point"]),
+        ('izz="0.01" ', "", ["<inertia> has no 'izz'"]),
+        ('<mass value="1.37"/>', "", ["link 'lower'", "0 <mass>"]),
+        ('value="1.37"', 'value="0"', ["link 'lower'", "no mass"]),
+        ('xyz="0 0 0.1"', 'xyz="0 0"', ["'xyz' of <origin>", "3 numbers"]),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', ["joint 'shoulder'", "axis 0 0 0"]),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 one 0"/>', ["joint 'shoulder'", "'one'"]),
+        ('effort="5"', 'effort="strong"', ["joint 'shoulder'", "'effort' of <limit>", "'strong'"]),
+        ('effort="5"', 'effort="-5"', ["joint 'shoulder'", "effort of -5"]),
+        ('lower="-1"', 'lower="-1rad"', ["'lower' of <limit>", "'-1rad'"]),
+        ("<limit", '<dynamics damping="-1"/><limit', ["joint 'shoulder'", "damping of -1"]),
+        ("<limit", '<mimic joint="elbow"/><limit', ["joint 'shoulder' follows joint 'elbow'", "make it fixed"]),
+        ('<parent link="upper"/>', "", ["joint 'elbow' has no parent"]),
+        ('<parent link="upper"/>', '<parent link="uper"/>', ["joint 'elbow' names the parent 'uper'", "no link"]),
+        (
+            '<child link="lower"/>',
+            '<child link="upper"/>',
+            ["link 'upper' hangs on two joints, 'shoulder' and 'elbow'"],
+        ),
+        ('type="revolute"', 'type="fixed"', ["no moving joint"]),
+        ('type="revolute"', 'type="revolut"', ["'shoulder' (revolut)", "revolute and continuous"]),
+        ('name="elbow"', 'name="shoulder"', ["two joints have the name 'shoulder'"]),
+        ('name="lower"', 'name="upper"', ["two links have the name 'upper'"]),
+        ('<robot name="arm">', "", ["not valid XML"]),
+    ],
+)
+def test_what_is_wrong_with_a_urdf_is_said_in_one_line(tmp_path, old, new, words):
+    path = write(tmp_path, ARM)
+    urdf = tmp_path / "arm.urdf"
+    assert old in urdf.read_text()
+    urdf.write_text(urdf.read_text().replace(old, new))
+    with pytest.raises(InputError) as error:
+        read_robot_file(path)
+    message = str(error.value)
+    assert "\n" not in message
+    for word in ["arm.urdf", *words]:
+        assert word in message
+
+
+def test_a_circle_behind_the_base_ends(tmp_path):
+    circle = [link("a"), link("b"), joint("one", "a", "b"), joint("two", "b", "a")]
+    with pytest.raises(InputError, match="joint 'one' is not reached from the base 'base'"):
+        read_robot_file(write(tmp_path, [*ARM, *circle]))
+    with pytest.raises(InputError, match="the joints run in a circle"):
+        read_robot_file(write(tmp_path, circle))
+
+
+def test_a_branch_says_which_joint_to_fix(tmp_path):
+    finger = [link("finger"), joint("grip", "upper", "finger")]
+    more = [link("hand"), joint("wrist", "lower", "hand")]
+    with pytest.raises(InputError, match="make 'grip' fixed to keep the branch of 'elbow'"):
+        read_robot_file(write(tmp_path, [*ARM, *finger, *more]))
+
+
+def test_branches_behind_welded_bodies_are_seen(tmp_path):
+    parts = [
+        *ARM,
+        link("flange"),
+        link("finger"),
+        link("thumb"),
+        joint("weld", "lower", "flange", "fixed"),
+        joint("left", "flange", "finger", "prismatic"),
+        joint("right", "lower", "thumb"),
+    ]
+    with pytest.raises(InputError, match=r"'left' \(prismatic\)"):
+        read_robot_file(write(tmp_path, parts))
+
+
+def test_unphysical_inertia_is_taken_where_the_robot_file_says_so(tmp_path):
+    parts = changed('ixx="0.02"', 'ixx="0.2"')
+    assert Dynamics(load_robot(write(tmp_path, parts, "inertia_check: none\n"))).robot.joints == 2
+    with pytest.raises(InputError, match=r"mass of -1\.37 kg"):
+        read_robot_file(write(tmp_path, changed('"1.37"', '"-1.37"'), "inertia_check: none\n"))
+
+
+def test_what_does_not_move_may_have_any_inertia(tmp_path):
+    base = link("base", inertia='ixx="9" iyy="1" izz="1" ixy="0" iyz="0" ixz="0"')
+    assert len(read_robot_file(write(tmp_path, [base, *ARM[1:]]))["joints"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("six", "sound"),
+    [
+        ([1, 1, 1, 0, 0, 0], True),
+        ([1, 1, 2, 0, 0, 0], True),  # a plate
+        ([1, 1, 2.1, 0, 0, 0], False),
+        ([0, 1, 1, 0, 0, 0], True),  # a rod
+        ([0, 0, 0, 0, 0, 0], True),  # a point
+        ([1, 1, 1, 0.9, 0, 0], False),  # moments 0.1, 1, 1.9
+        ([1e-12, 1e-12, 1.5e-12, 0, 0, 0], True),
+        ([1e-12, 1e-12, 3e-12, 0, 0, 0], False),
+        ([1, 1, -1e-3, 0, 0, 0], False),
+    ],
+)
+def test_which_inertia_a_body_can_have(six, sound):
+    assert (fault_of_inertia(six) == "") == sound
+
+
+def test_entities_pipes_and_deep_nesting_are_refused(tmp_path):
+    path = write(tmp_path, ARM)
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text('<!DOCTYPE robot [<!ENTITY a "1.37">]><robot name="arm"><link name="&a;"/></robot>')
+    with pytest.raises(InputError, match="document type"):
+        read_robot_file(path)
+    urdf.write_text("<robot>" + "<a>" * 60 + "</a>" * 60 + "</robot>")
+    with pytest.raises(InputError, match="nested more than"):
+        read_robot_file(path)
+    urdf.unlink()
+    os.mkfifo(urdf)
+    with pytest.raises(InputError, match="is a named pipe"):
+        read_robot_file(path)
+
+
+def test_the_model_is_held_to_the_mass_in_the_file(tmp_path, monkeypatch):
+    """Should another reader of the XML see other numbers, nothing is computed."""
+    robot = load_robot(write(tmp_path, ARM))
+    urdf = tmp_path / "arm.urdf"
+    text = urdf.read_text()
+    monkeypatch.setattr("jointwear.robots.dynamics.moving_mass", lambda path: 3.37)
+    urdf.write_text(text.replace('value="1.37"', 'value="1.3"'))
+    with pytest.raises(InputError, match=r"Pinocchio reads 3\.3 kg"):
+        Dynamics(robot)

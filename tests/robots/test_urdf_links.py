@@ -1,0 +1,84 @@
+"""A URDF that is written with other links: bodies welded at any depth count once."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointwear.files.errors import InputError
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import bodies, inertial_regressor, mass_direction, prior_factor, written_change
+from jointwear.robots.robot import Robot, load_robot, robot_from_data
+from jointwear.robots.urdf_links import urdf_with_links
+
+ROBOTS = Path("share/example-robot-data/robots")
+LINK = (
+    '<link name="{0}"><inertial><origin xyz="0.1 0.02 {1}" rpy="0.3 0.1 0"/><mass value="{2}"/>'
+    '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" iyz="0.002" ixz="0"/></inertial></link>'
+)
+JOINT = (
+    '<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/><origin xyz="0.1 0 0.3" rpy="0.2 0 0.4"/>'
+    '<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="50" velocity="3"/></joint>'
+)
+
+
+def arm(tmp_path: Path) -> Robot:
+    """Two moving joints; behind the second a flange, on it a hand, on that a finger."""
+    names = ("base", "upper", "lower", "flange", "hand", "finger")
+    links = [LINK.format(name, 0.01 * k, 1.0 + k) for k, name in enumerate(names)]
+    joints = [
+        JOINT.format(f"j{k}", "revolute" if k < 2 else "fixed", names[k], names[k + 1]) for k in range(len(names) - 1)
+    ]
+    (tmp_path / "arm.urdf").write_text('<robot name="arm">' + "".join(links + joints) + "</robot>", encoding="utf-8")
+    (tmp_path / "arm.yaml").write_text("name: arm\nurdf: arm.urdf\n", encoding="utf-8")
+    return load_robot(tmp_path / "arm.yaml")
+
+
+def torques(robot: Robot, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
+    q = rng.uniform(robot.lower, robot.upper, (20, robot.joints))
+    v, a = rng.standard_normal((2, *q.shape))
+    return q, v, a
+
+
+def assert_written_as_meant(robot: Robot, path: Path, rng: np.random.Generator) -> None:
+    """Write links that are a few percent off and compare with the regressor, which is exact."""
+    factor = prior_factor(robot, 0.05)
+    change = factor @ rng.standard_normal(factor.shape[1]) + 0.1 * mass_direction(robot, robot.joints - 1)
+    path.write_text(urdf_with_links(robot, change), encoding="utf-8")
+    joints = [
+        {"name": n, "limits": [-2, 2], "gear_ratio": 1.0, "motor_inertia": 0.0, "viscous": 0.0, "torque_limit": None}
+        | {"coulomb": {"positive": 0.0, "negative": 0.0}}
+        for n in robot.joint_names
+    ]
+    written = robot_from_data({"name": "written", "gravity": list(robot.gravity), "joints": joints}, path)
+    q, v, a = torques(robot, rng)
+    dynamics = Dynamics(robot)
+    meant = dynamics.rigid_body_torque(q, v, a) + inertial_regressor(dynamics, q, v, a) @ change
+    np.testing.assert_allclose(Dynamics(written).rigid_body_torque(q, v, a), meant, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(written_change(robot, change), change, rtol=1e-9, atol=1e-9)
+
+
+def test_bodies_welded_at_any_depth_count_once(tmp_path):
+    robot = arm(tmp_path)
+    assert bodies(robot)[1][0] == pytest.approx(3 + 4 + 5 + 6)
+    assert_written_as_meant(robot, tmp_path / "written.urdf", np.random.default_rng(3))
+
+
+@pytest.mark.plants
+def test_every_arm_of_the_package_is_written_as_meant(tmp_path):
+    package = Path(importlib.util.find_spec("pinocchio").origin)
+    folder = next(p for p in package.parents if (p / ROBOTS).is_dir()) / ROBOTS
+    done = []
+    for urdf in sorted(folder.rglob("*.urdf")):
+        (tmp_path / "arm.yaml").write_text(f"name: arm\nurdf: {urdf}\n", encoding="utf-8")
+        try:
+            robot = load_robot(tmp_path / "arm.yaml")
+            Dynamics(robot)
+        except InputError:
+            continue  # trees, sliding joints, mimics: no serial arm
+        if not robot.joints:
+            continue
+        assert_written_as_meant(robot, tmp_path / "written.urdf", np.random.default_rng(len(done)))
+        done.append(urdf.name)
+    assert len(done) >= 10, done

@@ -1,0 +1,64 @@
+"""Entries of discover.datasets: what the schema takes, and robots that other data sets make."""
+
+import pytest
+
+from jointwear.files.documents import check
+from jointwear.files.errors import InputError
+from jointwear.running.configuration import config_schema
+from jointwear.running.datasets import check_datasets, written_for
+
+PUMA, MEASURED = "config/robots/puma560.yaml", "data/examples/puma560_hidden.nc"
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ({"measured": MEASURED, "robot": PUMA, "tset": [1]}, r"unknown key 'datasets\.arm\.tset'; did you mean 'test'"),
+        ({"measured": MEASURED, "robot": PUMA, "intertial_prior": 0.1}, "did you mean 'inertial_prior'"),
+        ({"measured": MEASURED}, r"'datasets\.arm\.robot' is missing"),
+        ({"measured": MEASURED, "robot": PUMA, "torque_kind": "moto"}, "did you mean 'motor'"),
+        ({"measured": MEASURED, "robot": PUMA, "inertial_prior": -1}, "out of range"),
+        ({"measured": MEASURED, "robot": PUMA, "encoder_step": "fine"}, "must be a number"),
+    ],
+)
+def test_wrong_keys_are_named(entry, words):
+    with pytest.raises(InputError, match=words):
+        check({"datasets": {"arm": entry}}, config_schema()["properties"]["discover"], "config")
+
+
+def test_every_key_of_the_contract_is_taken():
+    entry = {
+        "measured": MEASURED,
+        "robot": PUMA,
+        "variables": {"position": "q"},
+        "units": {"position": "rad"},
+        "train": [0],
+        "test": [1],
+        "inertial_prior": 0.05,
+        "encoder_step": 4.8e-5,
+        "torque_kind": "link_sensor",
+        "encoder_side": "link",
+        "group": {"monday": [0], "tuesday": [1]},
+    }
+    check({"datasets": {"arm": entry}}, config_schema()["properties"]["discover"], "config")
+
+
+def datasets(**robots):
+    return {"discover": {"datasets": {name: {"measured": MEASURED, "robot": robot} for name, robot in robots.items()}}}
+
+
+def test_the_robot_of_another_data_set_is_made_first(root):
+    assert written_for("results/discover/first/robot.yaml") == "first"
+    assert written_for("./results/discover/first/robot.yaml") == "first"
+    assert written_for(PUMA) is None
+    check_datasets(datasets(first=PUMA, second="results/discover/first/robot.yaml"))
+
+
+def test_a_robot_that_nothing_makes_is_named(root):
+    with pytest.raises(InputError, match="has no data set 'frist' that would make it; did you mean 'first'"):
+        check_datasets(datasets(first=PUMA, second="results/discover/frist/robot.yaml"))
+
+
+def test_data_sets_do_not_wait_for_each_other(root):
+    with pytest.raises(InputError, match="waits for"):
+        check_datasets(datasets(first="results/discover/second/robot.yaml", second="results/discover/first/robot.yaml"))

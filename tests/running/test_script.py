@@ -1,0 +1,40 @@
+"""A script tells what a user can mend in one line, in its log too; a defect of its own keeps its traceback."""
+
+import errno
+
+import pytest
+
+from jointwear.files.errors import InputError
+from jointwear.running.script import reported
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (InputError("a.yaml: wrong"), "jointwear: a.yaml: wrong"),
+        (OSError(errno.EROFS, "Read-only file system", "results/a"), "jointwear: results/a: Read-only file system"),
+        (PermissionError(errno.EACCES, "Permission denied", "b"), "jointwear: b: Permission denied"),
+        (OSError(errno.ENOSPC, "No space left on device"), "No space left"),
+        (MemoryError(), "not enough memory"),
+    ],
+)
+def test_what_the_surroundings_refuse_is_one_line(tmp_path, capsys, error, words):
+    with pytest.raises(SystemExit), reported(str(tmp_path / "log")):
+        raise error
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert (tmp_path / "log").read_text() == said
+
+
+def test_a_log_that_cannot_be_written_hides_nothing(tmp_path, capsys):
+    with pytest.raises(SystemExit), reported(str(tmp_path / "none" / "log")):
+        raise InputError("a.yaml: wrong")
+    assert "a.yaml: wrong" in capsys.readouterr().err
+
+
+def test_a_defect_keeps_its_traceback():
+    with pytest.raises(KeyError), reported(None):
+        raise KeyError("x")
+    with pytest.raises(OSError, match="x"), reported(None):
+        raise OSError(errno.EPIPE, "x")

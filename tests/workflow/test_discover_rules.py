@@ -1,0 +1,40 @@
+"""Jobs of discover: how many a data set takes, and robots that come from another data set."""
+
+import pytest
+import yaml
+from scratch_project import copy_project
+
+EXAMPLE = "config/examples/discover_puma560.yaml"
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    return copy_project(tmp_path_factory.mktemp("discover"))
+
+
+def test_a_data_set_takes_three_jobs(project):
+    planned = project.planned("discover", "--configfile", EXAMPLE)
+    assert planned == {"check_dataset": 1, "discover_dataset": 1, "report_discovery": 1, "discover": 1}
+    assert project.planned("check_data", "--configfile", EXAMPLE) == {"check_dataset": 1, "check_data": 1}
+
+
+def chained(project, name, **datasets):
+    """Write a config whose data sets differ in their robot alone."""
+    shown = yaml.safe_load((project.folder / EXAMPLE).read_text())["discover"]["datasets"]["puma560_hidden"]
+    entries = {key: {**shown, "robot": robot or shown["robot"]} for key, robot in datasets.items()}
+    (project.folder / name).write_text(yaml.safe_dump({"discover": {"datasets": entries}}))
+    return name
+
+
+def test_the_robot_of_another_data_set_is_made_first_or_taken_as_it_is(project):
+    written = "results/discover/first/robot.yaml"
+    both = chained(project, "both.yaml", first=None, second=written)
+    assert project.planned("discover", "--configfile", both)["discover_dataset"] == 2
+    alone = chained(project, "alone.yaml", second=written)
+    refused = project.snakemake("--dry-run", "discover", "--configfile", alone, ok=False)
+    assert refused.returncode != 0
+    assert "no data set 'first' that would make it" in refused.stderr
+    target = project.folder / written
+    target.parent.mkdir(parents=True)
+    target.write_text((project.folder / "config/robots/puma560.yaml").read_text())
+    assert project.planned("discover", "--configfile", alone)["discover_dataset"] == 1

@@ -1,0 +1,88 @@
+"""The workflow from a folder of the user's own, from a read-only checkout, and as a module of another workflow."""
+
+import csv
+import os
+import stat
+
+import pytest
+from scratch_project import ROOT, Project, copy_project
+
+MODULE = """
+module jointwear:
+    snakefile: "{snakefile}"
+    config: config
+
+use rule * from jointwear as jointwear_*
+
+rule all:
+    default_target: True
+    input: rules.jointwear_all.input
+"""
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    """A checkout that nobody may write to."""
+    project = copy_project(tmp_path_factory.mktemp("clone"))
+    for folder, _, files in os.walk(project.folder):
+        for name in (folder, *(os.path.join(folder, file) for file in files)):
+            if not os.path.islink(name):
+                os.chmod(name, os.stat(name).st_mode & ~(stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
+    yield project
+    for folder, _, _ in os.walk(project.folder):
+        os.chmod(folder, 0o755)
+
+
+def test_an_own_folder_needs_nothing_but_its_own_values(clone, tmp_path):
+    (tmp_path / "my.yaml").write_text("replicates: 5\n")
+    jobs = Project(tmp_path).planned("--snakefile", str(clone.folder / "Snakefile"), "--configfile", "my.yaml")
+    assert jobs["simulate_wear"] == 2
+    assert jobs["build_report"] == 1
+    assert [p.name for p in tmp_path.iterdir() if not p.name.startswith(".")] == ["my.yaml"]
+
+
+def test_own_files_hide_the_shipped_ones(clone, tmp_path):
+    (tmp_path / "config/tasks").mkdir(parents=True)
+    text = (ROOT / "config/tasks/T1.yaml").read_text().replace("name: T1", "name: mine")
+    (tmp_path / "config/tasks/mine.yaml").write_text(text)
+    (tmp_path / "config/config.yaml").write_text("tasks: [mine]\n")
+    project = Project(tmp_path)
+    jobs = project.planned("--snakefile", str(clone.folder / "Snakefile"))
+    assert jobs["simulate_wear"] == 2
+    listed = project.snakemake(
+        "--workflow-profile", "none", "-n", "--snakefile", str(clone.folder / "Snakefile")
+    ).stdout
+    assert "config/tasks/mine.yaml" in listed
+    assert str(clone.folder / "config/tasks/mine.yaml") not in listed
+
+
+def test_a_misspelt_robot_is_named_as_the_user_wrote_it(clone, tmp_path):
+    (tmp_path / "my.yaml").write_text("robot: config/robots/puma56.yaml\n")
+    done = Project(tmp_path).snakemake(
+        "-n", "--snakefile", str(clone.folder / "Snakefile"), "--configfile", "my.yaml", ok=False
+    )
+    assert done.returncode != 0
+    assert "config/robots/puma56.yaml" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_another_workflow_takes_it_as_a_module(clone, tmp_path):
+    (tmp_path / "Snakefile").write_text(MODULE.format(snakefile=clone.folder / "Snakefile"))
+    jobs = Project(tmp_path).planned("--config", "replicates=4")
+    assert jobs["jointwear_simulate_wear"] == 2
+    assert jobs["jointwear_build_report"] == 1
+
+
+def test_a_read_only_checkout_runs_a_job(clone, tmp_path):
+    done = Project(tmp_path).snakemake(
+        "--cores", "1", "--snakefile", str(clone.folder / "Snakefile"), "results/trajectories/T1.nc"
+    )
+    assert (tmp_path / "results/trajectories/T1.nc").is_file(), done.stderr
+    assert not (clone.folder / "results").exists()
+
+
+def test_the_tables_are_what_they_were(built):
+    """The rooms of the library moved no number of the reproduction."""
+    for path in sorted((ROOT / "tests/data/before").glob("*.csv")):
+        with path.open() as before, (built.folder / "results/tables" / path.name).open() as now:
+            assert list(csv.reader(now)) == list(csv.reader(before)), path.name

@@ -1,0 +1,121 @@
+"""The numbers of one named effect: parameters with standard deviations, and its largest torque on held-out motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.discovery.candidates import Candidate, Form, raw_columns
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
+from jointwear.discovery.refine import free_parameters
+from jointwear.effects import State, get_effect
+
+#: Relative distance within which a parameter lies on a bound.
+ON_BOUND = 1e-6
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One named effect with numbers.
+
+    Attributes
+    ----------
+    parameters : value of every parameter; std : standard deviation of those that were estimated.
+    coefficients : of the columns (and, behind them, of the form if it is kept).
+    peak : largest torque [N m] on the held-out motion, peak_low and peak_high its 95 % interval.
+    """
+
+    named: Named
+    parameters: dict[str, float]
+    std: dict[str, float]
+    coefficients: np.ndarray
+    form: Form | None
+    peak: float
+    peak_low: float
+    peak_high: float
+
+
+def misfits(estimate: Estimate) -> Iterator[str]:
+    """Yield in words where the search for the parameters of an effect ended at its start or on a bound."""
+    candidate = estimate.named.candidate
+    if estimate.named.misfit:
+        yield estimate.named.misfit
+    if candidate.axis is None:
+        return
+    for p in get_effect(candidate.effect).parameters:
+        value = estimate.parameters.get(p.name)
+        if value is None or p.fixed or p.name not in estimate.std:
+            continue
+        for bound in (p.lower, p.upper):
+            if np.isfinite(bound) and abs(value - bound) <= ON_BOUND * max(abs(bound), abs(value)):
+                yield f"{p.name} of {candidate.effect} on joint {candidate.axis + 1} ended on its bound {bound:g}"
+
+
+def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.ndarray:
+    effect = get_effect(candidate.effect)
+    if effect.whole_arm:
+        return effect.columns(state, 0, None, candidate.nonlinear)
+    own = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
+    if form is not None:
+        own = np.concatenate([own, form.columns(state)], axis=1)
+    full = np.zeros((len(own), state.position.shape[1], own.shape[1]))
+    full[:, candidate.axis] = own
+    return full
+
+
+def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
+    """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior.
+
+    `base` are the terms of the numbers of the nominal model, `others` those of the other effects.
+    """
+    problem = white.problem
+    named = replace(one, candidate=candidate)
+    effect = get_effect(candidate.effect)
+    places = np.concatenate([np.arange(w.start, w.stop) for w in where])
+    coefficients = fit.theta[places]
+    own = where[0].stop - where[0].start
+    covariance = fit.covariance[np.ix_(places, places)]
+    parameters = effect.parameters_of(candidate.nonlinear, coefficients[:own])
+    std: dict[str, float] = {}
+    jacobian = {name: np.zeros(own) for name in parameters}
+    for k in range(own):
+        step = 1e-4 * max(abs(coefficients[k]), float(np.sqrt(covariance[k, k])), 1e-12)
+        moved = coefficients[:own].copy()
+        moved[k] += step
+        after = effect.parameters_of(candidate.nonlinear, moved)
+        for name in parameters:
+            jacobian[name][k] = (after[name] - parameters[name]) / step
+    linear = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
+    # A robot file takes no parameter beyond its bounds.
+    parameters = effect.bounded(parameters)
+    scaled = effect.scaled
+    if scaled:
+        linear = {scaled}
+    for name in linear & set(parameters):
+        std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
+    rest = white.fit(others)
+    spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
+    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
+    test = problem.state.part(problem.test)
+    columns = _all_columns(test, candidate, form)
+    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= problem.settings.judged_speed)
+    peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
+    if candidate.axis is None:
+        # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.
+        keep = slice(None, None, max(1, len(columns) // 300))
+        root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
+        draws = coefficients[:, None] + root @ rng.standard_normal((len(coefficients), DRAWS))
+        sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None])
+        sampled = sampled.max(axis=(0, 1), initial=0.0)
+    else:
+        axis = candidate.axis
+        torque = raw_columns(white, candidate) @ coefficients[:own]
+        size = height(torque[problem.usable[:, axis]])
+        sampled = draw_torque(white, [*base, *others], candidate, spreads, size, test, rng)
+        sampled = np.abs(sampled[moving[:, axis]]).max(axis=0, initial=0.0)
+    sampled = sampled * (1 + form_error(effect) * rng.standard_normal(DRAWS))
+    low, high = np.quantile(sampled, [0.025, 0.975])
+    return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))

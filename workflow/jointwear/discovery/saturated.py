@@ -1,0 +1,107 @@
+"""The noise of every axis, from a fit that holds more than any model of the robot does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit, smear_of
+from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, corrected, estimate, whitenable
+from jointwear.discovery.problem import Problem
+from jointwear.discovery.structure import axis_bases
+from jointwear.effects import State, library
+from jointwear.measurement.motion import low_pass, runs
+
+#: Samples for each column of the saturated fit from which it may hold still more columns.
+ROOM = 15
+#: Share of a column, by its square, that has to lie on samples whose predecessors are usable too.
+SEEN = 0.5
+#: Frequencies [Hz] above which a step at a reversal is kept.
+SHARP = (4.0, 6.0, 9.0)
+
+
+def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None) -> list[Whitener | None]:
+    """Estimate the colour of the noise of every judged axis from a saturated fit.
+
+    The fit holds the base regression, the coarse structure bases and `extra` columns (N_train, k) an axis, so that
+    what is left is noise whether or not an effect is hidden. It is done again with whitened columns and, where the
+    noise of derived accelerations would let columns take a part of the noise for signal, with instruments.
+    """
+    result: list[Whitener | None] = [None] * problem.robot.joints
+    for axis in problem.judged:
+        more = None if extra is None else extra.get(axis)
+        result[axis] = _axis_noise(problem, axis, more)
+    return result
+
+
+def _axis_noise(problem: Problem, axis: int, extra: np.ndarray | None) -> Whitener:
+    used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
+    y = problem.discrepancy[problem.train, axis]
+    columns = _columns(problem, axis, extra, Cutoffs())
+    white = estimate(_remover(columns, used, None)(y), used, label)
+    cutoffs = axis_cutoffs(problem, axis, white)
+    highest = HIGHEST_ORDER
+    if cutoffs != Cutoffs():
+        highest = HIGHEST_ORDER_DERIVED
+        # Columns that share the noise have taken a part of it: what they left says too little.
+        columns = _columns(problem, axis, extra, cutoffs)
+        white = estimate(_remover(columns, used, None)(y), used, label, highest)
+    take_off = _remover(columns, used, white)
+    return corrected(estimate(take_off(y), used, label, highest), take_off, label, problem.measured.rate)
+
+
+def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cutoffs) -> np.ndarray:
+    """Return the columns (N_train, k) of the saturated fit of one axis, each of unit RMS."""
+    used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
+    rate, raw = problem.measured.rate, problem.train_state
+    state = band_limited(raw, axis, cutoffs.torque, rate)
+    inertial = limit(problem.inertial[problem.train, axis], label, cutoffs.torque, rate)
+    groups = [problem.friction_columns(state, axis), inertial, smear_of(problem, axis, cutoffs)]
+    if extra is not None:
+        groups.append(extra)
+    groups += [b.columns for b in axis_bases(state, axis, used, coarse=True)]
+    if used.sum() >= ROOM * sum(g.shape[1] for g in groups):
+        groups += _sequential_columns(band_limited(raw, axis, cutoffs.timing, rate), axis)
+        groups.append(_beside_reversals(raw, axis, label, rate))
+    columns = np.concatenate(groups, axis=1)
+    scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
+    # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
+    seen = np.sum(columns[whitenable(used, label, HIGHEST_ORDER)] ** 2, axis=0)
+    keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
+    return columns[:, keep] / scale[keep]
+
+
+def _beside_reversals(state: State, axis: int, label: np.ndarray, rate: float) -> np.ndarray:
+    """Return what is sharp in the sign of the velocity, (N, 3): misfits beside reversals are not noise."""
+    sense = state.direction[:, axis]
+    result = np.zeros((len(sense), len(SHARP)))
+    for piece in runs(label):
+        for k, frequency in enumerate(SHARP):
+            result[piece, k] = sense[piece] - low_pass(sense[piece], frequency, rate)
+    return result
+
+
+def _sequential_columns(state: State, axis: int) -> list[np.ndarray]:
+    """Return the columns of effects that depend on the order of samples: no basis over an argument follows them."""
+    return [
+        effect.columns(state, axis, None, nonlinear)
+        for effect in library().values()
+        if effect.identifiable and effect.sequential
+        for nonlinear in effect.grid(state, axis)
+    ]
+
+
+def _remover(columns: np.ndarray, used: np.ndarray, white: Whitener | None) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the function that takes a ridge fit of `columns` off series (N,) or (N, k)."""
+    x = columns[used] if white is None else white(columns)
+    gram = x.T @ x
+    ridge = 1e-4 * np.trace(gram) / len(gram)
+    factor = cho_factor(gram + ridge * np.eye(len(gram)))
+
+    def take_off(series: np.ndarray) -> np.ndarray:
+        target = series[used] if white is None else white(series)
+        return series - columns @ cho_solve(factor, x.T @ target)
+
+    return take_off

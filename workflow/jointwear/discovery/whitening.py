@@ -1,0 +1,130 @@
+"""The problem after whitening: targets, base regression and instruments of every axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit, smear_of
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.noise import Whitener
+from jointwear.discovery.problem import Problem
+from jointwear.effects import Effect, State
+from jointwear.robots.inertia import mass_direction
+
+
+@dataclass(frozen=True)
+class White:
+    """The problem after whitening: targets and base terms, for the training samples.
+
+    `cutoffs` are those of the instruments of each axis.
+    """
+
+    problem: Problem
+    whiteners: list[Whitener | None]
+    targets: list[np.ndarray]
+    base: list[Term]
+    directions: np.ndarray
+    cutoffs: list[Cutoffs]
+    _states: dict[tuple[int, float], State] = field(default_factory=dict, repr=False)
+
+    def state_of(self, effect: Effect, axis: int | None) -> State:
+        """Return the training samples that the columns of an effect on one axis are made from: its instruments."""
+        if axis is None:
+            return self.problem.train_state
+        return self._limited_state(axis, self.cutoffs[axis].timing if effect.timing else self.cutoffs[axis].torque)
+
+    def axis_state(self, axis: int) -> State:
+        """Return the training samples without the noise of derived accelerations on one axis."""
+        return self._limited_state(axis, self.cutoffs[axis].torque)
+
+    def _limited_state(self, axis: int, cutoff: float) -> State:
+        if (axis, cutoff) not in self._states:
+            problem = self.problem
+            self._states[axis, cutoff] = band_limited(problem.train_state, axis, cutoff, problem.measured.rate)
+        return self._states[axis, cutoff]
+
+    def limited(self, axis: int, columns: np.ndarray) -> np.ndarray:
+        """Return columns (N_train, k) of torque on one axis, without the noise of derived accelerations."""
+        return _limited(self.problem, self.cutoffs[axis], columns)
+
+    def fit(self, extra: list[Term] = ()) -> Fit:
+        """Return the posterior of the base regression with `extra` terms."""
+        return Fit(self.targets, [*self.base, *extra])
+
+    def columns(self, axis: int, columns: np.ndarray) -> np.ndarray:
+        """Whiten columns (N_train, k) of one axis."""
+        return self.whiteners[axis](columns)
+
+    def raw(self, axis: int, columns: np.ndarray) -> np.ndarray:
+        """Return columns (N_train, k) [N m] on the rows of the whitened ones, below what is noise of derivatives."""
+        return _raw(self.problem, self.cutoffs[axis], self.whiteners[axis], columns)
+
+    def raw_targets(self) -> list[np.ndarray]:
+        """Return the discrepancy [N m] on the rows of the whitened targets, below what is noise of derivatives."""
+        train = self.problem.discrepancy[self.problem.train]
+        return [np.zeros(0) if w is None else self.raw(axis, train[:, axis]) for axis, w in enumerate(self.whiteners)]
+
+    def folds(self, axis: int) -> np.ndarray:
+        """Return the fold of cross-validation of each whitened row of `axis`, in order of time.
+
+        A fold is a record; fewer than three records are cut into contiguous blocks.
+        """
+        return self.problem.fold_of_sample[self.whiteners[axis].rows]
+
+
+def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
+    """Whiten targets and base regression; inertial directions that the data cannot see are dropped."""
+    state = problem.train_state
+    cutoffs = [Cutoffs() if w is None else axis_cutoffs(problem, axis, w) for axis, w in enumerate(whiteners)]
+    targets, base, inertial, raw_inertial = [], [], {}, {}
+    for axis in range(problem.robot.joints):
+        white = whiteners[axis]
+        if white is None:
+            targets.append(np.zeros(0))
+            continue
+        targets.append(white(problem.discrepancy[problem.train, axis]))
+        friction = problem.friction_columns(state, axis)
+        friction[:, 3:] = _limited(problem, cutoffs[axis], friction[:, 3:])
+        raw = _raw(problem, cutoffs[axis], white, friction)
+        base.append(
+            Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}, (axis,))
+        )
+        smear = smear_of(problem, axis, cutoffs[axis])
+        if np.any(smear):
+            # What the filter does is no part of the robot: a prediction in N m has to do without it.
+            nothing = np.zeros((len(white.rows), smear.shape[1]))
+            base.append(Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], 3.0), {axis: nothing}))
+        columns = _limited(problem, cutoffs[axis], problem.inertial[problem.train, axis])
+        raw_inertial[axis], inertial[axis] = _raw(problem, cutoffs[axis], white, columns), white(columns)
+    rank = problem.factor.shape[1]
+    gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
+    values, vectors = np.linalg.eigh(gram)
+    directions = vectors[:, values > 1e-2]
+    if directions.shape[1]:
+        blocks = {axis: x @ directions for axis, x in inertial.items()}
+        raw = {axis: x @ directions for axis, x in raw_inertial.items()}
+        base.append(Term("inertial", blocks, np.ones(directions.shape[1]), raw))
+    return White(problem, whiteners, targets, base, directions, cutoffs)
+
+
+def _limited(problem: Problem, cutoffs: Cutoffs, columns: np.ndarray) -> np.ndarray:
+    return limit(columns, np.asarray(problem.train_state.record), cutoffs.torque, problem.measured.rate)
+
+
+def _raw(problem: Problem, cutoffs: Cutoffs, white: Whitener, columns: np.ndarray) -> np.ndarray:
+    record, rate = np.asarray(problem.train_state.record), problem.measured.rate
+    return limit(columns, record, cutoffs.judged, rate)[white.rows]
+
+
+def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:
+    """Return whitened columns for the mass and inertia of `link` growing by 100 %."""
+    problem = white.problem
+    direction = mass_direction(problem.robot, link)
+    torque = problem.regressor[problem.train] @ direction
+    return {
+        axis: white.columns(axis, white.limited(axis, torque[:, [axis]]))
+        for axis in problem.judged
+        if np.any(torque[:, axis])
+    }

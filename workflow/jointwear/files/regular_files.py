@@ -1,0 +1,65 @@
+"""Which paths are opened at all: regular files of a stated size. A pipe would be waited for without end."""
+
+from __future__ import annotations
+
+import stat
+from itertools import islice
+from pathlib import Path
+
+from jointwear.files.errors import InputError, nearest
+
+_KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+#: Neighbours that a hint is looked for among.
+_NEIGHBOURS = 1000
+
+
+def check_regular(path: str | Path, largest: int | None = None) -> Path:
+    """Return `path` if it is a regular file (or a link to one) of at most `largest` bytes.
+
+    Raises
+    ------
+    InputError : one line naming the path and what it is instead; for a missing file the one with the nearest name.
+    """
+    try:
+        found = Path(path).stat()
+    except (FileNotFoundError, NotADirectoryError):
+        raise InputError(f"{path}: no such file{_neighbour(Path(path))}") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise InputError(f"{path}: is no path ({error})") from None
+    if not stat.S_ISREG(found.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(found.st_mode), "no file")
+        raise InputError(f"{path}: is {kind}; only regular files are read")
+    if largest is not None and found.st_size > largest:
+        raise InputError(f"{path}: has {found.st_size} bytes (allowed: at most {largest})")
+    return Path(path)
+
+
+def read_text(path: str | Path, largest: int) -> str:
+    """Return the text of a regular file of at most `largest` bytes.
+
+    Raises
+    ------
+    InputError : if it is no such file, cannot be read, or is not UTF-8.
+    """
+    path = check_regular(path, largest)
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is not a text file in UTF-8") from None
+
+
+def _neighbour(path: Path) -> str:
+    try:
+        return nearest(path.name, [p.name for p in islice(path.parent.glob(f"*{path.suffix}"), _NEIGHBOURS)])
+    except (OSError, ValueError, NotImplementedError):
+        return ""

@@ -1,0 +1,214 @@
+"""Read and check a URDF: numbers, inertia, joints and their tree, before Pinocchio builds the model.
+
+Pinocchio leaves out a link's inertia that it cannot read and takes any that it can; so everything that decides about
+torques is checked here. Without numpy: the Snakefile reads robots at every call.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.errors import InputError, shown
+from jointwear.files.numbers import LARGEST
+from jointwear.files.regular_files import check_regular
+from jointwear.robots.rigid_body import fault_of_inertia
+from jointwear.robots.urdf_tree import Joint, chain_of, name_of, read_joints, welded
+
+#: Largest URDF; that of a humanoid with 80 joints has a hundredth of it. Bytes.
+LARGEST_URDF = 16 << 20
+#: Deepest nesting of elements; URDF itself has five levels, extensions for simulators a few more.
+DEEPEST = 50
+#: Number as XML Schema has it (xs:double) without its NaN and INF, which is what URDF readers take.
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+#: Attributes that hold numbers, by element, each with how many.
+_NUMBERS = {
+    "origin": {"xyz": 3, "rpy": 3},
+    "mass": {"value": 1},
+    "inertia": dict.fromkeys(("ixx", "iyy", "izz", "ixy", "iyz", "ixz"), 1),
+    "axis": {"xyz": 3},
+    "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), 1),
+    "dynamics": dict.fromkeys(("damping", "friction"), 1),
+}
+#: Largest size of them, as in the schema of the robot file; an effort or a limit may stand for "none".
+_LARGEST = {"origin": 100.0, "mass": 1e5, "inertia": 1e7, "dynamics": 1e7}
+_INERTIA = ("ixx", "iyy", "izz", "ixy", "iyz", "ixz")
+
+
+class _Builder(ElementTree.TreeBuilder):
+    """Builds a tree of limited depth; a document type, which may define entities, is refused."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._depth = 0
+
+    def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
+        raise InputError("holds a document type (<!DOCTYPE>), which a URDF has no use for; remove it")
+
+    def start(self, tag: str, attrs: dict[str, str]) -> ElementTree.Element:
+        self._depth += 1
+        if self._depth > DEEPEST:
+            raise InputError(f"is nested more than {DEEPEST} levels deep")
+        return super().start(tag, attrs)
+
+    def end(self, tag: str) -> ElementTree.Element:
+        self._depth -= 1
+        return super().end(tag)
+
+
+def read_urdf_joints(path: Path, check_inertia: bool = True) -> list[dict[str, Any]]:
+    """Return one entry for every moving joint of a serial arm, from the base on, in the layout of a robot file.
+
+    Parameters
+    ----------
+    path : the URDF.
+    check_inertia : whether to refuse inertia that no rigid body has.
+
+    Raises
+    ------
+    InputError : one line naming the file, the link or joint, what is wrong and what is allowed.
+    """
+    root = _parse(path)
+    _check_numbers(path, root)
+    links = _links(path, root)
+    for name, element in links.items():
+        _check_mass(path, name, element)
+    joints = read_joints(path, root, links)
+    chain = chain_of(path, links, joints)
+    if check_inertia:
+        # What does not move has no part in the torques.
+        still = welded(chain[0].parent, joints)
+        for name, element in links.items():
+            if name not in still:
+                _check_inertia(path, name, element)
+    return [_entry(path, joint) for joint in chain]
+
+
+def moving_mass(path: Path) -> float:
+    """Return the mass [kg] of all links of a checked URDF that move, to hold the model built from it to."""
+    root = _parse(path)
+    links = _links(path, root)
+    joints = read_joints(path, root, links)
+    still = welded(chain_of(path, links, joints)[0].parent, joints)
+    return sum(_mass(e) for name, e in links.items() if name not in still and e.find("inertial") is not None)
+
+
+def _parse(path: Path) -> ElementTree.Element:
+    check_regular(path, LARGEST_URDF)
+    try:
+        root = ElementTree.parse(path, ElementTree.XMLParser(target=_Builder())).getroot()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except ElementTree.ParseError as error:
+        raise InputError(f"{path}: is not valid XML ({error})") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    except (ValueError, LookupError) as error:
+        # An encoding that is not known, or not that of the text.
+        raise InputError(f"{path}: is not valid XML ({error})") from None
+    if root.tag != "robot":
+        raise InputError(f"{path}: its top element is <{root.tag}>, must be <robot>")
+    return root
+
+
+def _number(path: Path, where: str, text: str, largest: float) -> None:
+    if not _NUMBER.fullmatch(text):
+        raise InputError(f"{path}: {where} is {shown(text)}, must be a finite number with a decimal point and no unit")
+    if abs(float(text)) > largest:
+        raise InputError(f"{path}: {where} is {shown(text)}, out of range (allowed: at most {largest:g} in size)")
+
+
+def _check_numbers(path: Path, root: ElementTree.Element) -> None:
+    """Check every number that decides about torques: those of links and joints, not of shapes or extensions."""
+    for owner in root:
+        if owner.tag not in ("link", "joint"):
+            continue
+        parts = [*owner, *(inner for inertial in owner.findall("inertial") for inner in inertial)]
+        for element in parts:
+            for key, count in _NUMBERS.get(element.tag, {}).items():
+                text = element.get(key)
+                if text is None:
+                    continue
+                where = f"{owner.tag} '{owner.get('name')}': '{key}' of <{element.tag}>"
+                words = text.split() if count > 1 else [text]
+                if len(words) != count:
+                    raise InputError(f"{path}: {where} is {shown(text)}, must hold {count} numbers")
+                for word in words:
+                    _number(path, where, word, _LARGEST.get(element.tag, LARGEST))
+
+
+def _links(path: Path, root: ElementTree.Element) -> dict[str, ElementTree.Element]:
+    found: dict[str, ElementTree.Element] = {}
+    for element in root.findall("link"):
+        name = name_of(path, element)
+        if name in found:
+            raise InputError(f"{path}: two links have the name '{name}'")
+        found[name] = element
+    if not found:
+        raise InputError(f"{path}: has no links")
+    return found
+
+
+def _check_mass(path: Path, name: str, link: ElementTree.Element) -> None:
+    """Check that the inertial part of a link is complete and its mass no less than nothing."""
+    found = link.findall("inertial")
+    if not found:
+        return
+    if len(found) > 1:
+        raise InputError(f"{path}: link '{name}' has {len(found)} <inertial>, must have one at most")
+    for tag, keys in (("mass", ("value",)), ("inertia", _INERTIA)):
+        elements = found[0].findall(tag)
+        if len(elements) != 1:
+            raise InputError(f"{path}: link '{name}': <inertial> has {len(elements)} <{tag}>, must have one")
+        missing = [key for key in keys if elements[0].get(key) is None]
+        if missing:
+            raise InputError(f"{path}: link '{name}': <{tag}> has no '{missing[0]}'")
+    kilograms = _mass(link)
+    if kilograms < 0:
+        raise InputError(f"{path}: link '{name}' has a mass of {kilograms:g} kg (allowed: >= 0)")
+
+
+def _mass(link: ElementTree.Element) -> float:
+    return float(link.find("inertial/mass").get("value"))
+
+
+def _check_inertia(path: Path, name: str, link: ElementTree.Element) -> None:
+    found = link.find("inertial/inertia")
+    if found is None:
+        return
+    six = [float(found.get(key)) for key in _INERTIA]
+    fault = "there is no mass" if _mass(link) == 0 and any(six) else fault_of_inertia(six)
+    if fault:
+        raise InputError(
+            f"{path}: link '{name}' has an inertia that no body has: {fault}; correct it, or let the robot file say "
+            "'inertia_check: none' if the numbers are known to give the right torques"
+        )
+
+
+def _entry(path: Path, joint: Joint) -> dict[str, Any]:
+    element = joint.element
+    entry: dict[str, Any] = {"name": joint.name}
+    axis = element.find("axis")
+    if axis is not None and not any(float(x) for x in axis.get("xyz", "1 0 0").split()):
+        raise InputError(f"{path}: joint '{joint.name}' has the axis 0 0 0; one number must differ from 0")
+    limit, dynamics = element.find("limit"), element.find("dynamics")
+    values = {key: float(limit.get(key, 0)) for key in _NUMBERS["limit"]} if limit is not None else {}
+    if joint.kind == "continuous":
+        entry["limits"] = [-2 * math.pi, 2 * math.pi]
+    elif values:
+        entry["limits"] = [values["lower"], values["upper"]]
+    if values.get("effort", 0) < 0:
+        raise InputError(f"{path}: joint '{joint.name}' has an effort of {values['effort']:g} N m (allowed: >= 0)")
+    if values.get("effort", 0) > 0:
+        entry["torque_limit"] = values["effort"]
+    if dynamics is not None:
+        told = {key: float(dynamics.get(key, 0)) for key in _NUMBERS["dynamics"]}
+        for key, value in told.items():
+            if value < 0:
+                raise InputError(f"{path}: joint '{joint.name}' has a {key} of {value:g} (allowed: >= 0)")
+        entry["viscous"] = told["damping"]
+        entry["coulomb"] = {"positive": told["friction"], "negative": -told["friction"]}
+    return entry

@@ -1,0 +1,162 @@
+"""Run joint experiments again: the engine of `multiverse`, all its noise, random numbers that took no part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.reproduction.wear import Wear
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
+from jointwear.robots.trajectory import Task
+from jointwear.studies.joint_fit.detection import TaskOutcome
+from jointwear.studies.joint_fit.distance import Weights, detection_cost, same_signs, table_cost
+from jointwear.studies.joint_fit.divergence import HISTOGRAM_READING
+from jointwear.studies.joint_fit.paper import Paper
+from jointwear.studies.joint_fit.paper_fit import JointExperiment
+from jointwear.studies.multiverse.choice import median_hour
+from jointwear.studies.multiverse.dimensions import Reading
+from jointwear.studies.multiverse.evaluation import Analysis, Outcomes, evaluate
+from jointwear.studies.multiverse.pose_sets import PoseSet, with_payload
+from jointwear.studies.multiverse.shared_torque import Experiment
+from jointwear.studies.recovery.candidates import candidate
+from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.sampled_motion import CYCLE, SEGMENT
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """One experiment on new random numbers; t tasks, c increases, n axes, r replicates.
+
+    `probability`, `hour` (t, c, n): share of replicates that detect, median hour, NaN below half; `maximum`,
+    `variation` (2, t, c, n): Tables V and VI at the printed hours and at our own; `signs` (r,): pairs of axes with
+    the sign of Table II; `kl_maximum` (r,) [nat]; `kept` (t, r); `located` share of the detected runs; `alarms` of
+    the normal runs; `distance` from the paper.
+    """
+
+    probability: np.ndarray
+    hour: np.ndarray
+    maximum: np.ndarray
+    variation: np.ndarray
+    signs: np.ndarray
+    kl_maximum: np.ndarray
+    kept: np.ndarray
+    located: float
+    alarms: float
+    distance: float
+
+
+def pose_set(robot: Robot, experiment: JointExperiment, tasks: tuple[str, ...], name: str) -> PoseSet:
+    """Return arm and tasks of a joint experiment."""
+    arm = experiment.arm
+    motions = tuple(
+        Task(
+            task,
+            np.stack([experiment.start[t], experiment.stop[t]]),
+            np.array([SEGMENT, CYCLE - SEGMENT]),
+            float(experiment.phase[t]),
+        )
+        for t, task in enumerate(tasks)
+    )
+    return PoseSet(name, Dynamics(with_payload(robot, arm.mass, (0.0, 0.0, arm.offset))), motions)
+
+
+def full_reading(experiment: JointExperiment, base: Mapping[str, str]) -> Reading:
+    """Return every choice of the reading; `base` gives those that the fit leaves alone."""
+    reading = experiment.reading
+    return {
+        **base,
+        **HISTOGRAM_READING,
+        "scaling": reading.scaling,
+        "components": reading.components,
+        "wear_shape": experiment.arm.shape,
+        "consecutive_hours": reading.consecutive_hours,
+    }
+
+
+def torque_tables(
+    robot: Robot, experiment: JointExperiment, paper: Paper, hour: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return Tables V and VI, each (2, t, c, n): at the printed hours, and at `hour` (t, c, n), NaN the last."""
+    arm, tables = experiment.arm, paper.tables
+    own = np.where(np.isnan(hour), tables.run_hours, hour).swapaxes(1, 2)
+    growths = [
+        Wear(1.0, arm.shape, tables.run_hours).growth(h) * tables.increase_percent for h in (tables.reading_hours, own)
+    ]
+    maximum, variation = [], []
+    for growth in growths:
+        problem = Problem(
+            robot,
+            tables,
+            candidate("payload"),
+            Settings(),
+            growth=growth,
+            growth_spread=np.zeros_like(growth),
+        )
+        u = problem.join(
+            experiment.start,
+            experiment.stop,
+            experiment.phase,
+            arm.shape,
+            np.array([arm.mass, 0.0, 0.0, arm.offset]),
+        )
+        found = problem.predict(u[None])
+        maximum.append(found.maximum[0].swapaxes(1, 2))
+        variation.append(found.variation[0].swapaxes(1, 2))
+    return np.array(maximum), np.array(variation)
+
+
+def confirm(
+    robot: Robot,
+    experiment: JointExperiment,
+    paper: Paper,
+    base: Mapping[str, str],
+    settings: Experiment,
+    analysis: Analysis,
+    name: str,
+    weights: Weights | None = None,
+) -> Confirmed:
+    """Run one experiment and hold it against the paper.
+
+    Parameters
+    ----------
+    robot : the arm without payload.
+    base : reading of the config.
+    settings : seed, replicates and noise; `name` keys the random numbers.
+    """
+    weights = weights or Weights()
+    tables = paper.tables
+    outcomes: Outcomes = evaluate(
+        [full_reading(experiment, base)], pose_set(robot, experiment, tables.tasks, name), settings, analysis
+    )
+    onset = outcomes.onset[0]
+    found = np.isfinite(onset)
+    axes = np.array(analysis.axes)[:, None]
+    hour = median_hour(onset)
+    maximum, variation = torque_tables(robot, experiment, paper, hour)
+    distance = 0.0
+    reading = experiment.reading
+    moving = ~tables.at_rest
+    for t in range(len(tables.tasks)):
+        torque = maximum[0, t].T / np.where(tables.maximum[t] > 0, tables.maximum[t], 1.0) - 1
+        spread = variation[0, t].T - tables.variation[t]
+        distance += float(table_cost(torque[moving[t]].reshape(1, -1), spread[moving[t]].reshape(1, -1), weights)[0])
+        outcome = TaskOutcome({reading: onset[t]}, {reading: outcomes.kept[0, t]})
+        distance += detection_cost(outcome, paper.target(t), weights)[reading]
+    signs = same_signs(outcomes.lag[0], paper.lag_sign)
+    pairs = len(paper.lag_sign) * (len(paper.lag_sign) - 1) // 2
+    distance += weights.lag * (pairs - float(signs.mean()))
+    return Confirmed(
+        found.mean(axis=-1),
+        hour,
+        maximum,
+        variation,
+        signs,
+        outcomes.kl_maximum[0],
+        outcomes.kept[0],
+        float((found & (outcomes.source[0] == axes)).sum() / max(found.sum(), 1)),
+        float(outcomes.alarms[0].mean()),
+        distance,
+    )

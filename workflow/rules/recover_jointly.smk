@@ -1,0 +1,185 @@
+# One experiment for the whole paper: arm, payload, wear shape, reading and poses fitted to everything that it prints.
+JOINT_PARTS = 2
+JOINT_CONFIRM_PARTS = 3
+JOINT_CONTROLS = {"ours": 4, "known": 10, "shuffled": 10}
+JOINT_SHARED = {
+    "seed": config["seed"],
+    "noise": config["noise"],
+    "sampling": config["sampling"],
+    "wear_hours": config["wear"]["hours"],
+    "normal_hours": config["normal"]["test_hours"],
+    "bins": config["histogram"]["bins"],
+    "confidence": config["detection"]["confidence"],
+    "variance_share": config["detection"]["variance_share"],
+}
+JOINT_KEPT = 30  # experiments that make the posterior
+JOINT_CONFIRMED = expand(
+    "results/joint_fit/confirmed/part_{part}.nc", part=range(JOINT_CONFIRM_PARTS)
+)
+JOINT_FIGURES = ["cells", "frontier", "controls"]
+STUDY_PICTURES["joint_fit"] = JOINT_FIGURES
+
+
+wildcard_constraints:
+    joint_part="[0-9]+",
+    joint_kind="|".join(JOINT_CONTROLS),
+    joint_number="[0-9]+",
+    joint_picture="|".join(JOINT_FIGURES),
+
+
+rule recover_jointly:
+    input:
+        "results/joint_fit/chapter.json",
+        "results/joint_fit/posterior.csv",
+        "results/joint_fit/robot.yaml",
+        "results/joint_fit/index.html",
+
+
+rule screen_joint_readings:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        modules=modules_of("screen_joint_readings"),
+    output:
+        "results/joint_fit/readings.nc",
+    log:
+        "results/logs/screen_joint_readings.log",
+    params:
+        settings={
+            **JOINT_SHARED,
+            "plan": {},
+            "arms": 12,
+            "fitted": 4,
+            "screened": 4,
+        },
+    script:
+        "../scripts/screen_joint_readings.py"
+
+
+rule search_joint_poses:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        chosen="results/joint_fit/readings.nc",
+        modules=modules_of("search_joint_poses"),
+    output:
+        "results/joint_fit/search/part_{joint_part}.nc",
+    log:
+        "results/logs/search_joint_poses/{joint_part}.log",
+    params:
+        part=lambda wildcards: int(wildcards.joint_part),
+        settings={**JOINT_SHARED, "plan": {}, "parts": JOINT_PARTS, "kept": 3},
+    script:
+        "../scripts/search_joint_poses.py"
+
+
+rule confirm_joint_fit:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        searched=expand(
+            "results/joint_fit/search/part_{part}.nc", part=range(JOINT_PARTS)
+        ),
+        modules=modules_of("confirm_joint_fit"),
+    output:
+        "results/joint_fit/confirmed/part_{joint_part}.nc",
+    log:
+        "results/logs/confirm_joint_fit/{joint_part}.log",
+    params:
+        part=lambda wildcards: int(wildcards.joint_part),
+        settings={
+            **JOINT_SHARED,
+            "reading": config["reading"],
+            "confirm_replicates": 100,
+            "parts": JOINT_CONFIRM_PARTS,
+        },
+    script:
+        "../scripts/confirm_joint_fit.py"
+
+
+rule control_joint_fit:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        modules=modules_of("control_joint_fit"),
+    output:
+        "results/joint_fit/controls/{joint_kind}_{joint_number}.nc",
+    log:
+        "results/logs/control_joint_fit/{joint_kind}_{joint_number}.log",
+    params:
+        kind=lambda wildcards: wildcards.joint_kind,
+        number=lambda wildcards: int(wildcards.joint_number),
+        settings={
+            **JOINT_SHARED,
+            "reading": config["reading"],
+            "fitted": 2,
+            "confirm_replicates": 40,
+            "plan": {
+                "starts": 60,
+                "keep": 12,
+                "members": 4,
+                "walk": 50,
+                "local": {"rounds": 24},
+            },
+        },
+    script:
+        "../scripts/control_joint_fit.py"
+
+
+rule write_joint_posterior:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        confirmed=JOINT_CONFIRMED,
+        modules=modules_of("write_joint_posterior"),
+    output:
+        table="results/joint_fit/posterior.csv",
+        checked="results/joint_fit/checked.nc",
+        robot="results/joint_fit/robot.yaml",
+        tasks=expand("results/joint_fit/tasks/{name}.yaml", name=RECOVER_TASKS),
+    log:
+        "results/logs/write_joint_posterior.log",
+    params:
+        settings={
+            **JOINT_SHARED,
+            "reading": config["reading"],
+            "check_replicates": 100,
+            "kept": JOINT_KEPT,
+        },
+    script:
+        "../scripts/write_joint_posterior.py"
+
+
+rule summarise_joint_fit:
+    input:
+        limits=shipped("config/robots/puma560_paper.yaml"),
+        published=RECOVER_TABLES,
+        screened="results/joint_fit/readings.nc",
+        confirmed=JOINT_CONFIRMED,
+        checked="results/joint_fit/checked.nc",
+        controls=[
+            f"results/joint_fit/controls/{kind}_{number}.nc"
+            for kind, count in JOINT_CONTROLS.items()
+            for number in range(count)
+        ],
+        modules=modules_of("summarise_joint_fit"),
+    output:
+        "results/joint_fit/chapter.json",
+    log:
+        "results/logs/summarise_joint_fit.log",
+    params:
+        kept=JOINT_KEPT,
+    script:
+        "../scripts/summarise_joint_fit.py"
+
+
+rule draw_joint_fit:
+    input:
+        chapter="results/joint_fit/chapter.json",
+        modules=modules_of("draw_joint_fit"),
+    output:
+        "results/joint_fit/figures/{joint_picture}.svg",
+    log:
+        "results/logs/draw_joint_fit/{joint_picture}.log",
+    script:
+        "../scripts/draw_joint_fit.py"

@@ -1,0 +1,17 @@
+"""Put the numbers of the joint fit together for the report."""
+
+from jointwear.running.script import reported
+from jointwear.studies.joint_fit.summary import write_chapter
+
+if __name__ == "__main__":
+    with reported(snakemake.log[0]):
+        write_chapter(
+            snakemake.input.limits,
+            snakemake.input.published,
+            snakemake.input.screened,
+            list(snakemake.input.confirmed),
+            snakemake.input.checked,
+            list(snakemake.input.controls),
+            snakemake.output[0],
+            snakemake.params.kept,
+        )
