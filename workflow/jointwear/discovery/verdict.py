@@ -124,7 +124,7 @@ class NotTried:
 
 @dataclass(frozen=True)
 class Gap:
-    """RMS error [N m] of every model on held-out motion, one value an axis; None where an axis cannot be judged."""
+    """RMS error [N m] of every model on held-out motion, one value per axis; None where an axis cannot be judged."""
 
     nominal: tuple[float | None, ...]
     retuned: tuple[float | None, ...]
