@@ -103,6 +103,10 @@ def test_verify_names_what_differs_and_fails(published, crate, tmp_path):
     shutil.copytree(crate, forged)
     table = forged / "results/tables/table_v.csv"
     table.write_text(re.sub(r"(\d)\.(\d)", r"\g<1>9.\g<2>", table.read_text(), count=1))
+    done = published.snakemake("--cores", "2", "verify", "--config", f"crate={forged}", ok=False)
+    assert done.returncode != 0
+    assert "table_v.csv" in done.stdout + done.stderr
+    sign(forged)
     archive = shutil.make_archive(str(tmp_path / "forged"), "zip", forged)
     done = published.snakemake("--cores", "2", "verify", "--config", f"crate={archive}", ok=False)
     assert done.returncode != 0
