@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from offline_validator import fill_cache, problems
 from scratch_project import Project
+from small_crate import sign
 
 from jointwear.files.storage import open_dataset
 from jointwear.publishing.verification.comparison import CLOSE, DIFFERENT, EQUAL, MISSING, compare_files
