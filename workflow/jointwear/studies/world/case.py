@@ -92,12 +92,14 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
     noise = torque_noise(rng, deviation, setting.colour, setting.recordings, count)
     step = _encoder_step(setting, gear)
     labels = range(setting.recordings)
+    # The engine's speed belongs to half a step before the position; the logged one to the same instant.
+    at_position = velocity + setting.step / 2 * acceleration
     recording = Recording(
         time=np.round(np.concatenate([log.time[sub] for log in logs]), 6),
         trajectory=label,
         position=quantise(position, step) if setting.bits else position,
         torque=torque + noise,
-        velocity=velocity + rng.normal(0, 5e-4, velocity.shape) if setting.velocity else None,
+        velocity=at_position + rng.normal(0, 5e-4, velocity.shape) if setting.velocity else None,
         temperature=quantise(temperature + rng.normal(0, 0.05, temperature.shape), 0.1)
         if setting.temperature
         else None,
