@@ -61,8 +61,9 @@ def assemble(pieces: Sequence[Piece]) -> History:
 
 
 def _fingerprint(piece: Piece) -> tuple | None:
-    """Return what two copies of one log have in common and two logs have not; None without samples that show friction, or without
-    dates: a clock that starts anew with every log tells none apart.
+    """Return what two copies of one log have in common and two logs have not; None where nothing tells.
+
+    That is without samples that show friction, or without dates: a clock that starts anew tells no two logs apart.
 
     Rounded, because formats keep numbers to different digits.
     """
