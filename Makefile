@@ -108,6 +108,10 @@ test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium
 test-publish: $(CHECK)  ## Test crate, CF conventions, site, citation and the Kubernetes profile
 	@PATH="$(CURDIR)/$(CHECK_VENV)/bin:$$PATH" $(CHECK_VENV)/bin/python -m pytest -m publish
 
+.PHONY: test-hostile
+test-hostile: $(TEST)  ## Feed some 4,000 broken inputs to every reader (at most 15 minutes)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m hostile
+
 .PHONY: test-slurm
 test-slurm: $(TEST) $(CLUSTER)  ## Run the tiny reproduction on a real Slurm (Debian: slurm-wlm munge)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m slurm
@@ -138,13 +142,17 @@ crate: $(PUBLISH)  ## Pack the run as a Workflow Run RO-Crate (AGENT="Jane Doe" 
 	@$(SNAKEMAKE) crate
 	@echo "crate: crate/ro-crate-metadata.json"
 
+.PHONY: sbom
+sbom: $(PUBLISH)  ## Write the software bill of materials (CycloneDX) beside the crate, name packages without a licence
+	@PYTHONPATH=workflow $(BIN)/python -m jointwear.publishing.sbom sbom.cdx.json requirements/run.txt requirements/publish.txt
+
 .PHONY: site
 site: $(RUN)  ## Write the static site: report, further pages that are built, data, archive
 	@$(SNAKEMAKE) site
 	@echo "site: site/index.html"
 
 .PHONY: test-versions
-test-versions: $(RUN)  ## Compare numbers across cores, runs, Python 3.12 and the lower bounds of pyproject.toml
+test-versions: $(RUN)  ## Compare numbers across cores, runs, Python 3.11 to 3.14 and the lower bounds of pyproject.toml
 	@PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=workflow $(BIN)/python workflow/benchmarks/versions.py
 
 .PHONY: reference
@@ -161,4 +169,4 @@ lock:  ## Renew requirements/*.txt from requirements/*.in
 
 .PHONY: clean
 clean:  ## Remove results and caches, keep the environment
-	@rm -rf results crate site .snakemake .pytest_cache .hypothesis .ruff_cache
+	@rm -rf results crate site sbom.cdx.json .snakemake .pytest_cache .hypothesis .ruff_cache

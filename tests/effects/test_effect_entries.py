@@ -203,6 +203,8 @@ def test_needs_are_known_and_say_what_is_missing(robot, state):
     assert missing["mounting_tilt"]
     assert missing["backlash"]
     assert missing["stribeck_friction"] == ""
+    behind = replace(state, torque_kind="link_sensor")
+    assert "behind the gear" in effects.get_effect("torque_constant_ripple").unmet(behind, 2)
 
 
 NEW = '''

@@ -1,5 +1,7 @@
 """The tier "world" without its plants: the plan of cases, the scores and the page. The plants: test_world_plants."""
 
+import ast
+
 import numpy as np
 import pytest
 
@@ -32,6 +34,21 @@ def test_the_plan_has_four_hundred_cases_and_every_part_is_a_like_mixture():
     assert len({c.subject for c in first if c.kind == "outside"}) == len(OUTSIDE)
     assert part_batches("report") == ("report", -(-len(every) // BATCH))
     assert part_batches("choose_first_3") == ("choose", 3)
+
+
+def test_the_plants_know_nothing_of_what_searches(root):
+    folder = root / "workflow/jointwear/studies/world"
+    meets = {"answers.py", "stages.py", "__main__.py"}
+    for path in folder.glob("*.py"):
+        if path.name in meets:
+            continue
+        words = [
+            name
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(node, ast.Import | ast.ImportFrom)
+            for name in [getattr(node, "module", None) or "", *(alias.name for alias in node.names)]
+        ]
+        assert not [w for w in words if w.startswith(("jointwear.discovery", "jointwear.effects"))], path.name
 
 
 def test_choosing_and_report_cases_have_other_seeds():

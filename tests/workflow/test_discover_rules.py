@@ -12,7 +12,7 @@ def project(tmp_path_factory):
     return copy_project(tmp_path_factory.mktemp("discover"))
 
 
-def test_a_data_set_takes_three_jobs(project):
+def test_three_jobs_per_data_set(project):
     planned = project.planned("discover", "--configfile", EXAMPLE)
     assert planned == {"check_dataset": 1, "discover_dataset": 1, "report_discovery": 1, "discover": 1}
     assert project.planned("check_data", "--configfile", EXAMPLE) == {"check_dataset": 1, "check_data": 1}

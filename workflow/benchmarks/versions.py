@@ -1,9 +1,10 @@
-"""Are the numbers the same elsewhere? One and two cores, two runs, Python 3.12, the lower bounds of pyproject.toml.
+"""Are the numbers the same elsewhere? Cores, runs, Python 3.11 to 3.14, the lower bounds of pyproject.toml.
 
 Builds an environment for each, runs the tiny experiment in it and compares every result with that of the environment
-that runs this program. Prints a table; exits 1 if a result differs by more than the tolerance of `verify`.
+that runs this program. Prints a table; exits 1 if a result differs by more than the tolerance of `verify`. A Python
+that is not there, or on which a locked package cannot be installed, is told and does not count.
 
-    PYTHONPATH=workflow python workflow/benchmarks/versions.py [--python312 PATH] [--keep FOLDER]
+    PYTHONPATH=workflow python workflow/benchmarks/versions.py [--pythons PATH...] [--keep FOLDER]
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from jointwear.publishing.verification.comparison import compare_files
 from workflow import copy_project
 
 ROOT = Path(__file__).resolve().parents[2]
+#: Versions of Python that pyproject.toml allows and that are maintained.
+VERSIONS = ("3.11", "3.12", "3.13", "3.14")
 TINY = "config/examples/tiny.yaml"
 
 
@@ -32,6 +35,17 @@ def lower_bounds() -> list[str]:
     with (ROOT / "pyproject.toml").open("rb") as file:
         given = tomllib.load(file)["project"]["dependencies"]
     return [re.sub(r"\s*>=\s*", "==", entry) for entry in given]
+
+
+def interpreters(given: list[str] | None) -> dict[str, str | None]:
+    """Return the Pythons to try, by version: those given, else of every known version the first that is found."""
+    if given is not None:
+        return {Path(path).resolve().parents[1].name: path for path in given}
+    found: dict[str, str | None] = {}
+    for version in VERSIONS:
+        managed = sorted(Path.home().glob(f".pyenv/versions/{version}.*/bin/python"))
+        found[version] = str(managed[-1]) if managed else shutil.which(f"python{version}")
+    return found
 
 
 def environment(python: str, folder: Path, requirements: list[str]) -> Path | str:
@@ -89,9 +103,7 @@ def compare(base: Path, other: Path) -> tuple[Counter, list[str]]:
 def main() -> None:
     """Build, run, compare, print."""
     parser = argparse.ArgumentParser()
-    parser.add_argument(
-        "--python312", default=shutil.which("python3.12"), help="a Python 3.12; left out if there is none"
-    )
+    parser.add_argument("--pythons", nargs="*", help="Pythons to try; by default 3.11 to 3.14 as far as they are there")
     parser.add_argument("--keep", type=Path, help="folder for the environments and runs, kept afterwards")
     given = parser.parse_args()
     failed, rows = False, []
@@ -101,11 +113,14 @@ def main() -> None:
         if problem := run(sys.executable, folder / "base", 2):
             sys.exit(problem)
         cases = {"second run": (sys.executable, 2), "one core": (sys.executable, 1)}
-        if given.python312:
-            locked = ["--require-hashes", "-r", str(ROOT / "requirements/run.txt")]
-            cases["Python 3.12, locked packages"] = (environment(given.python312, folder / "env312", locked), 2)
-        else:
-            rows.append(("Python 3.12, locked packages", "not tried: no python3.12 on the PATH", []))
+        locked = ["--require-hashes", "-r", str(ROOT / "requirements/run.txt")]
+        for version, path in interpreters(given.pythons).items():
+            title = f"Python {version}, locked packages"
+            python = environment(path, folder / f"env{version}", locked) if path else "no such Python here"
+            if Path(python).exists():
+                cases[title] = (python, 2)
+            else:
+                rows.append((title, f"not tried: {python}", []))
         cases["lower bounds of pyproject.toml"] = (environment(sys.executable, folder / "envlow", lower_bounds()), 2)
         for number, (title, (python, cores)) in enumerate(cases.items()):
             if isinstance(python, str) and not Path(python).exists():

@@ -249,6 +249,9 @@ def form_of(white: White, candidate: Candidate) -> Form | None:
 
 def possible(effect: Effect, nonlinear: dict[str, Any], coefficients: np.ndarray) -> bool:
     """Return whether the parameters lie within their bounds: no friction that drives, no delay of a quarter second."""
+    if effect.scaled and coefficients[0] <= 0:
+        # Its size, with its sign, is in the nonlinear parameters.
+        return False
     return effect.possible(effect.parameters_of(nonlinear, coefficients))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from jointwear.discovery.drawing import axis_shown, draw_effect, draw_gap, draw_held_out, draw_where
 from jointwear.discovery.page import lead
 from jointwear.effects import library
+from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
 
 #: Figures of the chapter, in the order of their files.
@@ -33,7 +34,7 @@ def write_chapter(
     output : JSON file.
     figures : SVG files by the names of PICTURES. Without a named effect, `effect` shows the held-out torque.
     """
-    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    content = read_json(verdict)
     known = library()
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.patches import Rectangle
 
+from jointwear.files.json_documents import read_json
 from jointwear.files.storage import open_dataset, read_variable, read_variables
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
@@ -43,8 +43,8 @@ def draw_where(where: str | Path, output: str | Path) -> None:
 
 
 def draw_gap(verdict: str | Path, output: str | Path) -> None:
-    """Draw the gap of the three models and the noise floor, one group of bars a joint."""
-    gap = json.loads(Path(verdict).read_text(encoding="utf-8"))["gap"]
+    """Draw the gap of the three models and the noise floor, one group of bars per joint."""
+    gap = read_json(verdict)["gap"]
     kinds = (*MODELS, "noise_floor")
     n = len(gap["nominal"])
     figure = new_figure(2.6)
@@ -160,7 +160,7 @@ def draw_effect(effect: dict[str, Any], models: str | Path, output: str | Path) 
 
 def draw_all(verdict: str | Path, where: str | Path, models: str | Path, folder: str | Path) -> dict[str, Path]:
     """Draw every figure of a data set into `folder`; return name: file, the effects' as ``effect_1`` and so on."""
-    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    content = read_json(verdict)
     folder = Path(folder)
     figures = {"where": folder / "where.svg", "gap": folder / "gap.svg", "held_out": folder / "held_out.svg"}
     draw_where(where, figures["where"])

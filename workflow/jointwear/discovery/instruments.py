@@ -19,7 +19,7 @@ import numpy as np
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.effects import State
-from jointwear.effects.order import second_derivative
+from jointwear.effects.order import first_derivative, second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise, zero_phase_gain
 from jointwear.measurement.motion import low_pass, runs
 
@@ -28,6 +28,8 @@ from jointwear.measurement.motion import low_pass, runs
 FEIGNED = 0.5
 #: Frequencies at which spectra are compared, and cut-offs that are tried.
 FREQUENCIES, CUTOFFS = 512, 80
+#: Share of a sampling period to which the samples of position and torque of a recording are simultaneous.
+CLOCK = 0.05
 #: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
 RIDGE = 1e-6
 #: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.motion.low_pass`.
@@ -150,3 +152,10 @@ def smear_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
     """
     smear = problem.smear[problem.train, axis]
     return smear[:, :0] if np.isfinite(cutoffs.torque) else smear
+
+
+def clock_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
+    """Return what sampling the torque of one axis :data:`CLOCK` of a period late changes, (N_train, 1) [N m]."""
+    limited = band_limited(problem.train_state, axis, cutoffs.timing, problem.measured.rate)
+    smooth = limited.torque[:, axis] - limited.drive.coulomb(axis, limited.velocity[:, axis])
+    return CLOCK / problem.measured.rate * first_derivative(limited, smooth)[:, None]

@@ -24,7 +24,7 @@ def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]
 
     Returns
     -------
-    the structure that is significant and large enough to matter, and the full profile (one entry a basis).
+    the structure that is significant and large enough to matter, and the full profile (one entry per basis).
     """
     problem, white = outcome.problem, outcome.white
     # What a form that is a little off leaves behind is no structure of its own.

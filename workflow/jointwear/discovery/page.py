@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from jointwear.discovery.drawing import draw_all
 from jointwear.effects import library
 from jointwear.files.documents import read_yaml
+from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import number, percent
@@ -154,7 +154,7 @@ def write_page(
     ----------
     figures : folder for its SVG files. published : YAML file with values that others found, or None.
     """
-    content = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    content = read_json(verdict)
     files = draw_all(verdict, where, models, figures)
     effects = library()
     single = [n for n in content["not_identifiable"] if len(n["effects"]) == 1]

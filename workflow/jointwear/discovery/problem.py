@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
@@ -124,6 +124,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         tip_regressor=lambda: last,
         gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
     )
+    state = replace(state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side)
     nominal = state.torque + effect_torque(robot, state)
     train = np.isin(measured.trajectory, recording.train)
     factor = prior_factor(robot, settings.inertial_prior)

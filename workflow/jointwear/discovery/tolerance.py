@@ -23,7 +23,7 @@ def with_tolerances(white: White, named: list[Named]) -> list[Term]:
 
 
 def _tolerance(white: White, one: Named, coefficients: np.ndarray) -> list[Term]:
-    """Return one term an axis: the torque of the effect over its records, position, speed and direction."""
+    """Return one term per axis: the torque of the effect over its records, position, speed and direction."""
     problem = white.problem
     state, error = problem.train_state, problem.settings.form_error
     result = []

@@ -124,7 +124,7 @@ class NotTried:
 
 @dataclass(frozen=True)
 class Gap:
-    """RMS error [N m] of every model on held-out motion, one value an axis; None where an axis cannot be judged."""
+    """RMS error [N m] of every model on held-out motion, one value per axis; None where an axis cannot be judged."""
 
     nominal: tuple[float | None, ...]
     retuned: tuple[float | None, ...]
@@ -147,7 +147,8 @@ class NotIdentifiable:
 class FallBack:
     """An axis on which a model was put back because it predicted records left out worse than the given robot.
 
-    `ratio` is the error over that of the given robot before it was put back, `step` what was given up.
+    `ratio` is the error over that of the given robot before it was put back, `step` what was given up. An effect may be
+    named and yet not written: it is there, but its torque carries so much noise that the file is better without.
     """
 
     model: str

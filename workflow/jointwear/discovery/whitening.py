@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit, smear_of
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, clock_of, limit, smear_of
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
@@ -96,6 +96,8 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
             # What the filter does is no part of the robot: a prediction in N m has to do without it.
             nothing = np.zeros((len(white.rows), smear.shape[1]))
             base.append(Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], 3.0), {axis: nothing}))
+        clock = clock_of(problem, axis, cutoffs[axis])
+        base.append(Term(f"clock {axis}", {axis: white(clock)}, np.ones(1), {axis: np.zeros((len(white.rows), 1))}))
         columns = _limited(problem, cutoffs[axis], problem.inertial[problem.train, axis])
         raw_inertial[axis], inertial[axis] = _raw(problem, cutoffs[axis], white, columns), white(columns)
     rank = problem.factor.shape[1]

@@ -45,6 +45,12 @@ def _gravity(state: State, axis: int) -> str:
     return "" if state.gravity_regressor is not None else "the torque of gravity is not at hand"
 
 
+def _motor_torque(state: State, axis: int) -> str:
+    if state.torque_kind == "link_sensor":
+        return "the torque was measured behind the gear, where the waves of the motor do not arrive"
+    return ""
+
+
 #: Name of a need -> (state, axis) -> why it is not met, or nothing.
 ALL = {
     "temperature": _temperature,
@@ -54,4 +60,5 @@ ALL = {
     "travel": _travel,
     "tip": _tip,
     "gravity": _gravity,
+    "motor torque": _motor_torque,
 }

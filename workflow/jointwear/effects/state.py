@@ -45,6 +45,8 @@ class State:
         parameters of a payload in the last link frame, shape (..., n, 10), or None.
     gravity_regressor : function without arguments that returns the derivative of the torque by the vector of gravity
         in the base frame, shape (..., n, 3), or None.
+    torque_kind : where the torque that is to be explained was taken: "motor", "command" or "link_sensor".
+    encoder_side : whether positions are those of the "motor" (or unknown), or of the "link".
     """
 
     position: np.ndarray
@@ -58,6 +60,8 @@ class State:
     record: np.ndarray | None = None
     tip_regressor: Callable[[], np.ndarray] | None = None
     gravity_regressor: Callable[[], np.ndarray] | None = None
+    torque_kind: str = "motor"
+    encoder_side: str = "motor"
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
 

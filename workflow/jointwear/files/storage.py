@@ -195,16 +195,16 @@ def open_dataset(path: str | Path) -> Iterator[netCDF4.Dataset]:
     check_regular(path)
     try:
         dataset = netCDF4.Dataset(path, "r")
-    except (OSError, RuntimeError, ValueError) as error:
+    except (OSError, RuntimeError, ValueError, AttributeError, KeyError, TypeError, MemoryError) as error:
         raise InputError(_corrupt(path, error)) from None
     with dataset:
         dataset.set_auto_mask(False)
         try:
             _check_identity(dataset, Path(path))
             yield dataset
-        except (RuntimeError, MemoryError) as error:
-            # What netCDF finds while the caller reads.
-            if isinstance(error, RuntimeError) and not str(error).startswith("NetCDF:"):
+        except (RuntimeError, AttributeError, IndexError, UnicodeDecodeError, MemoryError) as error:
+            # What netCDF finds while the caller reads; for attributes it takes that for a missing one.
+            if not isinstance(error, (UnicodeDecodeError, MemoryError)) and not str(error).startswith("NetCDF:"):
                 raise
             raise InputError(_corrupt(path, error)) from None
 
@@ -240,7 +240,7 @@ def read_variable(dataset: netCDF4.Dataset, path: str | Path, name: str, part: A
     variable = dataset.variables[name]
     try:
         values = np.asarray(variable[part])
-    except (RuntimeError, OSError, MemoryError, UnicodeDecodeError) as error:
+    except (RuntimeError, AttributeError, IndexError, OSError, MemoryError, UnicodeDecodeError) as error:
         raise InputError(_corrupt(path, error)) from None
     if values.dtype.kind == "f" and FINITE in variable.ncattrs() and not np.isfinite(values).all():
         raise InputError(

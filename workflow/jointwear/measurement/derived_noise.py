@@ -16,7 +16,8 @@ class DerivedNoise:
     """Noise of the accelerations of a recording.
 
     A velocity that was recorded beside the positions may have been derived from them before: its own floor, above the
-    band of the filter that made it, then says too little. The noise is the larger one of what either signal gives.
+    band of the filter that made it, then says too little, and counts as nothing. The noise is the larger one of what
+    either signal gives.
 
     Attributes
     ----------

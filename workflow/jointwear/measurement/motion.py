@@ -26,6 +26,8 @@ HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 SLOW_SHARE, SLOW = 0.02, 0.02
 #: Shortest run of samples that a zero-phase filter is asked to handle.
 SHORTEST = 24
+#: Share of the rate at which a noise floor is read: the middle of the upper third of the band.
+FLOOR_AT = 5 / 12
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
 RESOLVED = 0.155
 #: A measured velocity agrees with the positions where it differs from their derivative by no more than noise x this.
@@ -139,6 +141,10 @@ def measure(recording: Recording) -> Measured:
     signals = {2: position, 1: velocity, 0: acceleration}
     orders = (0,) if acceleration is not None else (2,) if velocity is None else (2, 1)
     densities = np.array([[noise_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders])
+    if orders == (2, 1):
+        # A velocity with a lower floor than the derivative of the positions has been made of them, and filtered.
+        made = densities[1] < (2 * np.pi * FLOOR_AT * rate) ** 2 * densities[0]
+        densities[1][made] = 0.0
     if orders[0] == 2 and recording.encoder_step is not None:
         densities[0] = np.maximum(densities[0], quantisation_density(recording.encoder_step, rate))
     for j in range(n):

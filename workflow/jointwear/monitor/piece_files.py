@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.json_documents import parse_json
 from jointwear.files.storage import open_dataset
 from jointwear.monitor.assembly import Piece
 from jointwear.monitor.window_files import read_statistics, write_statistics
@@ -56,7 +57,7 @@ def read_pieces(path: str | Path) -> list[Piece]:
     """
     statistics = read_statistics(path)
     with open_dataset(path) as dataset:
-        logs, refused = json.loads(dataset.logs), json.loads(dataset.refused)
+        logs, refused = (parse_json(str(text), path, list) for text in (dataset.logs, dataset.refused))
         first, last = np.atleast_1d(dataset.first), np.atleast_1d(dataset.last)
         edges = np.concatenate([[0], np.cumsum(np.atleast_1d(dataset.rows))])
     return [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -81,7 +82,7 @@ def _fault(kind: str, text: str) -> str:
     if kind == ".csv":
         if not text.endswith("\n"):
             return "its last line has no end"
-        widths = {len(row) for row in csv.reader(text.splitlines())}
+        widths = {len(row) for row in csv.reader(io.StringIO(text))}
         if len(widths) > 1:
             return "its rows differ in length"
     return ""

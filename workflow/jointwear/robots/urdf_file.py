@@ -115,7 +115,7 @@ def _parse(path: Path) -> ElementTree.Element:
 
 
 def _number(path: Path, where: str, text: str, largest: float) -> None:
-    if not _NUMBER.fullmatch(text):
+    if not _NUMBER.fullmatch(text.strip()):
         raise InputError(f"{path}: {where} is {shown(text)}, must be a finite number with a decimal point and no unit")
     if abs(float(text)) > largest:
         raise InputError(f"{path}: {where} is {shown(text)}, out of range (allowed: at most {largest:g} in size)")

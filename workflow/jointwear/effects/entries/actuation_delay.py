@@ -18,7 +18,7 @@ def _columns(state, axis, source, p):
 
 def _grid(state, axis):
     dead = [{"delay": sign * d, "lag": 0} for sign in (1, -1) for d in (0.004, 0.012, 0.02)]
-    return dead + [{"delay": d, "lag": 1} for d in (0.005, 0.015, 0.03, -0.005, -0.015)]
+    return dead + [{"delay": d, "lag": 1} for d in (0.005, 0.015, 0.03, -0.005, -0.015, -0.03)]
 
 
 EFFECT = Effect(

@@ -5,6 +5,9 @@ import numpy as np
 from jointwear.effects.effect import Bend, Effect, Parameter
 from jointwear.effects.tables import hats, knots_of
 
+#: Speed [rad/s] below which the shared drive may stick: its friction is then anything up to Coulomb friction.
+_STICKS = 0.02
+
 
 def _speed(state, axis, source, p):
     return p["own"] * state.velocity[..., axis] + p["other"] * state.velocity[..., source]
@@ -13,7 +16,8 @@ def _speed(state, axis, source, p):
 def _columns(state, axis, source, p):
     # The share of this axis in viscous friction and inertia is part of its own numbers in the robot file.
     speed = _speed(state, axis, source, p)
-    return np.stack([np.sign(speed), state.velocity[..., source], state.acceleration[..., source]], axis=-1)
+    level = np.where(np.abs(speed) > _STICKS, np.sign(speed), 0.0)
+    return np.stack([level, state.velocity[..., source], state.acceleration[..., source]], axis=-1)
 
 
 def _bent(state, axis, source, p, knots):

@@ -19,6 +19,9 @@ def _columns(state, axis, source, p):
     load, velocity = state.load[..., axis], state.velocity[..., axis]
     share, inertia = p["inertia_over_stiffness"], p.get("inertia", 0.0)
     torque = share * second_derivative(state, load)
+    if p.get("side"):
+        # Motor and friction move as recorded; the link behind the gear lags by the wind-up, and its inertia with it.
+        return -torque[..., None]
     if inertia > 0:
         # The motor reverses earlier or later than the link. At rest it is at rest too.
         turning = velocity + np.where(velocity == 0, 0.0, share / inertia * first_derivative(state, load))
@@ -28,18 +31,22 @@ def _columns(state, axis, source, p):
 
 def _grid(state, axis):
     # The stiffness follows from the motor inertia of the model; where that is unknown, so is how the motor turns.
-    return [{"inertia_over_stiffness": x, "inertia": float(state.drive.armature[axis])} for x in _SHARES]
+    of_link = [{"inertia_over_stiffness": x, "inertia": float(state.drive.armature[axis]), "side": 0} for x in _SHARES]
+    if state.encoder_side == "link":
+        return of_link
+    return of_link + [{"inertia_over_stiffness": x, "inertia": 0.0, "side": 1} for x in _SHARES]
 
 
 EFFECT = Effect(
     identifier="joint_flexibility",
     name="Joint flexibility",
-    equation="(Jm G^2 / K) d2(tau_load)/dt2, with friction at the velocity of the motor, v + d(tau_load)/dt / K",
+    equation="(Jm G^2/K) d2(tau_load)/dt2, friction at v + d(tau_load)/dt / K; motor side: -(J/K) d2(tau_load)/dt2",
     parameters=(
         Parameter(
-            "inertia_over_stiffness", "s2", 0.0, 1.0, "Jm G^2/K, the square of the period of the drive over 2 pi"
+            "inertia_over_stiffness", "s2", 0.0, 1.0, "Jm G^2/K, or J/K with the inertia of the link: (period / 2 pi)^2"
         ),
         Parameter("inertia", "kg m2", 0.0, 1e4, "Jm G^2 from which K follows; 0: friction as of the link", 0.0, True),
+        Parameter("side", "1", 0, 1, "0: positions are those of the link, 1: of the motor", 0, fixed=True),
     ),
     confused_with=("actuation_delay",),
     excitation="motion with much jerk, and different loads",

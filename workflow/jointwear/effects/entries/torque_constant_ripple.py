@@ -39,7 +39,7 @@ EFFECT = Effect(
         "phase": float(np.arctan2(c[1], c[0])),
     },
     grid=lambda state, axis: [{"order": float(k)} for k in range(1, 25)],
-    needs=("gear",),
+    needs=("gear", "motor torque"),
     bend=harmonics_bend(_columns),
     waves=lambda state, axis, p: p["order"] * abs(float(state.drive.gear_ratio[axis])),
     shape=lambda state, axis, p: (state.torque[..., axis], np.mod(_angle(state, axis, p), 2 * np.pi)),

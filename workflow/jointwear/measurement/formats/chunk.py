@@ -88,13 +88,6 @@ def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
     )
 
 
-def _each(given: Any, axes: int) -> tuple[float, ...] | None:
-    """Return one number an axis of a key that may be one number, or None."""
-    if given is None:
-        return None
-    return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * axes
-
-
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
 MOST_COLUMNS = 10_000
 
@@ -108,6 +101,13 @@ def check_count(path: Path, count: int) -> None:
     """
     if count > MOST_COLUMNS:
         raise InputError(f"{path}: has {count} columns (allowed: at most {MOST_COLUMNS})")
+
+
+def _each(given: Any, axes: int) -> tuple[float, ...] | None:
+    """Return one number an axis of a key that may be one number, or None."""
+    if given is None:
+        return None
+    return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * axes
 
 
 def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str, list[str]]:

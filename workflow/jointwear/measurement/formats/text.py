@@ -87,6 +87,7 @@ def _head(path: Path, layout: Layout) -> Head:
     if not any(line.strip() for line in lines):
         raise InputError(f"{path}: is empty")
     place, names, delimiter = _find_header(path, lines, layout)
+    check_count(path, len(names))
     seen: set[str] = set()
     twice = next((name for name in names if name in seen or seen.add(name)), None)
     if twice is not None:

@@ -69,7 +69,15 @@ def unpacked(crate: str | Path) -> Iterator[Path]:
             with zipfile.ZipFile(path) as file:
                 _check_size(file, folder, crate)
                 file.extractall(folder)
-        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError) as error:
+        except (
+            zipfile.BadZipFile,
+            zlib.error,
+            EOFError,
+            NotImplementedError,
+            RuntimeError,
+            ValueError,
+            OSError,
+        ) as error:
             if isinstance(error, InputError):
                 raise
             raise InputError(f"config: 'crate' is {crate}: neither a folder nor a whole zip file ({error})") from None

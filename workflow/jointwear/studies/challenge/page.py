@@ -186,6 +186,7 @@ def write_page(
     context = {
         "names": _NAMES,
         "set_words": set_words(part, scores["cases"], drawing),
+        "older": drawing if drawing < DRAWINGS[part_batches(part)[0]] else None,
         "is_sample": COUNTS[part_batches(part)[0]] is not FULL,
         "command": command,
         "seed": seed,

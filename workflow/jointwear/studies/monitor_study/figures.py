@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from jointwear.files.json_documents import read_json
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
 
@@ -15,7 +15,7 @@ _MODEL, _PAPER = palette.SERIES[0], palette.SERIES[1]
 
 
 def _read(chapter: str | Path) -> dict[str, Any]:
-    return json.loads(Path(chapter).read_text(encoding="utf-8"))
+    return read_json(chapter, object)
 
 
 def _nan(values: list[float | None]) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from jointwear.studies.multiverse.evaluation import Outcomes
 from jointwear.studies.multiverse.records import pooled, taken
-from jointwear.studies.multiverse.scoring import HOUR_CAP, Target, claims, score
+from jointwear.studies.multiverse.scoring import HOUR_CAP, Target, score
 
 
 @dataclass(frozen=True)
@@ -99,11 +99,6 @@ def median_hour(onset: np.ndarray) -> np.ndarray:
 def wrong_everywhere(probability: np.ndarray, target: Target) -> np.ndarray:
     """Return (t, c, n) the share of readings (m, t, c, n) whose detection disagrees with the paper in each cell."""
     return ((probability >= 0.5) != target.detected).mean(axis=0)
-
-
-def claim_support(outcomes: Outcomes) -> dict[str, tuple[int, int]]:
-    """Return for every claim of the abstract how many readings would have supported it, and of how many."""
-    return {k: (int(v.sum()), len(v)) for k, v in claims(outcomes).items()}
 
 
 @dataclass(frozen=True)

@@ -62,11 +62,6 @@ _MEANING = {
 }
 
 
-def reading_variables(readings: Sequence[Mapping[str, Any]], names: Sequence[str]) -> dict[str, Variable]:
-    """Return one text variable over `reading` for every dimension."""
-    return {k: Variable(("reading",), np.array([str(r[k]) for r in readings]), f"choice: {k}") for k in names}
-
-
 def write_outcomes(
     path: str | Path, outcomes: Outcomes, indices: Sequence[int], settings: Mapping[str, Any], names: Sequence[str] = ()
 ) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.ticker import FixedLocator, NullFormatter, ScalarFormatter
 
+from jointwear.files.json_documents import read_json
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import direct_label, new_figure, save
 
@@ -226,4 +226,4 @@ PICTURES: dict[str, Callable[[Mapping[str, Any], str | Path], None]] = {
 
 def draw(picture: str, chapter: str | Path, output: str | Path) -> None:
     """Draw the figure named `picture` (a key of PICTURES) from the chapter's JSON file."""
-    PICTURES[picture](json.loads(Path(chapter).read_text(encoding="utf-8")), output)
+    PICTURES[picture](read_json(chapter, object), output)

@@ -47,7 +47,11 @@ def run(
     Parameters
     ----------
     controllers : one a recording, with references from `SETTLE` before its start.
-    link_side : the encoders, and so the controllers, see the links, not the motors.
+    link_side : the encoders that are logged see the links, not the motors.
+
+    Raises
+    ------
+    ArithmeticError : if a plant cannot be integrated with its time step.
     """
     return [
         _one(plant, controller, hidden, drives, k, float(starts[k]), heat, link_side)
@@ -101,7 +105,8 @@ def _one(
         else:
             seen_q, seen_v = q, v
         position[k], velocity[k] = seen_q, seen_v
-        asked = controller.torque(k, seen_q, seen_v)
+        # Controllers close their loops on the motors: through a gear that swings they would not be stable.
+        asked = controller.torque(k, q, v)
         command[k] = asked
         torque = asked
         for axis, (keep, dead) in late.items():
@@ -127,6 +132,8 @@ def _one(
         now.load = sensed[k]
         if link_side and len(elastic):
             acceleration[k, elastic] += data.qacc[plant.elastic[elastic]]
+    if any(warning.number for warning in data.warning):
+        raise ArithmeticError(f"the plant of recording {recording} is unstable with a step of {step:g} s")
     kept = slice(round(SETTLE / step), None)
     return Log(
         clock[kept],
