@@ -35,7 +35,7 @@ def assemble(pieces: Sequence[Piece]) -> History:
 
     Logs with dates go where their dates say. Logs without go on by their own clock; where one begins before the one
     before it ends, its clock was started anew, and it is moved on by whole windows to follow it. A log that holds the
-    same samples as one before it, under another name or in another format, counts once.
+    same samples as a dated one before it, under another name or in another format, counts once.
     """
     placed, end, last, shifted = [], -np.inf, -np.inf, False
     seen: dict[tuple, str] = {}
@@ -61,12 +61,14 @@ def assemble(pieces: Sequence[Piece]) -> History:
 
 
 def _fingerprint(piece: Piece) -> tuple | None:
-    """Return what two copies of one log have in common and two logs have not; None without samples that show friction.
+    """Return what two copies of one log have in common and two logs have not; None where nothing tells.
+
+    That is without samples that show friction, or without dates: a clock that starts anew tells no two logs apart.
 
     Rounded, because formats keep numbers to different digits.
     """
     s = piece.statistics
-    if not s.windows or not s.count.any():
+    if not s.windows or not s.dated or not s.count.any():
         return None
     moments = tuple(f"{x:.4g}" for x in s.square.sum(axis=0))
     return (round(piece.first, 3), round(piece.last, 3), int(s.samples.sum()), *s.count.sum(axis=0).tolist(), *moments)
