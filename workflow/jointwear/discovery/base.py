@@ -1,4 +1,4 @@
-"""How wrong the nominal numbers are: corrections of friction, motor inertia and inertial parameters with a likely size.
+"""How wrong the nominal parameters are: corrections of friction, motor inertia and links, with a likely size.
 
 The search leaves the numbers of the drives free. The model that is written asks how far numbers of this model
 usually are from the truth: one relative error for all of them, chosen by the evidence of the data (empirical Bayes),

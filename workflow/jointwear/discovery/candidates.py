@@ -14,7 +14,7 @@ from jointwear.effects import Effect, State, get_effect, library
 from jointwear.robots.inertia import mass_direction
 
 LINK_MASS = "link_mass"
-#: A link mass that would have to be wrong by more than this share is not a wrong number but a missing body.
+#: A link mass that would have to be wrong by more than this share is not a wrong parameter but a missing body.
 WRONGEST_MASS = 0.6
 #: A joint that moves less than this [rad] acts on no other.
 STILL = 1e-4

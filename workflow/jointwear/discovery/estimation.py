@@ -38,7 +38,7 @@ RIGHT_NUMBERS = 0.03
 class Final:
     """The retuned and the augmented model.
 
-    `delta_friction` (n, 4) and `delta_inertial` (10 n,) are added to the nominal numbers of the augmented model;
+    `delta_friction` (n, 4) and `delta_inertial` (10 n,) are added to the nominal parameters of the augmented model;
     `retuned_friction`, `retuned_inertial` those of retuning alone.
     """
 

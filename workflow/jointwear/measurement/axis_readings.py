@@ -20,7 +20,7 @@ INERTIAL_ERROR, DRIVE_ERROR = 0.05, 0.3
 PAYLOAD_SHARE, PAYLOAD_LEVER = 0.05, 0.15
 #: Share of the squared torque below which no model is expected to come.
 ROUNDING = 1e-5
-#: Rounds in which the numbers of the model and the noise of each axis are found in turn.
+#: Rounds in which the parameters of the model and the noise of each axis are found in turn.
 ROUNDS = 8
 
 
@@ -92,7 +92,7 @@ class Likelihood:
     """How likely a nominal model makes a recording when its numbers may be as wrong as such numbers are.
 
     Friction, motor inertia, inertial parameters and a payload have Gaussian priors; what they leave is noise of a
-    size that the data tell. So what a wrong number, or a body at the flange, does to the torque speaks against no
+    size that the data tell. So what a wrong parameter, or a body at the flange, does to the torque speaks against no
     reading, and friction of a size that no such drive has does.
     """
 

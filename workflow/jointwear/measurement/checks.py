@@ -31,7 +31,7 @@ _WHY = {
     "torque": " against its motion",
     "motor": "",
 }
-#: Share of the squared torque that wrong numbers leave of the right reading; axes of a wrist resemble each other, so
+#: Share of the squared torque that wrong parameters leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
 RIGHT, SAME_WRIST = 0.01, 0.03
 

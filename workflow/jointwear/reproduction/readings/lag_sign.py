@@ -1,4 +1,4 @@
-"""Which sign has the lag of a trailing axis?"""
+"""What sign does the lag of a trailing axis have?"""
 
 STAGE = "location"
 PAPER = "A positive value of dt indicates that tau_j is trailing tau_i; conversely, a negative value indicates leading."

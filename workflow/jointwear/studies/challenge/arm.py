@@ -1,4 +1,4 @@
-"""The arm that really moves: the nominal one with wrong numbers, and its rigid-body and friction torque."""
+"""The arm that really moves: the nominal one with wrong parameters, and its rigid-body and friction torque."""
 
 from __future__ import annotations
 

@@ -263,7 +263,7 @@ def _rivals(item: Hidden, term: np.ndarray, world: World, sieve: Sieve, rng: np.
 def _energy_of_number(
     wrong: dict[str, Any], world: World, nominal: Robot, train: np.ndarray, deviation: np.ndarray, colour: float
 ) -> float:
-    """Return the energy of a wrong number of the model itself: what the model's other numbers cannot take over."""
+    """Return the energy of a wrong parameter of the model itself: what the model's other numbers cannot take over."""
     axis, number = wrong["axis"] - 1, wrong["number"]
     column = {"coulomb_friction": 0, "viscous_friction": 2, "motor_inertia": 3}.get(number)
     without = () if column is None else (4 * axis + column,)

@@ -152,7 +152,7 @@ def _judge_single(effect: Mapping[str, Any], named: list[Mapping[str, Any]]) -> 
 
 
 def _number_listed(wrong: Mapping[str, Any], verdict: Mapping[str, Any]) -> bool:
-    """Whether the verdict's list of wrong numbers holds the right kind of number on the right axis or link."""
+    """Whether the verdict's list of wrong parameters holds the right kind of number on the right axis or link."""
     words = {"coulomb_friction": "coulomb", "viscous_friction": "viscous", "motor_inertia": "motor_inertia"}
     for entry in verdict.get("retuned", []):
         name = str(entry["parameter"])

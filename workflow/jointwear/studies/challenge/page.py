@@ -30,7 +30,7 @@ _WORDS = {
     "tie_size": "mean size of the tie set",
     "name_first_strict": "right name first, no two names counted as one",
     "exact_set_strict": "exact set, no two names counted as one",
-    "right_number": "the wrong number itself is listed",
+    "right_number": "the wrong parameter itself is listed",
 }
 _ORDER = [*TARGETS, "name_first_strict", "exact_set_strict", "right_number", "not_worse_named"]
 _NAMES = {

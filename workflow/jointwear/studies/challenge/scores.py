@@ -20,7 +20,7 @@ SHARES = {
     "name_first": ("single", "name_first", "right name first"),
     "axis": ("single", "axis_right", "right axis"),
     "exact_set": ("single", "exact_set", "exact set of names, single effects"),
-    "retuned": ("retuned", "retuned", "one wrong number called retuned, no effect named"),
+    "retuned": ("retuned", "retuned", "one wrong parameter called retuned, no effect named"),
     "unknown": ("outside", "unknown_only", "outside the library: unknown, no effect named (suspects may be)"),
     "two_found": ("two", "both_found", "two effects, both found"),
     "two_exact": ("two", "two_exact", "two effects, exact"),

@@ -73,7 +73,7 @@ def build_sieve(
     nominal : the model whose inertial parameters may vary.
     train : (m,) mask of training samples. deviation : (n,) standard deviation of the torque noise [N m].
     colour : coefficient of its autoregression. prior : relative standard deviation of the inertial parameters.
-    without : base columns to leave out, for asking how well one number of the model itself can be seen: 4 k for
+    without : base columns to leave out, for asking how well one parameter of the model itself can be seen: 4 k for
         the two Coulomb levels of axis k (0-based), 4 k + 2 viscous friction, 4 k + 3 motor inertia.
     without_mass : the same for the mass of one link (0-based).
     """

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Temperature [degC] at which the nominal numbers hold.
+#: Temperature [degC] at which the nominal parameters hold.
 REFERENCE_TEMPERATURE = 30.0
 
 

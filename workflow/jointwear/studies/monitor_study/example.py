@@ -1,7 +1,7 @@
 """The shipped example: five days of logs of a simulated arm on which one axis wears.
 
 Twelve seconds of motion at 20 Hz are logged at the start of every hour, one file a day, in three formats. The arm is
-not the nominal one: its inertial numbers are a few percent off and its friction more. Axis 6 never moves.
+not the nominal one: its inertial parameters are a few percent off and its friction more. Axis 6 never moves.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What may be missing from, or wrong in, the experiment that the paper describes.
 
-A component names one such thing: an effect of the library, a wrong number of the model, or a wrong
+A component names one such thing: an effect of the library, a wrong parameter of the model, or a wrong
 experiment. A candidate is a set of components, alone or in pairs; the empty set says that nothing is missing.
 """
 
@@ -54,7 +54,7 @@ class Coefficients:
 
 @dataclass(frozen=True)
 class Component:
-    """`kind`: "effect" (missing from the model), "retuned" (a wrong number) or "experiment" (a wrong task).
+    """`kind`: "effect" (missing from the model), "retuned" (a wrong parameter) or "experiment" (a wrong task).
 
     `apply` changes coefficients given the parameters (S, p).
     """

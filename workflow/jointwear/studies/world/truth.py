@@ -68,7 +68,7 @@ class Judge:
     def wrong_number(
         self, wrong: dict[str, Any], logs: Sequence[Log], chain: Chain, drives: DriveNumbers, folder: Path
     ) -> None:
-        """Add to `wrong` the energy of a wrong number of the model itself."""
+        """Add to `wrong` the energy of a wrong parameter of the model itself."""
         samples, axis = self.samples(logs), wrong["axis"] - 1
         names = {"coulomb_friction": "coulomb", "viscous_friction": "viscous", "motor_inertia": "armature"}
         other_chain, other = chain, drives
