@@ -31,9 +31,9 @@ def robot():
 
 
 def coarse(robot, seed=0, step=2 * np.pi / 2**16, late=0.0, **told):
-    """Four records of 8 s at 200 Hz with a coarse encoder; the torque is exact but for 0.2 %, maybe late."""
+    """Four records of 5 s at 200 Hz with a coarse encoder; the torque is exact but for 0.2 %, maybe late."""
     rng = np.random.default_rng(seed)
-    time = np.arange(0, 8.0, 1 / RATE)
+    time = np.arange(0, 5.0, 1 / RATE)
     parts = []
     for k in range(4):
         phase, speed = rng.uniform(0, 6, (2, 6)), 2 * np.pi * np.array([0.25, 0.6])[:, None] * rng.uniform(0.8, 1.2, 6)
@@ -46,7 +46,7 @@ def coarse(robot, seed=0, step=2 * np.pi / 2**16, late=0.0, **told):
 
         torque = Dynamics(robot).inverse_dynamics(*motion(time - late))
         noise = 0.002 * torque.std(axis=0) * rng.standard_normal(torque.shape)
-        parts.append((time + 9 * k, np.full(len(time), k), motion(time)[0], torque + noise))
+        parts.append((time + 6 * k, np.full(len(time), k), motion(time)[0], torque + noise))
     time, label, q, torque = (np.concatenate(x) for x in zip(*parts, strict=True))
     return Recording(time, label, step * np.round(q / step), torque, name="coarse", **told)
 

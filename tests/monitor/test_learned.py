@@ -17,9 +17,10 @@ from jointwear.monitor.learned import stage
 from jointwear.monitor.learned.gather import Piece, baseline_pieces
 from jointwear.monitor.learned.programs import programs_of
 from jointwear.monitor.learned.selection import HELD_OUT, MOST_PIECES, choose, recording_of
-from jointwear.monitor.learned.stage import dropped, learn_normal, steady, worse
+from jointwear.monitor.learned.stage import dropped, learn_normal, steady, with_given_links, worse
 from jointwear.monitor.plan import model_file
 from jointwear.robots.robot import load_robot
+from jointwear.robots.robot_file import read_robot_file
 
 ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "1h", "baseline": {"windows": 10}}
 
@@ -138,12 +139,13 @@ def test_a_model_that_follows_any_axis_worse_is_not_handed_on(logs, tmp_path, mo
     found = SimpleNamespace(
         verdict="retuned",
         problem=SimpleNamespace(measured=None),
-        files={kind: WrittenRobot({"effects": []}, None) for kind in stage.KINDS},
+        files={kind: WrittenRobot({"effects": [], "joints": []}, None) for kind in stage.KINDS},
         to_json=lambda: "{}",
     )
     monkeypatch.setattr(stage, "discover", lambda recording, arm: found)
     monkeypatch.setattr(WrittenRobot, "robot", lambda self: nullcontext())
-    errors = iter([[np.array([1.0, 1.0])], [np.array([0.5, 1.2])], [np.array([0.7, 1.1])]])
+    rows = ([1.0, 1.0], [0.5, 1.2], [0.7, 1.1], [1.2, 0.2], [1.1, 0.2])
+    errors = iter([[np.array(row)] for row in rows])
     monkeypatch.setattr(stage, "_errors", lambda *_: next(errors))
     assert learn_normal("arm", ENTRY, tmp_path, logs)["adopted"] == "given"
     assert not (tmp_path / "robot.yaml").exists()
@@ -159,6 +161,18 @@ def test_effects_that_follow_time_are_not_handed_on():
     file = WrittenRobot({"name": "arm", "effects": effects}, None)
     assert [e["effect"] for e in steady(file).data["effects"]] == ["stribeck_friction"]
     assert dropped(file) == ["wear_drift of axis 2"]
+
+
+def test_another_load_keeps_the_given_links_and_what_it_makes_worse():
+    given_file = read_robot_file(ROBOT)
+    joints = [{**joint, "viscous": 1.0} for joint in given_file["joints"]]
+    effects = [{"effect": "stribeck_friction", "axis": axis} for axis in (1, 2)]
+    data = {"name": "arm", "links": "others", "payload": {"mass": 1.0}, "joints": joints, "effects": effects}
+    found = with_given_links(WrittenRobot(data, None), ROBOT, spared=[1]).data
+    assert found["links"] == given_file["links"]
+    assert found.get("payload") == given_file.get("payload")
+    assert [j["viscous"] == 1.0 for j in found["joints"]] == [True, False, True, True, True, True]
+    assert [e["axis"] for e in found["effects"]] == [1]
 
 
 def test_worse_means_on_any_axis_and_no_motion_says_nothing():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from offline_validator import fill_cache, problems
 from scratch_project import Project
+from small_crate import sign
 
 from jointwear.files.storage import open_dataset
 from jointwear.publishing.verification.comparison import CLOSE, DIFFERENT, EQUAL, MISSING, compare_files
@@ -103,6 +104,10 @@ def test_verify_names_what_differs_and_fails(published, crate, tmp_path):
     shutil.copytree(crate, forged)
     table = forged / "results/tables/table_v.csv"
     table.write_text(re.sub(r"(\d)\.(\d)", r"\g<1>9.\g<2>", table.read_text(), count=1))
+    done = published.snakemake("--cores", "2", "verify", "--config", f"crate={forged}", ok=False)
+    assert done.returncode != 0
+    assert "table_v.csv" in done.stdout + done.stderr
+    sign(forged)
     archive = shutil.make_archive(str(tmp_path / "forged"), "zip", forged)
     done = published.snakemake("--cores", "2", "verify", "--config", f"crate={archive}", ok=False)
     assert done.returncode != 0

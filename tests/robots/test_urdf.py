@@ -50,7 +50,7 @@ def test_a_sound_arm_is_read_and_built(tmp_path):
     assert sum(body.mass for body in arm.model.inertias) == pytest.approx(3.37)
 
 
-NUMBERS = ["1,37", "1.37kg", "nan", "", "inf", "1e999", "0x10", "1_0", "१", "1.37 ", "1e30", "-1.37"]
+NUMBERS = ["1,37", "1.37kg", "nan", "", "inf", "1e999", "0x10", "1_0", "१", "1.37 ", "1.37\n", "1e30", "-1.37"]
 
 
 @pytest.mark.parametrize("text", NUMBERS)
@@ -66,6 +66,7 @@ def test_a_mass_that_is_no_number_is_refused_not_left_out(tmp_path, text):
         ('ixx="0.02"', 'ixx="0.2"', ["link 'upper'", "larger than the sum of the other two"]),
         ('ixy="0"', 'ixy="0,1"', ["'ixy' of <inertia>", "decimal point"]),
         ('izz="0.01" ', "", ["<inertia> has no 'izz'"]),
+        ('ixx="0.02"', 'ixx="0.02 "', ["'ixx' of <inertia>", "'0.02 '"]),
         ('<mass value="1.37"/>', "", ["link 'lower'", "0 <mass>"]),
         ('value="1.37"', 'value="0"', ["link 'lower'", "no mass"]),
         ('xyz="0 0 0.1"', 'xyz="0 0"', ["'xyz' of <origin>", "3 numbers"]),

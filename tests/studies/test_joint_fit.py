@@ -18,6 +18,7 @@ from jointwear.reproduction.readings import ambiguities
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
 from jointwear.studies.joint_fit import figures
+from jointwear.studies.joint_fit.arm_evidence import region_evidence, walk
 from jointwear.studies.joint_fit.confirmation import full_reading, pose_set
 from jointwear.studies.joint_fit.detection import READINGS, Grid, PcaReading, TaskOutcome, detect, limits, onsets
 from jointwear.studies.joint_fit.distance import Weights, agreeing_cells, detection_cost, same_signs, table_cost
@@ -243,6 +244,29 @@ def test_a_local_search_never_ends_worse(unloaded, paper):
     assert np.array_equal(found[0].start, again[0].start)
 
 
+def test_a_walk_over_arms_stays_where_the_evidence_is():
+    best = Arm(2.0, 0.1, 1.0)
+
+    def evidence(arm):
+        ratios = np.log([arm.mass / best.mass, arm.offset / best.offset, arm.shape / best.shape])
+        return -0.5 * float((ratios**2).sum()) / 0.1**2
+
+    start = Arm(3.0, 0.15, 1.5)
+    arms, values = walk(evidence, start, np.random.default_rng(1), 400, 0.1, (0.1, 5.0))
+    assert len(arms) == len(values) == 401
+    assert values.max() > values[0] + 10
+    moments = np.array([a.moment for a in arms[200:]])
+    assert abs(np.log(moments / best.moment).mean()) < 0.15
+
+
+def test_a_region_counts_less_the_steeper_its_tables(unloaded, paper):
+    fit = PaperFit(unloaded, paper, 1, "test", SMALL).task(1, Arm(2.5, 0.12, 0.8))
+    u = fit.table_solutions(np.random.default_rng(1), 6, 2)
+    found = region_evidence(fit, u)
+    cost = 0.5 * (fit.problem.residuals(u) ** 2).sum(axis=1)
+    assert (found < -cost).all()
+
+
 def test_arms_are_drawn_around_those_fitted(unloaded, paper):
     fit = PaperFit(unloaded, paper, 1, "test", SMALL)
     fitted, evidence = fit.fitted_arms()
@@ -295,10 +319,8 @@ def test_stored_figures_are_drawn_from_the_stored_chapter(stored, picture, tmp_p
     assert (tmp_path / "figure.svg").read_bytes() == (stored / f"{picture}.svg").read_bytes()
 
 
-def test_stored_study_holds_a_posterior_and_both_controls(stored):
+def test_stored_study_holds_a_posterior(stored):
     found = json.loads((stored / "chapter.json").read_text(encoding="utf-8"))
     assert found["kept"] >= 30
     assert found["check"]["replicates"] >= 100
-    assert len(found["controls"]["known"]["cells"]) == len(found["controls"]["shuffled"]["cells"]) == 10
-    assert np.median(found["controls"]["shuffled"]["distance"]) > max(found["controls"]["ours"]["distance"])
     assert found["met"] == all(c["low"] <= c["value"] <= c["high"] for c in found["checks"])

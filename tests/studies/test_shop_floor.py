@@ -17,7 +17,7 @@ from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.windows import merge
 from jointwear.publishing.report.study_page import write_study_page
-from jointwear.studies.shop_floor import figures, sample, stages
+from jointwear.studies.shop_floor import aims, figures, sample, stages
 from jointwear.studies.shop_floor.arms import ARM_TYPES, HEAVY, LIGHT, robot_data
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.closed_loop import SAMPLES, Runs, at_phase, draw_controller, drive
@@ -275,6 +275,7 @@ def test_chapter_and_figures_are_made_of_outcomes(worn, tmp_path):
     chapter = {
         "rates": [scores | {"rate": r} for r in (0.3, 1.0, 3.0)], "curves": [{"rate": 1.0, **curve}], "refused": 1,
         "before": [scores], "grid": grid,
+        "aims": aims.aims([scores]),
     }  # fmt: skip
     path = tmp_path / "chapter.json"
     path.write_text(json.dumps(chapter))
@@ -286,6 +287,14 @@ def test_chapter_and_figures_are_made_of_outcomes(worn, tmp_path):
     page = (tmp_path / "index.html").read_text()
     assert page.count("<svg") == 2
     assert "None" not in page
+
+
+def test_aims_are_held_to_the_intervals(worn):
+    good = summary([outcome_of(worn, [record(340, 4, 100, 200, 300)])])
+    rows = {row["words"]: row for row in aims.aims([good])}
+    assert [row["reached"] for row in rows.values()] == [True, True, True, True, False, None]
+    late = summary([outcome_of(worn, [record(200 + k, 2) for k in range(9)] + [record(400, 4)])])
+    assert [row["reached"] for row in aims.aims([late])][:3] == [False, True, False]
 
 
 def test_batches_cover_every_robot_once():

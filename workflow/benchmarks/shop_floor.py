@@ -51,47 +51,55 @@ def fleet(folder: Path) -> float:
     return time.perf_counter() - begin
 
 
-def main() -> None:
-    """Measure and print."""
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
-        write_fleet(folder, "choose", range(ROBOTS), days=range(FIRST_DAYS))
-        whole = fleet(folder)
-        again = fleet(folder)
-        for index in range(ROBOTS):
-            cell = draw_cell("choose", index)
-            write_robot_logs(cell, folder / "logs" / cell.name, range(FIRST_DAYS, DAYS))
-        day = fleet(folder)
-        steady = draw_cell("choose", 1)
-        count, days = 0, 0
-        while count < SAMPLES:
-            chosen = (steady.logged // 24) == days
-            count, days = count + int(steady.samples[chosen].sum()), days + 1
-        write_fleet(folder / "one", "choose", [1], days=range(days))
-        environment = {**os.environ, "PYTHONPATH": str(ROOT / "workflow")}
-        done = subprocess.run(
-            [sys.executable, "-c", ALONE, "fleet.yaml", steady.name],
-            cwd=folder / "one", env=environment, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        if done.returncode:
-            sys.exit(done.stderr[-4000:])
-        alone = json.loads(done.stdout.splitlines()[-1])
-    print(
-        json.dumps(
-            {
-                "robots": ROBOTS,
-                "fleet_seconds": round(whole, 1),
-                "nothing_new_seconds": round(again, 1),
-                "new_day_seconds": round(day, 1),
-                "samples": count,
-                "samples_seconds": alone["seconds"],
-                "samples_processor_seconds": alone["processor"],
-                "samples_result": alone["result"],
-                "largest_mib": max(alone["mib"], round(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024)),
-            }
-        )
-    )
+def fleet_seconds(folder: Path) -> dict:
+    """Return the seconds of a whole fleet, of a call with nothing new, and of a new day of logs of every robot."""
+    write_fleet(folder, "choose", range(ROBOTS), days=range(FIRST_DAYS))
+    whole, nothing = fleet(folder), fleet(folder)
+    for index in range(ROBOTS):
+        cell = draw_cell("choose", index)
+        write_robot_logs(cell, folder / "logs" / cell.name, range(FIRST_DAYS, DAYS))
+    return {
+        "robots": ROBOTS,
+        "fleet_seconds": round(whole, 1),
+        "nothing_new_seconds": round(nothing, 1),
+        "new_day_seconds": round(fleet(folder), 1),
+    }
+
+
+def samples_seconds(folder: Path) -> dict:
+    """Return the seconds in which the logs of one robot around the clock are read and judged."""
+    steady = draw_cell("choose", 1)
+    count, days = 0, 0
+    while count < SAMPLES:
+        count, days = count + int(steady.samples[steady.logged // 24 == days].sum()), days + 1
+    write_fleet(folder, "choose", [1], days=range(days))
+    done = subprocess.run(
+        [sys.executable, "-c", ALONE, "fleet.yaml", steady.name],
+        cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT / "workflow")},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        sys.exit(done.stderr[-4000:])
+    alone = json.loads(done.stdout.splitlines()[-1])
+    return {
+        "samples": count,
+        "samples_seconds": alone["seconds"],
+        "samples_processor_seconds": alone["processor"],
+        "samples_result": alone["result"],
+        "samples_mib": alone["mib"],
+    }
+
+
+def main(parts: list[str]) -> None:
+    """Measure the parts asked for (`fleet`, `samples`; default both) and print."""
+    measured = {"fleet": fleet_seconds, "samples": samples_seconds}
+    result = {}
+    for part in parts or list(measured):
+        with tempfile.TemporaryDirectory() as folder:
+            result |= measured[part](Path(folder))
+    largest = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    print(json.dumps(result | {"largest_mib": round(largest / 1024)}))
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

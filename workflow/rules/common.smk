@@ -20,6 +20,7 @@ from jointwear.running.configuration import (
 )
 from jointwear.files.errors import InputError
 from jointwear.robots.robot_file import read_robot_file
+from jointwear.running.project import check_writable
 from jointwear.running.script import message_of
 from jointwear.running.modules import imported_by, lend_to_children
 from jointwear.running.shipped import shipped, shipped_glob
@@ -42,6 +43,8 @@ onsuccess:
 
 
 try:
+    if workflow.is_main_process:
+        check_writable(Path.cwd())
     # The shipped values, config/config.yaml of the working directory, then --configfile and --config.
     config = prepare(layer_files(config), workflow.configfiles)
     check_experiment(config)

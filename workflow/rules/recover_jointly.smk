@@ -1,6 +1,5 @@
 # One experiment for the whole paper: arm, payload, wear shape, reading and poses fitted to everything that it prints.
 JOINT_PARTS = 2
-JOINT_CONFIRM_PARTS = 3
 JOINT_CONTROLS = {"ours": 4, "known": 10, "shuffled": 10}
 JOINT_SHARED = {
     "seed": config["seed"],
@@ -13,11 +12,9 @@ JOINT_SHARED = {
     "variance_share": config["detection"]["variance_share"],
 }
 JOINT_KEPT = 30  # experiments that make the posterior
-JOINT_CONFIRMED = expand(
-    "results/joint_fit/confirmed/part_{part}.nc", part=range(JOINT_CONFIRM_PARTS)
-)
-JOINT_FIGURES = ["cells", "frontier", "controls"]
+JOINT_FIGURES = ["cells", "frontier"]
 STUDY_PICTURES["joint_fit"] = JOINT_FIGURES
+STUDY_PICTURES["joint_fit_controls"] = ["controls"]
 
 
 wildcard_constraints:
@@ -35,6 +32,12 @@ rule recover_jointly:
         "results/joint_fit/index.html",
 
 
+rule check_joint_fit:
+    input:
+        "results/joint_fit_controls/chapter.json",
+        "results/joint_fit_controls/index.html",
+
+
 rule screen_joint_readings:
     input:
         robot=UNLOADED,
@@ -48,9 +51,9 @@ rule screen_joint_readings:
         settings={
             **JOINT_SHARED,
             "plan": {},
-            "arms": 12,
+            "arms": 7,
             "fitted": 4,
-            "screened": 4,
+            "screened": 3,
         },
     script:
         "../scripts/screen_joint_readings.py"
@@ -68,7 +71,7 @@ rule search_joint_poses:
         "results/logs/search_joint_poses/{joint_part}.log",
     params:
         part=lambda wildcards: int(wildcards.joint_part),
-        settings={**JOINT_SHARED, "plan": {}, "parts": JOINT_PARTS, "kept": 3},
+        settings={**JOINT_SHARED, "plan": {}, "parts": JOINT_PARTS, "kept": 5},
     script:
         "../scripts/search_joint_poses.py"
 
@@ -82,17 +85,11 @@ rule confirm_joint_fit:
         ),
         modules=modules_of("confirm_joint_fit"),
     output:
-        "results/joint_fit/confirmed/part_{joint_part}.nc",
+        "results/joint_fit/confirmed.nc",
     log:
-        "results/logs/confirm_joint_fit/{joint_part}.log",
+        "results/logs/confirm_joint_fit.log",
     params:
-        part=lambda wildcards: int(wildcards.joint_part),
-        settings={
-            **JOINT_SHARED,
-            "reading": config["reading"],
-            "confirm_replicates": 100,
-            "parts": JOINT_CONFIRM_PARTS,
-        },
+        settings={**JOINT_SHARED, "confirm_replicates": 100},
     script:
         "../scripts/confirm_joint_fit.py"
 
@@ -103,7 +100,7 @@ rule control_joint_fit:
         published=RECOVER_TABLES,
         modules=modules_of("control_joint_fit"),
     output:
-        "results/joint_fit/controls/{joint_kind}_{joint_number}.nc",
+        "results/joint_fit_controls/papers/{joint_kind}_{joint_number}.nc",
     log:
         "results/logs/control_joint_fit/{joint_kind}_{joint_number}.log",
     params:
@@ -111,14 +108,13 @@ rule control_joint_fit:
         number=lambda wildcards: int(wildcards.joint_number),
         settings={
             **JOINT_SHARED,
-            "reading": config["reading"],
-            "fitted": 2,
-            "confirm_replicates": 40,
+            "fitted": 1,
+            "confirm_replicates": 100,
             "plan": {
-                "starts": 60,
+                "starts": 40,
                 "keep": 12,
                 "members": 4,
-                "walk": 50,
+                "walk": 40,
                 "local": {"rounds": 24},
             },
         },
@@ -130,7 +126,7 @@ rule write_joint_posterior:
     input:
         robot=UNLOADED,
         published=RECOVER_TABLES,
-        confirmed=JOINT_CONFIRMED,
+        confirmed="results/joint_fit/confirmed.nc",
         modules=modules_of("write_joint_posterior"),
     output:
         table="results/joint_fit/posterior.csv",
@@ -155,13 +151,8 @@ rule summarise_joint_fit:
         limits=shipped("config/robots/puma560_paper.yaml"),
         published=RECOVER_TABLES,
         screened="results/joint_fit/readings.nc",
-        confirmed=JOINT_CONFIRMED,
+        confirmed="results/joint_fit/confirmed.nc",
         checked="results/joint_fit/checked.nc",
-        controls=[
-            f"results/joint_fit/controls/{kind}_{number}.nc"
-            for kind, count in JOINT_CONTROLS.items()
-            for number in range(count)
-        ],
         modules=modules_of("summarise_joint_fit"),
     output:
         "results/joint_fit/chapter.json",
@@ -183,3 +174,31 @@ rule draw_joint_fit:
         "results/logs/draw_joint_fit/{joint_picture}.log",
     script:
         "../scripts/draw_joint_fit.py"
+
+
+rule summarise_joint_controls:
+    input:
+        papers=[
+            f"results/joint_fit_controls/papers/{kind}_{number}.nc"
+            for kind, count in JOINT_CONTROLS.items()
+            for number in range(count)
+        ],
+        modules=modules_of("summarise_joint_controls"),
+    output:
+        "results/joint_fit_controls/chapter.json",
+    log:
+        "results/logs/summarise_joint_controls.log",
+    script:
+        "../scripts/summarise_joint_controls.py"
+
+
+rule draw_joint_controls:
+    input:
+        chapter="results/joint_fit_controls/chapter.json",
+        modules=modules_of("draw_joint_controls"),
+    output:
+        "results/joint_fit_controls/figures/controls.svg",
+    log:
+        "results/logs/draw_joint_controls.log",
+    script:
+        "../scripts/draw_joint_controls.py"

@@ -10,6 +10,5 @@ if __name__ == "__main__":
             snakemake.input.published,
             list(snakemake.input.searched),
             snakemake.output[0],
-            snakemake.params.part,
             snakemake.params.settings,
         )

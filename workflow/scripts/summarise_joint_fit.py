@@ -9,9 +9,8 @@ if __name__ == "__main__":
             snakemake.input.limits,
             snakemake.input.published,
             snakemake.input.screened,
-            list(snakemake.input.confirmed),
+            [snakemake.input.confirmed],
             snakemake.input.checked,
-            list(snakemake.input.controls),
             snakemake.output[0],
             snakemake.params.kept,
         )

@@ -8,7 +8,7 @@ if __name__ == "__main__":
         write_posterior(
             snakemake.input.robot,
             snakemake.input.published,
-            list(snakemake.input.confirmed),
+            [snakemake.input.confirmed],
             snakemake.output.table,
             snakemake.output.checked,
             snakemake.output.robot,

@@ -209,7 +209,7 @@ def _predicting(outcome: Outcome, named: list[Named]) -> list[Named]:
     outcome.refusals += [
         Refusal(n.candidate, n.evidence, "its parameters within their bounds", 0.0, 1.0)
         for n in named
-        if n not in within
+        if not any(n is x for x in within)
     ]
     named = within
     while named:

@@ -21,7 +21,7 @@ from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.verdict import Verdict
+from jointwear.discovery.verdict import FallBack, Verdict
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks import check_recording
@@ -144,7 +144,9 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
 def _judge(recording: Recording, problem: Problem, restrictions: list[str]) -> Discovery:
     outcome = repeat(search(problem))
     final, files, torques = _written(problem, finalise(outcome))
-    if _worse(problem, torques):
+    if _worse(problem, torques["augmented"]):
+        final, files, torques = _without_harmful(problem, final, files, torques)
+    if any(_worse(problem, torques[kind]) for kind in files):
         # What bounds and bodies made of the numbers in the file is not what was fitted: leave the links alone.
         final, files, torques = _written(problem, finalise(outcome, frozenset({"inertial"})))
     seen = identifiability(outcome.white, outcome.dictionary)
@@ -172,9 +174,34 @@ def _written(problem: Problem, final: Final) -> tuple[Final, dict[str, WrittenRo
     return final, files, torques
 
 
-def _worse(problem: Problem, torques: dict[str, np.ndarray]) -> bool:
-    """Return whether a written robot follows the training motion worse than the given one on any axis."""
+def _without_harmful(
+    problem: Problem, final: Final, files: dict[str, WrittenRobot], torques: dict[str, np.ndarray]
+) -> tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]:
+    """Leave effects out of the file, not out of the verdict, on axes where the file follows the motion worse for them.
+
+    A column of rates of change carries the noise of derived accelerations: it may be there, and its torque useless.
+    """
+    bad = _worse(problem, torques["augmented"])
+    left_out = [e for e in final.estimates if e.named.candidate.axis in bad]
+    kept = tuple(e for e in final.estimates if e.named.candidate.axis not in bad)
+    file = written_robot(replace(final, estimates=kept))
+    with file.robot() as arm:
+        torque = simulate_robot(arm, problem.measured)[0]
+    if not left_out or len(_worse(problem, torque)) >= len(bad):
+        return final, files, torques
+    given_up = tuple(
+        FallBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), f"{e.named.candidate.effect} named but not written")
+        for e in left_out
+        if (axis := e.named.candidate.axis) is not None
+    )
+    final = replace(final, fallbacks=final.fallbacks + given_up)
+    return final, {**files, "augmented": file}, {**torques, "augmented": torque}
+
+
+def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
+    """Return the axes on which a model follows the training motion worse than the given robot, with the ratio."""
     used = problem.measured.usable & problem.train[:, None]
-    square = {k: np.sum(np.where(used, (problem.measured.torque - v) ** 2, 0.0), axis=0) for k, v in torques.items()}
-    limit = problem.settings.not_worse**2 * square["nominal"]
-    return any(np.any(square[kind] > limit) for kind in ("retuned", "augmented"))
+    error = np.sum(np.where(used, (problem.measured.torque - torque) ** 2, 0.0), axis=0)
+    given = np.sum(np.where(used, problem.discrepancy**2, 0.0), axis=0)
+    ratio = np.sqrt(error / np.maximum(given, 1e-300))
+    return {axis: float(ratio[axis]) for axis in problem.judged if ratio[axis] > problem.settings.not_worse}

@@ -18,6 +18,10 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
 }
 SPELLINGS = {
+    "degree/s": "deg/s", "degrees/s": "deg/s", "°/s": "deg/s", "deg/sec": "deg/s", "rad/sec": "rad/s",
+    "radian/s": "rad/s", "radians/s": "rad/s", "dps": "deg/s", "degree/s2": "deg/s2", "degrees/s2": "deg/s2",
+    "deg/s^2": "deg/s2", "°/s2": "deg/s2", "°/s^2": "deg/s2", "newton meter": "N m", "milliseconds": "ms",
+    "millisecond": "ms", "msec": "ms", "microseconds": "us", "nanoseconds": "ns", "µs": "us",
     "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
     "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
     "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s",

@@ -34,11 +34,20 @@ def assemble(pieces: Sequence[Piece]) -> History:
     """Put the statistics of logs, in their order, together.
 
     Logs with dates go where their dates say. Logs without go on by their own clock; where one begins before the one
-    before it ends, its clock was started anew, and it is moved on by whole windows to follow it.
+    before it ends, its clock was started anew, and it is moved on by whole windows to follow it. A log that holds the
+    same samples as a dated one before it, under another name or in another format, counts once.
     """
     placed, end, last, shifted = [], -np.inf, -np.inf, False
+    seen: dict[tuple, str] = {}
     for given in pieces:
         piece, statistics = given, given.statistics
+        key = _fingerprint(piece)
+        if key in seen:
+            told = f"{piece.log}: holds the same samples as {seen[key]}; it counts once"
+            placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(*piece.refused, told)))
+            continue
+        if key is not None:
+            seen[key] = piece.log
         if statistics.windows and not statistics.dated and piece.first < last:
             length = statistics.length
             shift = length * np.ceil((end - statistics.start.min()) / length - 1e-9)
@@ -49,3 +58,17 @@ def assemble(pieces: Sequence[Piece]) -> History:
             end, last = max(end, float(statistics.end.max())), max(last, piece.last)
         placed.append(piece)
     return History(merge([p.statistics for p in placed]), tuple(placed), shifted)
+
+
+def _fingerprint(piece: Piece) -> tuple | None:
+    """Return what two copies of one log have in common and two logs have not; None where nothing tells.
+
+    That is without samples that show friction, or without dates: a clock that starts anew tells no two logs apart.
+
+    Rounded, because formats keep numbers to different digits.
+    """
+    s = piece.statistics
+    if not s.windows or not s.dated or not s.count.any():
+        return None
+    moments = tuple(f"{x:.4g}" for x in s.square.sum(axis=0))
+    return (round(piece.first, 3), round(piece.last, 3), int(s.samples.sum()), *s.count.sum(axis=0).tolist(), *moments)

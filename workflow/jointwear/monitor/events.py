@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.timestamps import utc_seconds
@@ -49,11 +48,11 @@ def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
     return tuple(sorted(events, key=lambda e: e.time))
 
 
-def event_windows(events: Sequence[Event], start: np.ndarray, axes: int) -> list[list[int]]:
+def event_windows(events: Sequence[Event], start: Sequence[float], axes: int) -> list[list[int]]:
     """Return for each axis the first window that begins at or after each of its events; none after the last window."""
     result: list[list[int]] = [[] for _ in range(axes)]
     for event in events:
-        k = int(np.searchsorted(start, event.time))
+        k = bisect_left(start, event.time)
         for j in range(axes):
             if 0 < k < len(start) and event.concerns(j) and k not in result[j]:
                 result[j].append(k)

@@ -19,10 +19,13 @@ from typing import Any
 from jointwear.files.errors import InputError, nearest
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import utc_seconds
+from jointwear.monitor.events import events_of
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 #: Keys of an entry that decide how a log is read; its windows depend on no other.
-READING_KEYS = ("variables", "units", "joints", "topic", "window", "dead_band")
+READING_KEYS = (
+    "variables", "units", "joints", "topic", "window", "dead_band", "torque_constant", "scale", "sign", "time_zone",
+)  # fmt: skip
 #: Where `learn_normal` leaves the robot file of a robot.
 LEARNED = "results/learned/{name}/robot.yaml"
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
@@ -134,21 +137,38 @@ def check_robots(config: Mapping[str, Any]) -> None:
                 f"config: '{where}.joints' names {len(joints)} joints, robot '{robot['name']}' has "
                 f"{len(robot['joints'])}"
             )
+        for key in ("torque_constant", "scale", "sign"):
+            given = entry.get(key)
+            if isinstance(given, (list, tuple)) and len(given) != len(robot["joints"]):
+                raise InputError(
+                    f"config: '{where}.{key}' has {len(given)} numbers, robot '{robot['name']}' has "
+                    f"{len(robot['joints'])} joints"
+                )
+        try:
+            for event in events_of(entry):
+                if any(axis >= len(robot["joints"]) for axis in event.axes):
+                    raise InputError(
+                        f"config: 'events' names axis {max(event.axes) + 1}, robot '{robot['name']}' has "
+                        f"{len(robot['joints'])} joints"
+                    )
+        except InputError as error:
+            raise InputError(str(error).replace("config: 'events", f"config: '{where}.events", 1)) from None
         try:
             window_seconds(entry.get("window", "1h"))
         except InputError as error:
             raise InputError(f"config: '{where}.window': {error}") from None
         baseline = entry.get("baseline", {})
-        if len(baseline) > 1:
-            raise InputError(f"config: '{where}.baseline' must hold either 'until' or 'windows'")
-        if isinstance(baseline.get("until"), str):
-            try:
-                utc_seconds(baseline["until"])
-            except ValueError:
-                raise InputError(
-                    f"config: '{where}.baseline.until' is {baseline['until']!r}; allowed: ISO 8601, as "
-                    "2026-01-15T00:00:00Z, or seconds for logs without a date"
-                ) from None
+        if not {"until", "windows"} & set(baseline):
+            raise InputError(f"config: '{where}.baseline' must hold 'until' or 'windows'")
+        for key in ("from", "until"):
+            if isinstance(baseline.get(key), str):
+                try:
+                    utc_seconds(baseline[key])
+                except ValueError:
+                    raise InputError(
+                        f"config: '{where}.baseline.{key}' is {baseline[key]!r}; allowed: ISO 8601, as "
+                        "2026-01-15T00:00:00Z, or seconds for logs without a date"
+                    ) from None
 
 
 def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict[str, str]]:

@@ -29,6 +29,9 @@ LOOK = 6000
 THINNED = 1500
 #: Share of the squared torque of an axis below which the model counts as right.
 RIGHT = 0.02
+#: Share, as a median over the axes, above which the model and the torque have nothing to do with each other: expecting
+#: none would be better. Fewest axes that this may rest on.
+MOST_LEFT, FEWEST_AXES = 1.0, 3
 #: Growth of the log of that share, summed over axes, that is no longer chance; and what may be left of it once a
 #: wrong reading is mended.
 WORSE, MENDED = 2.0, 1.0
@@ -53,6 +56,13 @@ def check_first(
     if np.isfinite(measured.torque).any(axis=0).all():
         _as_discovery(measured, robot, name, measured)
     left = explained(Dynamics(robot), *_thinned(measured))
+    known = left[np.isfinite(left)]
+    if len(known) >= FEWEST_AXES and np.median(known) > MOST_LEFT:
+        raise Refused(
+            f"{name}: the model explains nothing of the torque of most axes (it leaves {np.median(known):.3g} times "
+            "the squared torque); it looks like a current, a share of a rating or another unit",
+            "give 'torque_constant' in N m/A, 'scale', or 'units: {torque: ...}', or another robot file",
+        )
     return [float(x) if np.isfinite(x) else None for x in left]
 
 

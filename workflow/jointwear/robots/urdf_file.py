@@ -114,8 +114,8 @@ def _parse(path: Path) -> ElementTree.Element:
     return root
 
 
-def _number(path: Path, where: str, text: str, largest: float) -> None:
-    if not _NUMBER.fullmatch(text.strip()):
+def _number(path: Path, where: str, text: str, largest: float, may_trail: bool = True) -> None:
+    if not _NUMBER.fullmatch(text.strip() if may_trail else text.lstrip()):
         raise InputError(f"{path}: {where} is {shown(text)}, must be a finite number with a decimal point and no unit")
     if abs(float(text)) > largest:
         raise InputError(f"{path}: {where} is {shown(text)}, out of range (allowed: at most {largest:g} in size)")
@@ -137,7 +137,9 @@ def _check_numbers(path: Path, root: ElementTree.Element) -> None:
                 if len(words) != count:
                     raise InputError(f"{path}: {where} is {shown(text)}, must hold {count} numbers")
                 for word in words:
-                    _number(path, where, word, _LARGEST.get(element.tag, LARGEST))
+                    # Pinocchio leaves out an inertia of which a number has a blank behind it.
+                    trailing = element.tag not in ("mass", "inertia")
+                    _number(path, where, word, _LARGEST.get(element.tag, LARGEST), trailing)
 
 
 def _links(path: Path, root: ElementTree.Element) -> dict[str, ElementTree.Element]:

@@ -11,6 +11,8 @@ from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body
 _NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
 #: What a payload is likely to be: this share of the mass of the arm, at this lever [m].
 _SHARE, _LEVER = 0.05, 0.15
+#: What a robot file takes: distance of a centre of mass [m] and moment of inertia [kg m2], as in its schema.
+FARTHEST, LARGEST = 100.0, 1e7
 
 
 def _columns(state, axis, source, p):
@@ -44,12 +46,12 @@ def _written(content, parameters):
     mass = float(total[0])
     if mass <= 1e-9:
         return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
-    com = total[1:4] / mass
+    com = np.clip(total[1:4] / mass, -FARTHEST, FARTHEST)
     about = matrix_of_six(total[4:]) - mass * (com @ com * np.eye(3) - np.outer(com, com))
     moments, axes = np.linalg.eigh((about + about.T) / 2)
     # A shade more than nothing, so that rounding makes no moment negative.
-    least = 1e-10 * max(float(moments[-1]), 0.0)
-    about = (axes * np.maximum(moments, least)) @ axes.T
+    least = 1e-10 * min(max(float(moments[-1]), 0.0), LARGEST)
+    about = (axes * np.clip(moments, least, LARGEST)) @ axes.T
     return {
         "mass": mass,
         "com": [float(x) for x in com],

@@ -6,31 +6,70 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+from pyarrow import compute
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.chunk import Chunk, Layout, make_chunk
 
 
-def chunk_of(path: Path, batch: pa.RecordBatch | pa.Table, columns: dict[str, list[str]], layout: Layout) -> Chunk:
-    """Return one record batch as a chunk; `columns` role -> names of its columns."""
+def chunk_of(
+    path: Path,
+    batch: pa.RecordBatch | pa.Table,
+    columns: dict[str, list[str]],
+    layout: Layout,
+    units: dict[str, str] | None = None,
+) -> Chunk:
+    """Return one record batch as a chunk; `columns` role -> names of its columns, `units` role -> unit in the log."""
     values, dated = {}, False
     for role, names in columns.items():
         arrays = []
         for name in names:
             column = batch.column(name)
+            if role == "time" and pa.types.is_string(column.type):
+                column = stamps(path, column)
             if role == "time" and pa.types.is_timestamp(column.type):
-                arrays.append(_seconds(column))
+                arrays.append(_seconds(column, layout.time_zone))
                 dated = True
             else:
                 arrays.append(_numbers(path, name, column))
         values[role] = arrays[0] if role in ("time", "trajectory") or len(arrays) == 1 else np.stack(arrays, axis=1)
         if role not in ("time", "trajectory", "temperature") and len(arrays) == 1:
             values[role] = arrays[0][:, None]
-    return make_chunk(path, values, layout, {}, dated)
+    return make_chunk(path, values, layout, units or {}, dated)
 
 
-def _seconds(column: pa.Array | pa.ChunkedArray) -> np.ndarray:
-    """Return time stamps as seconds since 1970 UTC; a stamp without a zone counts as UTC."""
+def stamps(path: Path, column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.ChunkedArray:
+    """Return times written as text as time stamps: ISO 8601, with a comma before the fraction, or dd.mm.yyyy.
+
+    Raises
+    ------
+    InputError : showing the first text that is none of these.
+    """
+    text = compute.utf8_trim_whitespace(column)
+    text = compute.replace_substring_regex(text, r"^(\d{1,2})\.(\d{1,2})\.(\d{4})", r"\3-\2-\1")
+    text = compute.replace_substring_regex(text, r"^(\d{4})-(\d)-", r"\1-0\2-")
+    text = compute.replace_substring_regex(text, r"^(\d{4}-\d\d)-(\d)([ T])", r"\1-0\2\3")
+    text = compute.replace_substring(text, ",", ".")
+    zoned = compute.match_substring_regex(text, r"(Z|z|[+-]\d\d:?\d\d)$")
+    kind = pa.timestamp("ns", tz="UTC") if compute.any(zoned).as_py() else pa.timestamp("ns")
+    try:
+        return text.cast(kind)
+    except pa.ArrowException:
+        for value in text.to_pylist():
+            try:
+                pa.scalar(value).cast(kind)
+            except pa.ArrowException:
+                raise InputError(
+                    f"{path}: the time '{str(value)[:40]}' is no number, nor ISO 8601 (2026-01-15T00:00:00Z), nor "
+                    "dd.mm.yyyy hh:mm:ss"
+                ) from None
+        raise InputError(f"{path}: the times cannot be read") from None
+
+
+def _seconds(column: pa.Array | pa.ChunkedArray, zone: str | None = None) -> np.ndarray:
+    """Return time stamps as seconds since 1970 UTC; a stamp without a zone counts as of `zone`, default UTC."""
+    if zone is not None and column.type.tz is None:
+        column = compute.assume_timezone(column, zone, ambiguous="earliest", nonexistent="latest")
     per_second = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}[column.type.unit]
     whole = column.cast(pa.int64())
     ticks = whole.fill_null(0).to_numpy(zero_copy_only=False) if isinstance(whole, pa.Array) else None

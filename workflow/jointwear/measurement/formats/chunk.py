@@ -19,6 +19,7 @@ NEEDED = ("time", "position", "torque")
 ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
 #: Numbers of time between these count as seconds since 1970 UTC: 2001 to 2286.
 UNIX_TIMES = (1e9, 1e10)
+_EPOCHS = (1e3, 1e6, 1e9)
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,8 @@ class Layout:
 
     `names`: role -> name in the log, or a list of names, one an axis. `given`: roles that the config names, which
     must be there. `units`: role -> unit. `joints`: names of the joints in messages, in order of the axes. `topic` of
-    a bag, or None.
+    a bag, or None. `torque_constant` [N m/A], where the torque is logged as current; `scale` of the torque; `sign` of
+    position and torque; each one an axis, or None. `time_zone` of stamps that do not name one (IANA), default UTC.
     """
 
     axes: int
@@ -54,6 +56,10 @@ class Layout:
     given: frozenset[str] = frozenset()
     units: Mapping[str, str] = field(default_factory=dict)
     topic: str | None = None
+    torque_constant: tuple[float, ...] | None = None
+    scale: tuple[float, ...] | None = None
+    sign: tuple[float, ...] | None = None
+    time_zone: str | None = None
 
 
 def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
@@ -77,6 +83,8 @@ def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
         given=frozenset(variables),
         units=dict(entry.get("units") or {}),
         topic=entry.get("topic"),
+        time_zone=entry.get("time_zone"),
+        **{key: _each(entry.get(key), len(joint_names)) for key in ("torque_constant", "scale", "sign")},
     )
 
 
@@ -93,6 +101,13 @@ def check_count(path: Path, count: int) -> None:
     """
     if count > MOST_COLUMNS:
         raise InputError(f"{path}: has {count} columns (allowed: at most {MOST_COLUMNS})")
+
+
+def _each(given: Any, axes: int) -> tuple[float, ...] | None:
+    """Return one number an axis of a key that may be one number, or None."""
+    if given is None:
+        return None
+    return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * axes
 
 
 def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str, list[str]]:
@@ -155,6 +170,10 @@ def make_chunk(
     for role, raw in values.items():
         array = np.asarray(raw, dtype=float)
         unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
+        if role == "torque":
+            array, unit = _as_torque(path, array, unit, layout)
+        if role in SENTINEL_ROLES:
+            array = _without_sentinels(array)
         try:
             found[role] = converted(array, role, unit, str(path))
         except InputError as error:
@@ -162,6 +181,11 @@ def make_chunk(
     time = found["time"]
     if not dated and len(time):
         first = time[np.isfinite(time)][:1]
+        if len(first) and "time" not in layout.units:
+            # Milliseconds, microseconds or nanoseconds since 1970 can be nothing else: no other clock reads so much.
+            size = next((k for k in _EPOCHS if UNIX_TIMES[0] * k <= first[0] < UNIX_TIMES[1] * k), 1.0)
+            time = found["time"] = time / size
+            first = first / size
         dated = bool(len(first) and UNIX_TIMES[0] <= first[0] < UNIX_TIMES[1])
     for role in JOINT_ROLES:
         array = found.get(role)
@@ -178,8 +202,53 @@ def make_chunk(
             raise InputError(
                 f"{path}: {role} has shape {array.shape}; {len(time)} samples of {layout.axes} joints are expected"
             )
+        if layout.sign is not None and role in _SIGNED:
+            array = array * np.array(layout.sign)
         found[role] = array
     trajectory = found.pop("trajectory", None)
     if trajectory is not None:
         trajectory = np.where(np.isfinite(trajectory), trajectory, -1).astype(np.int64)
     return Chunk(**found, trajectory=trajectory, dated=dated)
+
+
+#: Roles that turn round with an axis.
+_SIGNED = ("position", "velocity", "acceleration", "torque")
+#: Currents and what they are in A; shares of a rated value that nothing turns into a torque.
+CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
+#: Numbers that loggers write where they know none, and roles in which a joint cannot have them.
+SENTINELS = (-999.0, -9999.0, -99999.0, 9999.0, 99999.0, -32768.0)
+SENTINEL_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
+
+
+def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) -> tuple[np.ndarray, str | None]:
+    """Return what is logged as torque in N m (or another unit of torque, which is returned), scaled as configured.
+
+    Raises
+    ------
+    InputError : where current or a share of a rating is logged and nothing says what torque it is.
+    """
+    plain = "" if unit is None else str(unit).strip()
+    if plain in SHARES:
+        raise InputError(
+            f"{path}: the torque is in '{plain}' of a rating; give 'units: {{torque: N m}}' and as 'scale' the torque "
+            "in N m of one of them, for each axis"
+        )
+    if plain in CURRENTS or (layout.torque_constant is not None and not plain):
+        if layout.torque_constant is None:
+            raise InputError(
+                f"{path}: the torque is logged as current in {plain}; give 'torque_constant' in N m/A on the joint "
+                "side, for each axis"
+            )
+        array, unit = array * (CURRENTS.get(plain, 1.0) * np.array(layout.torque_constant)), None
+    elif layout.torque_constant is not None:
+        raise InputError(
+            f"{path}: the torque is in '{plain}', and 'torque_constant' is for currents; leave it out, or give "
+            "'units: {torque: A}'"
+        )
+    return (array if layout.scale is None else array * np.array(layout.scale)), unit
+
+
+def _without_sentinels(array: np.ndarray) -> np.ndarray:
+    """Return values with NaN in place of numbers that stand for a missing one."""
+    missing = np.isin(array, SENTINELS)
+    return np.where(missing, np.nan, array) if missing.any() else array

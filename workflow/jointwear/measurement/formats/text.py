@@ -1,55 +1,79 @@
-"""CSV logs: a header line, one column an axis; separated by commas, semicolons or tabs."""
+"""CSV logs: a header line, one column an axis; separated by commas, semicolons or tabs.
+
+A preamble before the header, a row of units after it, decimal commas and code page 1252 are read as they are.
+"""
 
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
 from pyarrow import csv as arrow_csv
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.formats.arrow import chunk_of
+from jointwear.measurement.formats.arrow import chunk_of, stamps
 from jointwear.measurement.formats.chunk import Chunk, Layout, check_count, find_columns
-from jointwear.measurement.timestamps import utc_seconds
+from jointwear.measurement.units import UNITS
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
 _BYTES_A_NUMBER = 18
 
 
+#: Lines looked at for the header and for the form of the numbers.
+_LOOK = 60
+
+
+@dataclass(frozen=True)
+class Head:
+    """What the first lines tell: `names` of the columns, lines to `skip`, `first` row of values (may be empty),
+    `delimiter`, `decimal` sign, `encoding`, and role -> unit of a row of units."""
+
+    names: list[str]
+    skip: int
+    first: list[str]
+    delimiter: str
+    decimal: str
+    encoding: str
+    units: dict[str, str]
+
+
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
     """Yield the samples of a CSV file; see :func:`jointwear.measurement.formats.read_log`."""
-    header, first, delimiter = _head(path)
-    columns = find_columns(path, header, layout)
+    head = _head(path, layout)
+    columns = find_columns(path, head.names, layout)
     wanted = list(dict.fromkeys(c for group in columns.values() for c in group))
     types: dict[str, pa.DataType] = {name: pa.float64() for name in wanted}
-    decimal = "," if delimiter == ";" and any("," in cell for cell in first) else "."
-    if first:
-        place = header.index(columns["time"][0])
-        cell = first[place].strip() if place < len(first) else ""
+    if head.first:
+        place = head.names.index(columns["time"][0])
+        cell = head.first[place].strip() if place < len(head.first) else ""
         if not _is_number(cell.replace(",", ".")):
-            types[columns["time"][0]] = _kind_of_stamp(path, cell)
+            stamps(path, pa.array([cell]))
+            types[columns["time"][0]] = pa.string()
     try:
         with arrow_csv.open_csv(
             path,
             read_options=arrow_csv.ReadOptions(
                 use_threads=False,
-                block_size=max(1 << 16, rows * _BYTES_A_NUMBER * len(header)),
-                column_names=header,
-                skip_rows=1,
+                block_size=max(1 << 16, rows * _BYTES_A_NUMBER * len(head.names)),
+                column_names=head.names,
+                skip_rows=head.skip,
+                encoding=head.encoding,
             ),
-            parse_options=arrow_csv.ParseOptions(delimiter=delimiter),
+            parse_options=arrow_csv.ParseOptions(delimiter=head.delimiter),
             convert_options=arrow_csv.ConvertOptions(
                 column_types=types,
                 include_columns=wanted,
                 null_values=_MISSING,
-                decimal_point=decimal,
-                timestamp_parsers=[arrow_csv.ISO8601],
+                strings_can_be_null=True,
+                decimal_point=head.decimal,
             ),
         ) as reader:
             for batch in reader:
-                yield chunk_of(path, batch, columns, layout)
+                yield chunk_of(path, batch, columns, layout, head.units)
     except (pa.ArrowException, OSError) as error:
         first_line = next(iter(str(error).splitlines()), "unknown reason").rstrip(".")
         if "Empty CSV" in first_line:
@@ -57,31 +81,87 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         raise InputError(f"{path}: cannot be read as CSV ({first_line})") from None
 
 
-def _head(path: Path) -> tuple[list[str], list[str], str]:
-    """Return the names of the columns, the cells of the first row (may be empty), and the delimiter."""
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = [file.readline(1 << 20), file.readline(1 << 20)]
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text file in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    if not lines[0].strip():
+def _head(path: Path, layout: Layout) -> Head:
+    """Look at the first lines: a preamble may come before the header, a row of units after it."""
+    lines, encoding = _first_lines(path)
+    if not any(line.strip() for line in lines):
         raise InputError(f"{path}: is empty")
-    delimiter = max(",;\t", key=lines[0].count)
-    try:
-        rows = [next(csv.reader([line], delimiter=delimiter), []) for line in lines]
-    except csv.Error as error:
-        raise InputError(f"{path}: cannot be read as CSV ({error})") from None
-    header = [name.strip() for name in rows[0]]
-    check_count(path, len(header))
+    place, names, delimiter = _find_header(path, lines, layout)
+    check_count(path, len(names))
     seen: set[str] = set()
-    twice = next((name for name in header if name in seen or seen.add(name)), None)
+    twice = next((name for name in names if name in seen or seen.add(name)), None)
     if twice is not None:
         raise InputError(f"{path}: the header names the column '{twice}' twice")
-    if all(_is_number(name) for name in header):
+    if all(_is_number(name.replace(",", ".")) for name in names):
         raise InputError(f"{path}: the first line holds numbers; a header line with the names of the columns is needed")
-    return header, rows[1], delimiter
+    try:
+        rows = [r for r in csv.reader(lines[place + 1 :], delimiter=delimiter) if r]
+    except csv.Error as error:
+        raise InputError(f"{path}: cannot be read as CSV ({error})") from None
+    skip, units = place + 1, {}
+    if rows and len(rows[0]) == len(names) and not any(_is_value(cell) for cell in rows[0]):
+        cells = dict(zip(names, (cell.strip().strip("[]() ") for cell in rows[0]), strict=True))
+        units = {
+            role: cells[columns[0]]
+            for role, columns in find_columns(path, names, layout).items()
+            if role in UNITS and cells[columns[0]]
+        }
+        skip, rows = skip + 1, rows[1:]
+    comma = any(re.fullmatch(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", c, re.IGNORECASE) for r in rows for c in r)
+    if delimiter == "," and rows and len(rows[0]) > len(names):
+        raise InputError(
+            f"{path}: the header names {len(names)} columns, the first row has {len(rows[0])} cells: are its decimals "
+            "commas? Write them with points, or separate the columns by semicolons"
+        )
+    return Head(names, skip, rows[0] if rows else [], delimiter, "," if comma else ".", encoding, units)
+
+
+def _first_lines(path: Path) -> tuple[list[str], str]:
+    """Return the first lines and the encoding: UTF-8, or the code page that Western Windows writes."""
+    try:
+        with path.open("rb") as file:
+            raw = [file.readline(1 << 20) for _ in range(_LOOK)]
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    whole = b"".join(raw)
+    if b"\x00" in whole:
+        raise InputError(f"{path}: is not a text file in UTF-8")
+    for encoding in ("utf-8-sig", "cp1252"):
+        try:
+            text = whole.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        return text.splitlines(), "utf8" if encoding == "utf-8-sig" else encoding
+    raise InputError(f"{path}: is not a text file in UTF-8")
+
+
+def _find_header(path: Path, lines: list[str], layout: Layout) -> tuple[int, list[str], str]:
+    """Return the line that names the columns, the names and the delimiter; the first line where none fits."""
+    fallback: tuple[int, list[str], str] | None = None
+    for k, line in enumerate(lines):
+        if not line.strip():
+            continue
+        delimiter = max(",;\t", key=line.count)
+        try:
+            names = [name.strip() for name in next(csv.reader([line], delimiter=delimiter), [])]
+        except csv.Error as error:
+            raise InputError(f"{path}: cannot be read as CSV ({error})") from None
+        check_count(path, len(names))
+        fallback = fallback or (k, names, delimiter)
+        if len(names) < 3:
+            continue
+        try:
+            find_columns(path, names, layout)
+        except InputError:
+            continue
+        return k, names, delimiter
+    return fallback
+
+
+def _is_value(cell: str) -> bool:
+    """Return whether a cell is a number, a time or a missing value rather than a unit."""
+    text = cell.strip()
+    return _is_number(text.replace(",", ".")) or bool(re.match(r"\d", text)) or text in _MISSING[1:]
 
 
 def _is_number(text: str) -> bool:
@@ -90,14 +170,3 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _kind_of_stamp(path: Path, text: str) -> pa.DataType:
-    try:
-        utc_seconds(text)
-    except ValueError:
-        raise InputError(
-            f"{path}: the time '{text[:40]}' is neither a number nor ISO 8601, as 2026-01-15T00:00:00Z"
-        ) from None
-    zone = text.endswith(("Z", "z")) or "+" in text[10:] or "-" in text[10:]
-    return pa.timestamp("ns", tz="UTC") if zone else pa.timestamp("ns")

@@ -23,13 +23,14 @@ from jointwear.monitor.learned.programs import programs_of
 from jointwear.monitor.learned.selection import FEWEST_PIECES, choose, recording_of
 from jointwear.monitor.plan import find_logs
 from jointwear.robots.robot import Robot, load_robot
+from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 #: Error on held-out motion of any axis, over that of the given robot, up to which a learnt robot is handed on.
 NOT_WORSE = 1.05
 #: Programs beside the one learnt from on which it is checked, and pieces of each.
 CHECKED, CHECKED_PIECES = 4, 8
 #: Robot files by how much they change, the one that changes most first.
-KINDS = ("augmented", "retuned")
+KINDS = ("augmented", "retuned", "friction")
 #: Verdict of discovery where the given robot is right.
 NOTHING = "none"
 
@@ -39,9 +40,10 @@ def learn_normal(
 ) -> dict[str, Any]:
     """Run discovery on the baseline of one robot and write `robot.yaml`, `verdict.json` and `learned.json`.
 
-    Discovery sees one program, the one with most samples; what it wrote is handed on if no axis is followed worse, on
-    held-out pieces of that program and on the others. Where one is, the robot file is the retuned one, or there is none
-    and the monitor keeps the given robot; so it does where nothing was found.
+    Discovery sees one program, the one with most samples. What it wrote is handed on if no axis is followed worse, on
+    held-out pieces of that program and on the others: the augmented robot, else the retuned one, else the given one
+    with the friction of those axes that are followed no worse. Where none holds, or nothing was found, there is no
+    robot file and the monitor keeps the given robot.
 
     Parameters
     ----------
@@ -76,12 +78,22 @@ def learn_normal(
     recording = recording_of(choose(groups[0]), name)
     found = discover(recording, arm)
     others = [_checked(group, name) for group in groups[1 : 1 + CHECKED]]
-    files = {kind: steady(found.files[kind]) for kind in KINDS}
+    files = {kind: steady(found.files[kind]) for kind in KINDS[:2]}
+    files["friction"] = with_given_links(files["augmented"], entry["robot"])
+
+    def error_of(file: WrittenRobot) -> list[np.ndarray]:
+        with file.robot() as learnt:
+            return _errors(learnt, found.problem.measured, recording.test, others)
+
     errors = {"given": _errors(arm, found.problem.measured, recording.test, others)}
     adopted = "given"
     for kind in KINDS:
-        with files[kind].robot() as learnt:
-            errors[kind] = _errors(learnt, found.problem.measured, recording.test, others)
+        errors[kind] = error_of(files[kind])
+        spared = [] if kind != "friction" else worse_axes(errors[kind], errors["given"])
+        if spared and len(spared) < arm.joints:
+            # Friction is a matter of its axis: those that it makes worse keep what they had.
+            files[kind] = with_given_links(files["augmented"], entry["robot"], spared)
+            errors[kind] = error_of(files[kind])
         if adopted == "given" and found.verdict != NOTHING and not worse(errors[kind], errors["given"]):
             adopted = kind
     for stale in ("robot.yaml", "robot.urdf"):
@@ -113,6 +125,25 @@ def steady(file: WrittenRobot) -> WrittenRobot:
     return replace(file, data={**file.data, "effects": kept})
 
 
+def with_given_links(file: WrittenRobot, robot: str | Path, spared: Sequence[int] = ()) -> WrittenRobot:
+    """Return a robot file with the links and the payload of the given robot: another program carries another load.
+
+    The 0-based axes `spared` keep their given friction too, and no effect that was found on them.
+    """
+    given = read_robot_file(robot)
+    data = {key: value for key, value in file.data.items() if key not in ("links", "payload")}
+    data |= {key: given[key] for key in ("links", "payload") if key in given}
+    data["joints"] = [given["joints"][j] if j in spared else joint for j, joint in enumerate(data["joints"])]
+    numbers = {j + 1 for j in spared}
+    data["effects"] = [
+        effect
+        for effect in data["effects"]
+        if effect in given.get("effects", []) or not numbers & {effect["axis"], effect.get("source_axis")}
+    ]
+    urdf = Path(robot_sources(str(robot))[1]).read_text(encoding="utf-8") if file.urdf is not None else None
+    return replace(file, data=data, urdf=urdf)
+
+
 def dropped(file: WrittenRobot) -> list[str]:
     """Return the effects that :func:`steady` leaves out, in words."""
     gone = [e for e in file.data["effects"] if get_effect(e["effect"]).follows_time]
@@ -121,7 +152,12 @@ def dropped(file: WrittenRobot) -> list[str]:
 
 def worse(errors: Sequence[np.ndarray], given: Sequence[np.ndarray]) -> bool:
     """Return whether any axis is followed worse than by the given robot in any program; NaN is no motion."""
-    return any(np.any(e > NOT_WORSE * g) for e, g in zip(errors, given, strict=True))
+    return bool(worse_axes(errors, given))
+
+
+def worse_axes(errors: Sequence[np.ndarray], given: Sequence[np.ndarray]) -> list[int]:
+    """Return the 0-based axes that are followed worse than by the given robot in any program."""
+    return np.flatnonzero(np.any(np.stack(errors) > NOT_WORSE * np.stack(given), axis=0)).tolist()
 
 
 def _checked(pieces: Sequence[Piece], name: str) -> Measured:

@@ -1,4 +1,4 @@
-"""Run joint experiments again: the engine of `multiverse`, all its noise, random numbers that took no part."""
+"""Run joint experiments again with random numbers that took no part: fast for many, with all noise for one."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from jointwear.reproduction.wear import Wear
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 from jointwear.robots.trajectory import Task
-from jointwear.studies.joint_fit.detection import TaskOutcome
-from jointwear.studies.joint_fit.distance import Weights, detection_cost, same_signs, table_cost
+from jointwear.studies.joint_fit.detection import Grid, TaskOutcome, detect
+from jointwear.studies.joint_fit.distance import Weights, detection_cost, lags, same_signs, table_cost
 from jointwear.studies.joint_fit.divergence import HISTOGRAM_READING
-from jointwear.studies.joint_fit.paper import Paper
+from jointwear.studies.joint_fit.levels import Noise, task_levels
+from jointwear.studies.joint_fit.noise_bank import draw_bank
+from jointwear.studies.joint_fit.paper import LAG_RUN, LAG_TASK, Paper
 from jointwear.studies.joint_fit.paper_fit import JointExperiment
 from jointwear.studies.multiverse.choice import median_hour
 from jointwear.studies.multiverse.dimensions import Reading
@@ -32,8 +34,8 @@ class Confirmed:
 
     `probability`, `hour` (t, c, n): share of replicates that detect, median hour, NaN below half; `maximum`,
     `variation` (2, t, c, n): Tables V and VI at the printed hours and at our own; `signs` (r,): pairs of axes with
-    the sign of Table II; `kl_maximum` (r,) [nat]; `kept` (t, r); `located` share of the detected runs; `alarms` of
-    the normal runs; `distance` from the paper.
+    the sign of Table II; `kl_maximum` (r,) [nat]; `kept` (t, r); `located` share of the detected runs and
+    `alarms` of the normal runs, NaN from the fast engine; `distance` from the paper.
     """
 
     probability: np.ndarray
@@ -108,6 +110,86 @@ def torque_tables(
     return np.array(maximum), np.array(variation)
 
 
+def judged(
+    robot: Robot,
+    experiment: JointExperiment,
+    paper: Paper,
+    onset: np.ndarray,
+    kept: np.ndarray,
+    lag: np.ndarray,
+    kl_maximum: np.ndarray,
+    weights: Weights,
+    located: float = np.nan,
+    alarms: float = np.nan,
+) -> Confirmed:
+    """Hold what an experiment gave against the paper.
+
+    Parameters
+    ----------
+    onset : (t, c, n, r) hour, NaN where not detected; kept : (t, r); lag : (r, n, n); kl_maximum : (r,).
+    """
+    tables, reading = paper.tables, experiment.reading
+    hour = median_hour(onset)
+    maximum, variation = torque_tables(robot, experiment, paper, hour)
+    distance = 0.0
+    moving = ~tables.at_rest
+    for t in range(len(tables.tasks)):
+        torque = maximum[0, t].T / np.where(tables.maximum[t] > 0, tables.maximum[t], 1.0) - 1
+        spread = variation[0, t].T - tables.variation[t]
+        distance += float(table_cost(torque[moving[t]].reshape(1, -1), spread[moving[t]].reshape(1, -1), weights)[0])
+        outcome = TaskOutcome({reading: onset[t]}, {reading: kept[t]})
+        distance += detection_cost(outcome, paper.target(t), weights)[reading]
+    signs = same_signs(lag, paper.lag_sign)
+    pairs = len(paper.lag_sign) * (len(paper.lag_sign) - 1) // 2
+    distance += weights.lag * (pairs - float(signs.mean()))
+    probability = np.isfinite(onset).mean(axis=-1)
+    return Confirmed(probability, hour, maximum, variation, signs, kl_maximum, kept, located, alarms, distance)
+
+
+def confirm_fast(
+    robot: Robot,
+    experiment: JointExperiment,
+    paper: Paper,
+    seed: int,
+    name: str,
+    replicates: int,
+    grid: Grid,
+    noise: Noise,
+) -> Confirmed:
+    """Run one experiment with the engine of the search; nothing is located and no normal run is judged.
+
+    Parameters
+    ----------
+    robot : the arm without payload.
+    seed, name : key the random numbers.
+    """
+    dynamics = pose_set(robot, experiment, paper.tables.tasks, name).dynamics
+    levels = task_levels(dynamics, experiment.start, experiment.stop, experiment.phase, noise)
+    reading = experiment.reading
+    found = [
+        detect(
+            one,
+            draw_bank(seed, f"{name} {t}", robot.joints, replicates),
+            experiment.arm.shape,
+            grid,
+            [reading],
+            LAG_RUN if t == LAG_TASK else None,
+        )
+        for t, one in enumerate(levels)
+    ]
+    series = found[LAG_TASK].series
+    return judged(
+        robot,
+        experiment,
+        paper,
+        np.stack([f.onset[reading] for f in found]),
+        np.stack([f.kept[reading] for f in found]),
+        lags(series),
+        series.max(axis=(1, 2)),
+        Weights(),
+    )
+
+
 def confirm(
     robot: Robot,
     experiment: JointExperiment,
@@ -116,9 +198,8 @@ def confirm(
     settings: Experiment,
     analysis: Analysis,
     name: str,
-    weights: Weights | None = None,
 ) -> Confirmed:
-    """Run one experiment and hold it against the paper.
+    """Run one experiment with the engine of `multiverse`, which has all noise, and locate its wear.
 
     Parameters
     ----------
@@ -126,37 +207,21 @@ def confirm(
     base : reading of the config.
     settings : seed, replicates and noise; `name` keys the random numbers.
     """
-    weights = weights or Weights()
-    tables = paper.tables
     outcomes: Outcomes = evaluate(
-        [full_reading(experiment, base)], pose_set(robot, experiment, tables.tasks, name), settings, analysis
+        [full_reading(experiment, base)], pose_set(robot, experiment, paper.tables.tasks, name), settings, analysis
     )
     onset = outcomes.onset[0]
     found = np.isfinite(onset)
     axes = np.array(analysis.axes)[:, None]
-    hour = median_hour(onset)
-    maximum, variation = torque_tables(robot, experiment, paper, hour)
-    distance = 0.0
-    reading = experiment.reading
-    moving = ~tables.at_rest
-    for t in range(len(tables.tasks)):
-        torque = maximum[0, t].T / np.where(tables.maximum[t] > 0, tables.maximum[t], 1.0) - 1
-        spread = variation[0, t].T - tables.variation[t]
-        distance += float(table_cost(torque[moving[t]].reshape(1, -1), spread[moving[t]].reshape(1, -1), weights)[0])
-        outcome = TaskOutcome({reading: onset[t]}, {reading: outcomes.kept[0, t]})
-        distance += detection_cost(outcome, paper.target(t), weights)[reading]
-    signs = same_signs(outcomes.lag[0], paper.lag_sign)
-    pairs = len(paper.lag_sign) * (len(paper.lag_sign) - 1) // 2
-    distance += weights.lag * (pairs - float(signs.mean()))
-    return Confirmed(
-        found.mean(axis=-1),
-        hour,
-        maximum,
-        variation,
-        signs,
-        outcomes.kl_maximum[0],
+    return judged(
+        robot,
+        experiment,
+        paper,
+        onset,
         outcomes.kept[0],
+        outcomes.lag[0],
+        outcomes.kl_maximum[0],
+        Weights(),
         float((found & (outcomes.source[0] == axes)).sum() / max(found.sum(), 1)),
         float(outcomes.alarms[0].mean()),
-        distance,
     )

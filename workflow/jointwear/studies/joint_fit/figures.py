@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import direct_label, new_figure, save
 
-PICTURES = ("cells", "frontier", "controls")
+PICTURES = ("cells", "frontier")
 
 
 def draw_cells(chapter: dict[str, Any], output: str | Path) -> None:
@@ -110,7 +110,7 @@ def draw_frontier(chapter: dict[str, Any], output: str | Path) -> None:
 
 def draw_controls(chapter: dict[str, Any], output: str | Path) -> None:
     """Draw the distance that the same small effort leaves for our paper, papers of known origin and shuffled ones."""
-    found = chapter["controls"]
+    found = chapter
     kinds = [
         ("ours", "this paper"),
         ("known", "papers of\nknown origin"),
@@ -143,6 +143,6 @@ def draw_controls(chapter: dict[str, Any], output: str | Path) -> None:
 
 
 def draw(picture: str, chapter: str | Path, output: str | Path) -> None:
-    """Draw the figure named `picture`, one of :data:`PICTURES`, from the chapter's JSON file."""
+    """Draw the figure named `picture`, of :data:`PICTURES` or "controls", from its chapter's JSON file."""
     content = json.loads(Path(chapter).read_text(encoding="utf-8"))
     {"cells": draw_cells, "frontier": draw_frontier, "controls": draw_controls}[picture](content, output)

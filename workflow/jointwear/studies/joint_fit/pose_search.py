@@ -126,7 +126,7 @@ class LocalSearch:
     """`rounds` of one trial for each member; steps are drawn between `smallest` and `largest` (free units); `mend`
     iterations bring a trial back towards Tables V and VI."""
 
-    rounds: int = 90
+    rounds: int = 60
     smallest: float = 0.003
     largest: float = 0.3
     mend: int = 3

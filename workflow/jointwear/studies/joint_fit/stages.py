@@ -11,17 +11,15 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
-from jointwear.reproduction.published import load_published
 from jointwear.robots.robot import load_robot
 from jointwear.statistics.randomness import generator
-from jointwear.studies.joint_fit.confirmation import confirm
+from jointwear.studies.joint_fit.confirmation import confirm_fast
 from jointwear.studies.joint_fit.detection import READINGS, Grid
 from jointwear.studies.joint_fit.levels import Noise
 from jointwear.studies.joint_fit.paper import Prior, read_paper, shuffled_paper, synthetic_paper
 from jointwear.studies.joint_fit.paper_fit import PaperFit, Plan, choose_reading
 from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch
 from jointwear.studies.joint_fit.records import read_experiments, write_confirmed, write_experiments
-from jointwear.studies.multiverse.settings import analysis_of, experiment_of
 
 KINDS = ("ours", "known", "shuffled")
 
@@ -128,26 +126,23 @@ def confirm_joint_fit(
     published: str | Path,
     searched: Sequence[str | Path],
     output: str | Path,
-    part: int,
     settings: dict,
 ) -> None:
-    """Run one part (0-based) of the experiments on random numbers that took no part.
+    """Run the experiments on random numbers that took no part.
 
     Parameters
     ----------
-    settings : of the experiment; `reading` of the config, `confirm_replicates`, `parts`.
+    settings : of the experiment, and `confirm_replicates`.
     """
-    arm, paper, printed = load_robot(robot), read_paper(published), load_published(published)
+    arm, paper = load_robot(robot), read_paper(published)
     experiments = [e for path in searched for e in read_experiments(path)]
-    places = range(len(experiments))[part :: settings["parts"]]
-    analysis, experiment = analysis_of(settings, printed), experiment_of(settings, settings["confirm_replicates"])
+    places = range(len(experiments))
+    grid, noise = _grid(settings, paper.tables.increase_percent), _noise(settings)
     found = [
-        confirm(arm, experiments[k], paper, settings["reading"], experiment, analysis, f"joint confirmation {k}")
-        for k in places
+        confirm_fast(arm, e, paper, settings["seed"], f"confirmation {k}", settings["confirm_replicates"], grid, noise)
+        for k, e in enumerate(experiments)
     ]
-    write_confirmed(
-        output, [experiments[k] for k in places], found, places, "joint experiments on new random numbers", settings
-    )
+    write_confirmed(output, experiments, found, places, "joint experiments on new random numbers", settings)
 
 
 def control_joint_fit(
@@ -160,7 +155,7 @@ def control_joint_fit(
     kind : of :data:`KINDS`; number : keys the random numbers.
     settings : of the experiment; `plan` as :func:`plan_of`, `fitted` arms that are searched, `confirm_replicates`.
     """
-    arm, paper, printed = load_robot(robot), read_paper(published), load_published(published)
+    arm, paper = load_robot(robot), read_paper(published)
     grid, noise = _grid(settings, paper.tables.increase_percent), _noise(settings)
     random = generator(settings["seed"], "joint fit control", kind, replicate=number)
     truth = None
@@ -174,15 +169,8 @@ def control_joint_fit(
     place = choose_reading(screened)
     found = [fit.search(s, READINGS[place], place, k)[0] for k, s in enumerate(screened)]
     best = min(found, key=lambda e: e.cost.sum())
-    checked = confirm(
-        arm,
-        best,
-        paper,
-        settings["reading"],
-        experiment_of(settings, settings["confirm_replicates"]),
-        analysis_of(settings, printed),
-        f"joint control {kind} {number}",
-    )
+    name = f"control {kind} {number} again"
+    checked = confirm_fast(arm, best, paper, settings["seed"], name, settings["confirm_replicates"], grid, noise)
     wanted = np.isfinite(paper.tables.hours).swapaxes(1, 2)
     agreed = (checked.probability >= 0.5) == wanted
     late = np.abs(checked.hour - paper.tables.hours.swapaxes(1, 2))[agreed & wanted]

@@ -169,7 +169,6 @@ def write_chapter(
     screened: str | Path,
     confirmed: Sequence[str | Path],
     checked: str | Path,
-    control_files: Sequence[str | Path],
     output: str | Path,
     kept: int,
 ) -> None:
@@ -239,6 +238,10 @@ def write_chapter(
             for k in range(len(experiments))
         ],
         "readings": readings(screened),
-        "controls": controls(control_files),
     }
     replace_text(output, json.dumps(as_json(content), indent=1, allow_nan=False) + "\n")
+
+
+def write_controls(paths: Sequence[str | Path], output: str | Path) -> None:
+    """Write what the chapter of the controls says as JSON."""
+    replace_text(output, json.dumps(as_json(controls(paths)), indent=1, allow_nan=False) + "\n")

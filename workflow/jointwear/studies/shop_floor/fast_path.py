@@ -31,13 +31,13 @@ from jointwear.studies.shop_floor.sensing import Signals, signals_of
 WINDOW, FIRST = 3600.0, 8
 
 
-def survey_of(cell: Cell, checked: bool = True) -> Survey:
+def survey_of(cell: Cell, left: float = 1.0) -> Survey:
     """Return the survey of the robot's first log.
 
     Parameters
     ----------
-    checked : whether the log is compared with the model. Without, the torque of the robot file takes the place of the
-        logged one, so that nothing contradicts the model: as after a user has looked at the refusal and gone on.
+    left : share of what the model does not explain that stays in the torque. With little or none nothing contradicts
+        the model: as after a user has looked at a refusal and gone on.
 
     Raises
     ------
@@ -46,20 +46,19 @@ def survey_of(cell: Cell, checked: bool = True) -> Survey:
     model = TorqueModel(nominal_robot(cell))
     moving = np.flatnonzero(~cell.still & (cell.missing < 0))[:FIRST]
     signals = list(signals_of(cell, moving))
-    if not checked:
-        signals = [_as_modelled(s, model) for s in signals]
+    if left < 1:
+        signals = [_as_modelled(s, model, left) for s in signals]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "first.parquet"
         write_log(path, columns_of(cell, signals))
         return survey_log(str(path), layout_of({}, model.robot.joint_names), model, WINDOW)
 
 
-def _as_modelled(signals: Signals, model: TorqueModel) -> Signals:
+def _as_modelled(signals: Signals, model: TorqueModel, left: float) -> Signals:
     program, s = signals.job.program, signals.override[:, None, None]
     path = [at_phase(x, signals.phase) for x in (program.position, program.velocity, program.acceleration)]
     torque = model(path[0], s * path[1], s**2 * path[2]).total
-    # What no model explains stays: the survey needs it to tell how long the noise remembers.
-    return replace(signals, torque=torque + 0.02 * (signals.torque - signals.torque.mean(axis=1, keepdims=True)))
+    return replace(signals, torque=torque + left * (signals.torque - signals.torque.mean(axis=1, keepdims=True)))
 
 
 def nominal_robot(cell: Cell) -> Robot:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 #: Robot-months of the reported figures, and how many share a job.
-REPORTED, TOGETHER = 200, 20
+REPORTED, TOGETHER = 60, 20
 #: Stated rates [false alarms per 1,000 h].
 RATES = (0.3, 1.0, 3.0)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from jointwear.files.text_files import replace_text
 from jointwear.statistics.intervals import counted_share
+from jointwear.studies.shop_floor.aims import aims
 from jointwear.studies.shop_floor.judging import outcome
 from jointwear.studies.shop_floor.kept import kept_robot, simulate_robots
 from jointwear.studies.shop_floor.plan import RATES, robots_of
@@ -44,10 +45,13 @@ def summarise(
         :func:`jointwear.studies.monitor_study.grid_judgement.judge_grid`.
     """
     facts = [fact for path in outcomes for fact in json.loads(Path(path).read_text(encoding="utf-8"))]
+    rates = sorted({f["rate"] for f in facts})
+    scores = [summary([f for f in facts if f["rate"] == rate]) for rate in rates]
     chapter = {
-        "rates": [summary([f for f in facts if f["rate"] == rate]) for rate in RATES],
-        "curves": [{"rate": rate, **curve([f for f in facts if f["rate"] == rate])} for rate in RATES],
-        "refused": sum(bool(f["refused"]) for f in facts if f["rate"] == RATES[0]),
+        "rates": scores,
+        "aims": aims(scores),
+        "curves": [{"rate": rate, **curve([f for f in facts if f["rate"] == rate])} for rate in rates],
+        "refused": sum(bool(f["refused"]) for f in facts if f["rate"] == rates[0]),
         "before": json.loads(Path(before).read_text(encoding="utf-8")),
         "grid": _grid({task: json.loads(Path(path).read_text(encoding="utf-8")) for task, path in grid.items()}),
     }

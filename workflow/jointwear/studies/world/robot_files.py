@@ -40,6 +40,8 @@ def write_robot(folder: Path, name: str, chain: Chain, drives: DriveNumbers, gea
             }
         )
     content = {"name": name, "gravity": [0.0, 0.0, -9.81], "urdf": f"{name}.urdf", "joints": joints}
+    # Numbers that are known imperfectly need not be those of bodies.
+    content["inertia_check"] = "none"
     # JSON is YAML.
     replace_text(folder / f"{name}.yaml", json.dumps(content, indent=1) + "\n")
     return load_robot(folder / f"{name}.yaml")

@@ -1,0 +1,68 @@
+"""CSV logs as loggers of plants write them: read, or refused with the key that mends it."""
+
+import numpy as np
+import pytest
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.formats import layout_of, read_log
+
+HEADER = ["time", "position_1", "torque_1"]
+
+
+def one(path, **entry):
+    """The samples of a log of one joint."""
+    return next(iter(read_log(path, layout_of(entry, ["joint_1"]))))
+
+
+def write(path, lines, encoding="utf-8"):
+    path.write_bytes("\n".join(lines).encode(encoding))
+    return path
+
+
+def test_preamble_units_row_decimal_commas_and_code_page(tmp_path):
+    lines = ["Roboter: Zelle 3 für Türen", "Export 12", "time;position_1;torque_1", "ms;degree;Nm"]
+    lines += ["0;90;1", "20;180,5;-1,25"]
+    chunk = one(write(tmp_path / "a.csv", lines, "cp1252"))
+    assert np.allclose(chunk.time, [0.0, 0.02])
+    assert np.allclose(chunk.position[:, 0], np.radians([90, 180.5]))
+    assert np.allclose(chunk.torque[:, 0], [1.0, -1.25])
+
+
+@pytest.mark.parametrize(
+    ("stamp", "entry"),
+    [
+        ("2026-01-15 06:00:00,250", {}),
+        ("15.01.2026 06:00:00.250", {}),
+        ("2026-01-15T07:00:00.250+01:00", {}),
+        ("2026-01-15 07:00:00.250", {"time_zone": "Europe/Berlin"}),
+        ("1768456800250", {}),
+        ("1768456800250000000", {}),
+    ],
+)
+def test_times_in_many_spellings(tmp_path, stamp, entry):
+    lines = [";".join(HEADER), f"{stamp};0.1;1.0", f"{stamp};0.2;1.0"]
+    chunk = one(write(tmp_path / "a.csv", lines), **entry)
+    assert chunk.dated
+    assert chunk.time[0] == pytest.approx(1768456800.25, abs=1e-3)
+
+
+def test_currents_need_a_torque_constant(tmp_path):
+    path = write(tmp_path / "a.csv", [",".join(HEADER), "s,rad,A", "0,0.1,2.0", "1,0.2,-9999"])
+    with pytest.raises(InputError, match="'torque_constant' in N m/A"):
+        one(path)
+    chunk = one(path, torque_constant=[10.0], scale=0.5, sign=[-1])
+    assert chunk.torque[0, 0] == pytest.approx(-10.0)
+    assert chunk.position[0, 0] == pytest.approx(-0.1)
+
+
+def test_what_stands_for_a_missing_value_is_missing(tmp_path):
+    chunk = one(write(tmp_path / "a.csv", [",".join(HEADER), "0,0.1,-9999", "1,0.2,3"]))
+    assert np.isnan(chunk.torque[0, 0])
+    assert chunk.torque[1, 0] == 3.0
+
+
+def test_shares_of_a_rating_and_decimal_commas_between_commas_are_refused(tmp_path):
+    with pytest.raises(InputError, match="'scale' the torque in N m"):
+        one(write(tmp_path / "a.csv", [",".join(HEADER), "s,rad,%", "0,0.1,2.0"]))
+    with pytest.raises(InputError, match="are its decimals commas"):
+        one(write(tmp_path / "b.csv", [",".join(HEADER), "0,0,1,2,0", "1,0,2,2,0"]))

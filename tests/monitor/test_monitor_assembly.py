@@ -1,0 +1,27 @@
+"""Logs of one robot put together."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.monitor.assembly import Piece, assemble
+from jointwear.monitor.windows import blank_statistics
+
+
+def piece(log: str, hour: int) -> Piece:
+    statistics = blank_statistics(3600.0 * np.arange(hour, hour + 2), 3600.0, np.ones(2), dated=True)
+    statistics.count[:], statistics.samples[:] = 50, 60
+    statistics.square[:] = 1.0 + hour
+    return Piece(log, statistics, 3600.0 * hour, 3600.0 * (hour + 2) - 1)
+
+
+def test_a_log_that_is_there_twice_counts_once_and_says_so():
+    history = assemble([piece("a.csv", 0), piece("b.csv", 2), replace(piece("a.csv", 0), log="copy/a.parquet")])
+    assert history.statistics.windows == 4
+    assert (history.statistics.samples == 60).all()
+    assert history.pieces[2].refused == ("copy/a.parquet: holds the same samples as a.csv; it counts once",)
+
+
+def test_logs_of_one_hour_that_differ_add_up():
+    history = assemble([piece("a.csv", 0), replace(piece("b.csv", 0), last=7000.0)])
+    assert (history.statistics.samples == 120).all()

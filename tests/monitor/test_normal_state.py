@@ -1,0 +1,134 @@
+"""The parts of the decision: shifts, normal state, dispersion, threshold, forecast, baseline, programs."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jointwear.monitor.decision import shift_evidence
+from jointwear.monitor.dispersion import FLOOR, START, ShiftMeans, between_shifts
+from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state
+from jointwear.monitor.null_runs import Axis, null_threshold
+from jointwear.monitor.regimes import find_regimes
+from jointwear.monitor.shared_error import shared_error
+from jointwear.monitor.shift_forecast import forecast_shifts
+from jointwear.monitor.shifts import shift_labels
+from jointwear.monitor.warm_up import warm_up_state
+
+HOUR = 3600.0
+
+
+def windows(days: int, first: int = 6, length: int = 8) -> np.ndarray:
+    return HOUR * np.concatenate([24.0 * d + first + np.arange(length) for d in range(days)])
+
+
+def test_pauses_end_shifts_and_a_robot_that_never_stops_is_cut_into_parts():
+    start = windows(5)
+    label = shift_labels(start, start + HOUR, np.ones(len(start), dtype=bool))
+    assert np.array_equal(label, np.repeat(np.arange(5), 8))
+    start = HOUR * np.arange(240.0)
+    label = shift_labels(start, start + HOUR, start < 48 * HOUR)
+    assert (np.bincount(label) == 8).all()
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(1, 60))
+def test_a_later_window_moves_no_shift(more):
+    start = HOUR * np.arange(100.0 + more)
+    base = start < 48 * HOUR
+    assert np.array_equal(
+        shift_labels(start[:100], start[:100] + HOUR, base[:100]), shift_labels(start, start + HOUR, base)[:100]
+    )
+
+
+def test_left_out_residuals_are_those_of_a_fit_without_the_shift():
+    random = np.random.default_rng(1)
+    shift = np.repeat(np.arange(6), 10)
+    x = np.stack([np.ones(60), random.standard_normal(60)], axis=1)
+    y = x @ [0.3, 0.1] + 0.01 * random.standard_normal(60)
+    noise, prior = Noise(np.full(60, 1e-4), 0.0, 1e-5), Posterior(np.zeros(2), np.eye(2))
+    whole = fit_normal_state(x, y, noise, shift, prior)
+    assert whole.posterior.mean == pytest.approx([0.3, 0.1], abs=0.01)
+    rest = fit_normal_state(x, np.where(shift == 2, np.nan, y), noise, shift, prior)
+    expected = y[shift == 2] - x[shift == 2] @ rest.posterior.mean
+    assert whole.left_out[shift == 2] == pytest.approx(expected, abs=2e-3)
+
+
+def test_an_odd_day_of_the_baseline_does_not_rule_it():
+    shift = np.repeat(np.arange(8), 8)
+    y = 0.002 * np.random.default_rng(2).standard_normal(64) + 0.2 * (shift == 3)
+    fit = fit_normal_state(
+        np.ones((64, 1)), y, Noise(np.full(64, 1e-5), 0.0, 2.5e-5), shift, Posterior(np.zeros(1), np.eye(1))
+    )
+    assert abs(fit.posterior.mean[0]) < 0.006
+
+
+def test_scatter_between_shifts_has_a_floor_and_is_found():
+    random = np.random.default_rng(3)
+    quiet = [ShiftMeans(np.zeros(6), np.full(6, 1e-8)) for _ in range(3)]
+    assert all(FLOOR <= b < 2 * FLOOR for b, _ in between_shifts(quiet))
+    wide = [ShiftMeans(0.05 * random.standard_normal(12), np.full(12, 1e-6)) for _ in range(3)]
+    assert all(0.03 < b < 0.09 for b, _ in between_shifts(wide))
+
+
+def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
+    axis = Axis(0.006, 0.2, 0.003, 0.002, 8)
+    assert null_threshold(axis, 1e-4) > null_threshold(axis, 1e-3)
+    assert null_threshold(Axis(0.006, 0.6, 0.003, 0.002, 8), 1e-4) > null_threshold(axis, 1e-4)
+
+
+def evidence(level: np.ndarray):
+    shift = np.repeat(np.arange(len(level)), 8)
+    w = len(shift)
+    return shift_evidence(
+        np.repeat(level, 8), np.full(w, 1e-5), np.ones((w, 1)), np.full((1, 1), 1e-6), shift, START, np.zeros(w)
+    )
+
+
+def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
+    assert evidence(np.array([0, 0, 0.04, 0.04])).growth[-1] > 2
+    assert np.isneginf(evidence(np.array([0, 0, 0, 0.025])).growth[-1])
+    fall = evidence(np.array([0, 0, -0.04, -0.04]))
+    assert np.isneginf(fall.growth[-1])
+    assert fall.fall[-1] > 2
+    # A large step is told at its eighth window.
+    step = evidence(np.array([0, 0, 0, 0.1])).growth
+    assert np.isfinite(step[-1])
+    assert np.isneginf(step[-2])
+
+
+def test_one_worn_axis_is_no_shared_error():
+    worn = np.zeros((100, 6))
+    worn[50:, 2] = 0.1
+    result = shared_error(worn, np.full((100, 6), 1e-4), np.arange(100) < 40, np.arange(100) // 10)
+    assert np.abs(result.value[:, 2]).max() < 1e-3
+    assert np.abs(result.value).max() < 0.01
+
+
+def test_warm_up_rises_in_operation_and_falls_at_rest():
+    start = windows(2)
+    state = warm_up_state(start, start + HOUR, np.ones((16, 1)), 2.0)[:, 0]
+    assert (np.diff(state[:8]) > 0).all()
+    assert state[8] < state[7]
+    assert state.max() < 1.0
+
+
+def test_programs_are_told_apart_and_an_unseen_one_is_said_so():
+    first, second, third = np.zeros(6), np.full(6, 1.0), np.full(6, -1.0)
+    signature = np.stack([*[first] * 10, *[second] * 10, *[third] * 3])
+    regime = find_regimes(signature, np.arange(23) < 20)
+    assert len(set(regime[:20])) == 2
+    assert (regime[20:] == -1).all()
+    mixed = np.random.default_rng(4).uniform(-3, 3, (20, 6))
+    assert find_regimes(mixed, np.ones(20, dtype=bool)) is None
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.002, 0.01), st.integers(4, 8))
+def test_forecasts_of_steady_growth_hold_and_do_not_promise_an_end_too_soon(daily, days):
+    time = 24.0 * np.arange(1, days + 1)
+    growth = daily * np.arange(1, days + 1)
+    told = forecast_shifts(time, growth, np.full(days, 1e-6), 0.2, shared=1e-3, start=0.0, now=time[-1])
+    true = (0.2 / daily - days) * 24
+    assert told.low <= true <= told.high
+    assert told.low <= told.hours <= told.high
