@@ -35,7 +35,6 @@ from jointwear.studies.recovery.least_squares import minimise
 from jointwear.studies.recovery.plan import ALIKE, NOTHING, candidate_names
 from jointwear.studies.recovery.prediction import agreement
 from jointwear.studies.recovery.problem import Problem, Settings, pauses_at_instants
-from jointwear.studies.recovery.robust import pseudo_huber
 from jointwear.studies.recovery.sample_statistics import coefficient_of_variation, expected_maximum, maximum_spread
 from jointwear.studies.recovery.sampled_motion import INSTANTS, INTERVAL, progress, states
 from jointwear.studies.recovery.sampled_torque import RigidBodyParts
@@ -168,13 +167,6 @@ def test_many_starts_descend_to_the_same_minimum():
     found = minimise(residuals, both, np.random.default_rng(5).uniform(-2, 2, (8, 2)), 300)
     np.testing.assert_allclose(found.point, 1.0, atol=1e-5)
     assert found.converged.all()
-
-
-def test_pseudo_huber_is_square_for_small_and_linear_for_large():
-    root, slope = pseudo_huber(np.array([1e-6, 1e4]), 2.0)
-    assert root[0] == pytest.approx(1e-6)
-    assert slope[0] == pytest.approx(1.0)
-    assert 0.5 * root[1] ** 2 == pytest.approx(2.0 * 1e4 - 4.0, rel=1e-3)
 
 
 def test_static_bound_and_search_agree_and_tables_lie_beyond(robot, tables):
