@@ -31,7 +31,7 @@ from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch, improve
 from jointwear.studies.joint_fit.posterior import nearest, score
 from jointwear.studies.joint_fit.records import read_experiments, write_experiments
 from jointwear.studies.multiverse.evaluation import Analysis, evaluate
-from jointwear.studies.multiverse.shared_torque import Experiment
+from jointwear.studies.multiverse.shared_torque import SharedExperiment
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = Plan(
@@ -135,7 +135,7 @@ def test_detections_are_those_of_the_engine_with_all_noise(unloaded, experiment,
     full = evaluate(
         [full_reading(experiment, base)],
         replace(poses, tasks=poses.tasks[:2]),
-        Experiment(5, replicates),
+        SharedExperiment(5, replicates),
         Analysis(),
     )
     for t in range(2):

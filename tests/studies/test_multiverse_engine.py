@@ -25,10 +25,10 @@ from jointwear.studies.multiverse.evaluation import Analysis, evaluate
 from jointwear.studies.multiverse.naive import measure_sharing
 from jointwear.studies.multiverse.pose_sets import PoseSet
 from jointwear.studies.multiverse.shared_features import as_histogram, count_bins, count_task, divergences
-from jointwear.studies.multiverse.shared_torque import Experiment, SharedTask, cell_offset
+from jointwear.studies.multiverse.shared_torque import SharedExperiment, SharedTask, cell_offset
 
 DEFAULT = default_reading({a.name: a.default for a in ambiguities().values()}, 1.5, 5)
-SMALL = Experiment(seed=3, replicates=2, wear_hours=24, normal_hours=30)
+SMALL = SharedExperiment(seed=3, replicates=2, wear_hours=24, normal_hours=30)
 
 
 @pytest.fixture(scope="module")
@@ -151,7 +151,7 @@ def test_a_series_constant_in_training_can_be_left_out():
 def test_one_reading_alone_and_among_others_and_through_the_workflow(dynamics, task, change):
     """Onset and source are those of features, normal model, detection and location on the same torque."""
     reading = {**DEFAULT, **change, "components": "three"}
-    experiment = Experiment(seed=9, replicates=2, wear_hours=60, normal_hours=70)
+    experiment = SharedExperiment(seed=9, replicates=2, wear_hours=60, normal_hours=70)
     analysis = Analysis(axes=(1, 3, 6), increases=(20.0,))
     poses = PoseSet("here", dynamics, (task,))
     others = [{**DEFAULT, "wear_shape": 3.0}, {**reading, "consecutive_hours": 1}, {**DEFAULT, "torque_sign": "signed"}]

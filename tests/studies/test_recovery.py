@@ -30,11 +30,11 @@ from jointwear.studies.recovery.ensemble import (
     write_ensemble,
 )
 from jointwear.studies.recovery.export import export_experiment, typical_solution
-from jointwear.studies.recovery.fit import Fit, describe, extended, read_fit, write_fit
+from jointwear.studies.recovery.fit import ExplanationFit, describe, extended, read_fit, write_fit
 from jointwear.studies.recovery.least_squares import minimise
 from jointwear.studies.recovery.plan import ALIKE, NOTHING, candidate_names
 from jointwear.studies.recovery.prediction import agreement
-from jointwear.studies.recovery.problem import Problem, Settings, pauses_at_instants
+from jointwear.studies.recovery.problem import TableProblem, TableSettings, pauses_at_instants
 from jointwear.studies.recovery.sample_statistics import coefficient_of_variation, expected_maximum, maximum_spread
 from jointwear.studies.recovery.sampled_motion import INSTANTS, INTERVAL, progress, states
 from jointwear.studies.recovery.sampled_torque import RigidBodyParts
@@ -143,7 +143,7 @@ class _States:
     "name", ["payload+gravity_scale", "torque_constant_error+faster_segments", "coulomb_scale+motor_inertia_scale"]
 )
 def test_jacobian(robot, tables, name):
-    problem = Problem(robot, tables, candidate(name), Settings())
+    problem = TableProblem(robot, tables, candidate(name), TableSettings())
     u = problem.random_start(np.random.default_rng(4), 2)
     residual, jacobian = problem.residuals_and_jacobian(u)
     np.testing.assert_allclose(residual, problem.residuals(u), atol=1e-9)
@@ -200,7 +200,7 @@ def _fit(name, cost, parameters, tables):
     t, n, _c = tables.maximum.shape
     p = len(candidate(name).parameters)
     pose = np.zeros((t, n))
-    return Fit(
+    return ExplanationFit(
         name, pose, pose, np.zeros(t), np.full(t, 30.0), 1.5, np.ones(p), np.full(p, 0.1), tables.maximum,
         tables.variation, cost, 72, parameters, np.array([cost]),
     )  # fmt: skip
@@ -279,7 +279,7 @@ def test_a_fit_survives_its_file(tables, tmp_path):
 
 
 def test_frozen_payload_gives_the_same_residuals(robot, tables):
-    problem = Problem(robot, tables, candidate("payload"), Settings())
+    problem = TableProblem(robot, tables, candidate("payload"), TableSettings())
     point = problem.random_start(np.random.default_rng(7), 1)[0]
     cost = problem.cost_by_task(point[None])[0]
     for task, columns in enumerate(problem.columns_by_task):
@@ -288,27 +288,27 @@ def test_frozen_payload_gives_the_same_residuals(robot, tables):
 
 
 def test_the_truth_of_a_synthetic_case_fits_its_tables(robot, tables):
-    case = synthetic_case(robot, tables, "payload", Settings(), np.random.default_rng(8))
+    case = synthetic_case(robot, tables, "payload", TableSettings(), np.random.default_rng(8))
     assert 1 <= case.truth[0] <= 4
     assert case.tables.at_rest.tolist() == tables.at_rest.tolist()
-    problem = Problem(robot, case.tables, candidate(NOTHING), Settings())
+    problem = TableProblem(robot, case.tables, candidate(NOTHING), TableSettings())
     fit = describe(problem, problem.random_start(np.random.default_rng(9), 1)[0], np.zeros(1))
     assert fit.data == 70
     assert fit.variance > 1
 
 
 def test_a_free_vector_survives_split_and_join(robot, tables):
-    problem = Problem(robot, tables, candidate("payload"), Settings())
+    problem = TableProblem(robot, tables, candidate("payload"), TableSettings())
     point = 0.9 * problem.random_start(np.random.default_rng(10), 1)
     parts = [value[0] for value in problem.split(problem.physical(point))]
     np.testing.assert_allclose(problem.join(*parts), point[0], atol=1e-9)
 
 
 def test_a_pair_is_never_worse_than_its_parts(robot, tables):
-    problem = Problem(robot, tables, candidate("gravity_scale"), Settings())
+    problem = TableProblem(robot, tables, candidate("gravity_scale"), TableSettings())
     point = problem.random_start(np.random.default_rng(11), 1)[0]
     single = describe(problem, point, np.zeros(1))
-    pair = extended(robot, tables, candidate("payload+gravity_scale"), Settings(), 3, single)
+    pair = extended(robot, tables, candidate("payload+gravity_scale"), TableSettings(), 3, single)
     assert pair.cost <= single.cost
     assert pair.parameters == single.parameters + 4
 

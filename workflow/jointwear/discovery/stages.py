@@ -14,7 +14,7 @@ from jointwear.discovery.candidates import scan
 from jointwear.discovery.experiment import Experiment as Motion
 from jointwear.discovery.pipeline import MODELS, Discovery, discover
 from jointwear.discovery.settings import settings_of
-from jointwear.discovery.verdict import Experiment, Verdict
+from jointwear.discovery.verdict import NextExperiment, Verdict
 from jointwear.effects import check_effects
 from jointwear.files import provenance
 from jointwear.files.errors import InputError
@@ -89,7 +89,9 @@ def complete_verdict(found: Discovery, next_experiment: str | Path) -> Verdict:
     motion: Motion | None = found.experiment
     purpose = None
     if motion is not None:
-        purpose = Experiment(motion.pair, motion.axis + 1, six_digits(motion.share_now), six_digits(motion.share_then))
+        purpose = NextExperiment(
+            motion.pair, motion.axis + 1, six_digits(motion.share_now), six_digits(motion.share_then)
+        )
     return replace(
         found.content,
         next_experiment=None if motion is None else str(next_experiment),

@@ -158,7 +158,7 @@ class FallBack:
 
 
 @dataclass(frozen=True)
-class Experiment:
+class NextExperiment:
     """What the next experiment would separate: shares of the first effect that the second cannot imitate."""
 
     effects: tuple[str, str]
@@ -194,7 +194,7 @@ class Verdict:
     misfits: tuple[str, ...]
     restrictions: tuple[str, ...]
     next_experiment: str | None = None
-    next_experiment_purpose: Experiment | None = None
+    next_experiment_purpose: NextExperiment | None = None
     free_identification: tuple[float | None, ...] = ()
     filter_cutoff_hz: tuple[float | None, ...] = ()
 

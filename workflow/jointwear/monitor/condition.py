@@ -12,7 +12,7 @@ from jointwear.monitor.advice import advice
 from jointwear.monitor.episodes import Episode, episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.judge import CHANGED, DEFAULT_LIMIT, DETECTORS, HEALTHY, UNJUDGED
-from jointwear.monitor.state import State
+from jointwear.monitor.state import RobotState
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
 UNRESOLVED = "unresolved alarm"
@@ -74,18 +74,18 @@ class AxisCondition:
         return self.level == CHANGED and (known or self.growth >= self.limit)
 
 
-def axis_conditions(state: State) -> list[AxisCondition]:
+def axis_conditions(state: RobotState) -> list[AxisCondition]:
     """Return the condition of every axis."""
     found = episodes_of(state.alarms, events_of(state.entry))
     return [_condition(state, j, found) for j in range(state.axes)]
 
 
-def robot_episodes(state: State) -> list[Episode]:
+def robot_episodes(state: RobotState) -> list[Episode]:
     """Return the episodes that concern the robot as a whole."""
     return [e for e in episodes_of(state.alarms, events_of(state.entry)) if e.axis is None]
 
 
-def _condition(state: State, j: int, found: list[Episode]) -> AxisCondition:
+def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition:
     own = [e for e in found if e.axis == j + 1]
     open_ones = tuple(e for e in own if e.resolved is None)
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
@@ -107,13 +107,13 @@ def _condition(state: State, j: int, found: list[Episode]) -> AxisCondition:
     )
 
 
-def now_windows(state: State) -> np.ndarray:
+def now_windows(state: RobotState) -> np.ndarray:
     """Return the indices of the windows that count as now."""
     recent = np.flatnonzero(state.end > state.end[-1] - NOW)
     return recent if len(recent) >= FEWEST_NOW else np.arange(max(0, len(state.end) - FEWEST_NOW), len(state.end))
 
 
-def latest(state: State, name: str, j: int) -> tuple[float, float]:
+def latest(state: RobotState, name: str, j: int) -> tuple[float, float]:
     """Return an estimate of a 0-based axis over the windows of now, weighted, and its standard deviation."""
     if name not in state.estimates:
         return math.nan, math.nan
@@ -127,7 +127,7 @@ def latest(state: State, name: str, j: int) -> tuple[float, float]:
     return float(np.average(value[good], weights=weight)), float(1 / np.sqrt(weight.sum()))
 
 
-def _outlook(state: State, j: int) -> Outlook | None:
+def _outlook(state: RobotState, j: int) -> Outlook | None:
     """The forecast as of the newest judged window, None where none is due."""
     stored = state.hours_to_limit[j]
     return None if np.isnan(stored).all() else Outlook(*(float(h) for h in stored))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from jointwear.monitor.judge import CHANGED, UNJUDGED
-from jointwear.monitor.state import State
+from jointwear.monitor.state import RobotState
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
 
@@ -19,7 +19,7 @@ MOST_POINTS = 360
 FEW_POINTS = 40
 
 
-def _time_axis(state: State, zone: tzinfo) -> tuple[np.ndarray, str]:
+def _time_axis(state: RobotState, zone: tzinfo) -> tuple[np.ndarray, str]:
     """Return where the windows are on the axis of time, and its label."""
     middle = (state.start + state.end) / 2
     if state.dated:
@@ -40,7 +40,7 @@ def _thin(values: np.ndarray, std: np.ndarray, groups: list[np.ndarray]) -> tupl
     return mean, error
 
 
-def draw_timeline(state: State, name: str, output: str | Path, zone: tzinfo = UTC) -> None:
+def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo = UTC) -> None:
     """Draw an estimate of every axis over time in `zone`, with two standard deviations, baseline and alarms."""
     values, std, unit = state.estimates[name]
     time, label = _time_axis(state, zone)
@@ -75,7 +75,7 @@ def draw_timeline(state: State, name: str, output: str | Path, zone: tzinfo = UT
     save(figure, output, title, f"{title}; {'; '.join(told)}.")
 
 
-def _told(state: State, j: int, mean: np.ndarray) -> str:
+def _told(state: RobotState, j: int, mean: np.ndarray) -> str:
     known = mean[np.isfinite(mean)]
     if not len(known):
         return f"axis {j + 1} cannot be judged"
@@ -91,7 +91,7 @@ def _date_labels(axes, zone: tzinfo) -> None:
     axes.xaxis.set_major_formatter(ConciseDateFormatter(locator, tz=zone))
 
 
-def draw_temperature(state: State, name: str, axes_shown: Sequence[int], output: str | Path) -> None:
+def draw_temperature(state: RobotState, name: str, axes_shown: Sequence[int], output: str | Path) -> None:
     """Draw an estimate over temperature for some 0-based axes."""
     values, std, unit = state.estimates[name]
     columns = min(len(axes_shown), 3)

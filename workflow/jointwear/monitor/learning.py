@@ -9,7 +9,7 @@ import numpy as np
 
 from jointwear.monitor.conditions import Conditions, Design, design_of
 from jointwear.monitor.dispersion import START, Dispersion, between_shifts, shift_means, within_shifts
-from jointwear.monitor.normal_state import Fit, Posterior, fit_normal_state
+from jointwear.monitor.normal_state import NormalFit, Posterior, fit_normal_state
 from jointwear.monitor.series import Series
 from jointwear.monitor.warm_up import DRIVES, TIMES, warm_up_state
 from jointwear.statistics.known import known_median
@@ -31,7 +31,7 @@ class AxisNormal:
     series_value: np.ndarray
     series_variance: np.ndarray
     design: Design
-    fit: Fit
+    fit: NormalFit
     dispersion: Dispersion
     to_coulomb: float
     unit: float
@@ -150,7 +150,7 @@ def _scatter(axis: AxisNormal) -> float:
     return axis.to_coulomb * float(np.nanmean(np.abs(axis.fit.left_out)))
 
 
-def relearnt(axis: AxisNormal, learnt: np.ndarray, shift: np.ndarray, prior: Posterior) -> Fit:
+def relearnt(axis: AxisNormal, learnt: np.ndarray, shift: np.ndarray, prior: Posterior) -> NormalFit:
     """Return the fit of windows `learnt` (w,) after a service, from a widened posterior."""
     value = np.where(learnt, axis.series_value, np.nan)
     return fit_normal_state(axis.design.matrix, value, axis.dispersion.noise(axis.series_variance), shift, prior)

@@ -31,7 +31,7 @@ class Posterior:
 
 
 @dataclass(frozen=True)
-class Fit:
+class NormalFit:
     """A posterior and what it says of windows that it did not see.
 
     `left_out` (w,): value less the prediction from all *other* shifts; `left_out_variance` (w,): of that prediction.
@@ -54,7 +54,9 @@ class Noise:
     between: float
 
 
-def fit_normal_state(design: np.ndarray, value: np.ndarray, noise: Noise, shift: np.ndarray, prior: Posterior) -> Fit:
+def fit_normal_state(
+    design: np.ndarray, value: np.ndarray, noise: Noise, shift: np.ndarray, prior: Posterior
+) -> NormalFit:
     """Fit windows (w,), those that are not finite left out.
 
     Parameters
@@ -100,7 +102,7 @@ def fit_normal_state(design: np.ndarray, value: np.ndarray, noise: Noise, shift:
     left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
     left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
     left_variance[used] = np.einsum("wp,wpq,wq->w", x, left_covariance[place], x)
-    return Fit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
+    return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
 
 
 def _inverse(matrix: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from jointwear.monitor.episodes import Episode
 from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.standing import standing
-from jointwear.monitor.state import State, read_state
+from jointwear.monitor.state import RobotState, read_state
 from jointwear.monitor.summaries import axis_summary, headline, name_axes, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
 from jointwear.monitor.words import todo
@@ -34,7 +34,7 @@ TIMELINES = {
 LISTED = 30
 
 
-def alarm_rows(state: State, episode: Episode, zone: tzinfo) -> list[dict[str, Any]]:
+def alarm_rows(state: RobotState, episode: Episode, zone: tzinfo) -> list[dict[str, Any]]:
     """Return the alarms of an episode, the newest first, with their times in words and how sure the axis is."""
     rows = []
     for alarm in reversed(episode.alarms[-LISTED:]):
@@ -44,7 +44,7 @@ def alarm_rows(state: State, episode: Episode, zone: tzinfo) -> list[dict[str, A
     return rows
 
 
-def story(state: State, episode: Episode, zone: tzinfo) -> dict[str, Any]:
+def story(state: RobotState, episode: Episode, zone: tzinfo) -> dict[str, Any]:
     """Return what the page says of an episode."""
     event = episode.resolved
     resolved = "" if event is None else f"{event.kind} {when(state, event.time, zone)}"
@@ -64,7 +64,7 @@ def story(state: State, episode: Episode, zone: tzinfo) -> dict[str, Any]:
     }
 
 
-def finding_rows(row: dict[str, Any], state: State, zone: tzinfo) -> list[dict[str, Any]]:
+def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
     """Return what else was found, the newest first."""
     found = sorted(row["findings"], key=lambda f: -(f.get("time") or 0.0))
     return [
@@ -77,14 +77,14 @@ def finding_rows(row: dict[str, Any], state: State, zone: tzinfo) -> list[dict[s
     ]
 
 
-def temperature_rows(state: State) -> list[dict[str, Any]]:
+def temperature_rows(state: RobotState) -> list[dict[str, Any]]:
     """Return for every axis how much of the change of its friction goes with temperature, where that is known."""
     values, std, _ = state.estimates["friction"]
     shares = [temperature_share(values[:, j], std[:, j], state.temperature[:, j]) for j in range(state.axes)]
     return [{"axis": j + 1, "share": share} for j, share in enumerate(shares) if share is not None]
 
 
-def log_rows(state: State, zone: tzinfo) -> list[dict[str, Any]]:
+def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
     """Return every log with its first and last sample in words, and why it was refused."""
     return [
         {

@@ -10,7 +10,7 @@ from jointwear.files.json_values import as_json, six_digits
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.condition import CHANGED, UNJUDGED, AxisCondition, axis_conditions, robot_episodes, urgency
 from jointwear.monitor.episodes import Episode
-from jointwear.monitor.state import State
+from jointwear.monitor.state import RobotState
 
 #: What a robot without a judgement has.
 NOTHING: dict[str, Any] = {
@@ -22,7 +22,7 @@ NOTHING: dict[str, Any] = {
 TOLD_REFUSALS = 3
 
 
-def standing(state: State) -> dict[str, Any]:
+def standing(state: RobotState) -> dict[str, Any]:
     """Return what the fleet needs to know of a judged robot; `axes` in order of urgency first."""
     conditions = axis_conditions(state)
     first = urgency(conditions)
@@ -49,7 +49,7 @@ def standing(state: State) -> dict[str, Any]:
     }
 
 
-def _unjudged_logs(state: State, blind: np.ndarray) -> int:
+def _unjudged_logs(state: RobotState, blind: np.ndarray) -> int:
     """Number of logs that were read and of which no window of any axis could be judged."""
     begin = np.searchsorted(state.end, state.first, side="right")
     end = np.searchsorted(state.start, state.last, side="right")
@@ -58,7 +58,7 @@ def _unjudged_logs(state: State, blind: np.ndarray) -> int:
     return int(sum(seen[b] == seen[a] for a, b in zip(begin[read], end[read], strict=True)))
 
 
-def _rhythm(state: State) -> float | None:
+def _rhythm(state: RobotState) -> float | None:
     """Median time between the begins of logs [h], None of a single log."""
     begins = np.unique(state.first[np.isfinite(state.first)])
     return float(np.median(np.diff(begins))) / 3600 if len(begins) > 1 else None

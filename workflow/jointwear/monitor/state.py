@@ -130,7 +130,7 @@ def estimates_of(judgement: Judgement) -> dict[str, tuple[np.ndarray, np.ndarray
 
 
 @dataclass(frozen=True)
-class State:
+class RobotState:
     """What :func:`write_state` wrote. Arrays (window, axis) unless stated; `estimates`: name -> (values, std, unit).
 
     `findings`: what is no alarm but must be told; `reason`: of :class:`~jointwear.monitor.records.Reason`;
@@ -173,7 +173,7 @@ class State:
         return not self.dated and float(self.end[-1] - self.start[0]) < 7200
 
 
-def read_state(path: str | Path) -> State:
+def read_state(path: str | Path) -> RobotState:
     """Read a state file."""
     with open_dataset(path) as dataset:
 
@@ -184,7 +184,7 @@ def read_state(path: str | Path) -> State:
         for name in dataset.variables:
             if f"{name}_std" in dataset.variables:
                 estimates[name] = (get(name), get(f"{name}_std"), str(dataset.variables[name].units))
-        return State(
+        return RobotState(
             name=str(dataset.monitored),
             robot=str(dataset.robot),
             joints=tuple(str(j) for j in get("joint")),

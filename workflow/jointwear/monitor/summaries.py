@@ -22,7 +22,7 @@ from jointwear.monitor.condition import (
 )
 from jointwear.monitor.local_time import log_time
 from jointwear.monitor.records import Reason
-from jointwear.monitor.state import State
+from jointwear.monitor.state import RobotState
 from jointwear.monitor.words import BADGES
 
 #: Estimates in words.
@@ -45,7 +45,9 @@ REASONS = {
 }
 
 
-def axis_summary(state: State, j: int, zone: tzinfo = UTC, condition: AxisCondition | None = None) -> dict[str, Any]:
+def axis_summary(
+    state: RobotState, j: int, zone: tzinfo = UTC, condition: AxisCondition | None = None
+) -> dict[str, Any]:
     """Return what the page says at a glance about a 0-based axis."""
     condition = condition or axis_conditions(state)[j]
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
@@ -67,7 +69,7 @@ def axis_summary(state: State, j: int, zone: tzinfo = UTC, condition: AxisCondit
     }
 
 
-def _latest(state: State, name: str, j: int) -> dict[str, Any]:
+def _latest(state: RobotState, name: str, j: int) -> dict[str, Any]:
     value, std = latest(state, name, j)
     return {
         "name": NAMES.get(name, name.replace("_", " ")),
@@ -78,7 +80,7 @@ def _latest(state: State, name: str, j: int) -> dict[str, Any]:
     }
 
 
-def why_unjudged(state: State, j: int, start: int = 0) -> str:
+def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     """Return in words why an axis could not be judged from window `start` on."""
     here = state.status[start:, j] == UNJUDGED
     if not here.any():
@@ -95,7 +97,7 @@ def why_unjudged(state: State, j: int, start: int = 0) -> str:
     return REASONS[main]
 
 
-def when(state: State, seconds: float, zone: tzinfo = UTC) -> str:
+def when(state: RobotState, seconds: float, zone: tzinfo = UTC) -> str:
     """Return a time of the logs as people read it."""
     return log_time(float(seconds), zone, state.dated, state.short)
 

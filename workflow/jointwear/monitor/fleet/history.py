@@ -12,7 +12,7 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.state import State
+from jointwear.monitor.state import RobotState
 
 #: Estimates that have a column each and one for the standard deviation; empty where a robot has none.
 ESTIMATES = ("coulomb_percent", "coulomb", "viscous", "friction", "backlash")
@@ -49,7 +49,7 @@ def _whole(path: Path):
         part.unlink(missing_ok=True)
 
 
-def write_history(path: str | Path, state: State, robot: str) -> None:
+def write_history(path: str | Path, state: RobotState, robot: str) -> None:
     """Write the windows of one robot; `robot` is its name in the config."""
     w, n = state.status.shape
     alarms = np.zeros((w, n), dtype=np.int32)

@@ -6,7 +6,7 @@ import numpy as np
 
 from jointwear.studies.challenge.scene import Scene, either, log_uniform
 from jointwear.studies.challenge.surroundings import REFERENCE_TEMPERATURE
-from jointwear.studies.challenge.world import Hidden, State, hidden_law
+from jointwear.studies.challenge.world import Hidden, PlantState, hidden_law
 
 
 def _mesh(rng: np.random.Generator, order: int):
@@ -135,7 +135,7 @@ def coupling(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
     def drag(speed: np.ndarray, rate: np.ndarray) -> np.ndarray:
         return level * np.sign(speed) + slope * speed + inertia * rate
 
-    def whole(state: State) -> np.ndarray:
+    def whole(state: PlantState) -> np.ndarray:
         v, a = state.velocity, state.acceleration
         result = np.zeros_like(v)
         both = drag(v[:, source] + ratio * v[:, axis], a[:, source] + ratio * a[:, axis])

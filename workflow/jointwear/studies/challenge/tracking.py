@@ -9,7 +9,7 @@ import numpy as np
 from jointwear.studies.challenge.arm import Arm
 from jointwear.studies.challenge.motion import Path, SampledPath
 from jointwear.studies.challenge.surroundings import Temperatures
-from jointwear.studies.challenge.world import State
+from jointwear.studies.challenge.world import PlantState
 
 #: Speed [rad/s] over which friction turns its sign in the loop; without it the integration would chatter.
 _SIGN_WIDTH = 4e-3
@@ -23,7 +23,7 @@ def track(
     heat: Temperatures,
     duration: float,
     bandwidth: float,
-    law: Callable[[State], np.ndarray] | None = None,
+    law: Callable[[PlantState], np.ndarray] | None = None,
     step: float = 1e-3,
     integral: bool = False,
 ) -> list[SampledPath]:
@@ -67,7 +67,7 @@ def track(
         level = np.where(speed > 0, positive, -negative)
         friction, slope = viscous * speed + level * turn, viscous + level * (1 - turn**2) / _SIGN_WIDTH
         if law is not None:
-            state = State(starts + clock[k], numbers, middle, speed, empty, warm[:, k], empty, empty)
+            state = PlantState(starts + clock[k], numbers, middle, speed, empty, warm[:, k], empty, empty)
             friction = friction + law(state) * np.abs(turn)
         # Linearly implicit in the friction: its slope near standstill is too steep for an explicit step.
         mass = arm.mass_matrix(middle) + step / 2 * slope[:, :, None] * np.eye(n)

@@ -13,7 +13,7 @@ from jointwear.studies.challenge.surroundings import Temperatures
 
 
 @dataclass(frozen=True)
-class State:
+class PlantState:
     """Instants of an arm with n joints; arrays (m, n), `time` [s] and `recording` (m,).
 
     `load` is the torque behind the gears, `torque` the motor torque on the joint side, both [N m].
@@ -39,7 +39,7 @@ class World:
     temperatures: Temperatures
     samples: int
     interval: float
-    state: State = field(repr=False)
+    state: PlantState = field(repr=False)
 
     @property
     def clock(self) -> np.ndarray:
@@ -63,7 +63,7 @@ def build_world(
     position, velocity, acceleration = (np.concatenate(x) for x in zip(*(p.at(clock) for p in paths), strict=True))
     recording = np.repeat(np.arange(len(paths)), samples)
     torque = [p.torque_at(clock) if isinstance(p, SampledPath) else None for p in paths]
-    state = State(
+    state = PlantState(
         time=np.concatenate([s + clock for s in starts]),
         recording=recording,
         position=position,
@@ -96,7 +96,7 @@ class Hidden:
     unit: str
     parameters: dict[str, float]
     term: Callable[[World], np.ndarray]
-    law: Callable[[State], np.ndarray] | None = None
+    law: Callable[[PlantState], np.ndarray] | None = None
     source: int | None = None
     also: tuple[int, ...] = ()
     electrical: bool = False
@@ -112,7 +112,7 @@ def on_axis(axis: int, values: np.ndarray, joints: int) -> np.ndarray:
 def hidden_law(name: str, axis: int, form: str, size: float, unit: str, parameters: dict, law, **more) -> Hidden:
     """Return a hidden effect on one axis from a function of the state that gives its torque (m,) [N m]."""
 
-    def whole(state: State) -> np.ndarray:
+    def whole(state: PlantState) -> np.ndarray:
         return on_axis(axis, law(state), state.position.shape[1])
 
     closed = more.pop("in_loop", True)

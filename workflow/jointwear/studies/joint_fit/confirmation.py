@@ -22,9 +22,9 @@ from jointwear.studies.multiverse.choice import median_hour
 from jointwear.studies.multiverse.dimensions import Reading
 from jointwear.studies.multiverse.evaluation import Analysis, Outcomes, evaluate
 from jointwear.studies.multiverse.pose_sets import PoseSet, with_payload
-from jointwear.studies.multiverse.shared_torque import Experiment
+from jointwear.studies.multiverse.shared_torque import SharedExperiment
 from jointwear.studies.recovery.candidates import candidate
-from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.sampled_motion import CYCLE, SEGMENT
 
 
@@ -89,11 +89,11 @@ def torque_tables(
     ]
     maximum, variation = [], []
     for growth in growths:
-        problem = Problem(
+        problem = TableProblem(
             robot,
             tables,
             candidate("payload"),
-            Settings(),
+            TableSettings(),
             growth=growth,
             growth_spread=np.zeros_like(growth),
         )
@@ -195,7 +195,7 @@ def confirm(
     experiment: JointExperiment,
     paper: Paper,
     base: Mapping[str, str],
-    settings: Experiment,
+    settings: SharedExperiment,
     analysis: Analysis,
     name: str,
 ) -> Confirmed:

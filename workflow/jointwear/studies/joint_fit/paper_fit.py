@@ -16,7 +16,7 @@ from jointwear.studies.joint_fit.levels import Noise
 from jointwear.studies.joint_fit.noise_bank import draw_bank
 from jointwear.studies.joint_fit.paper import LAG_RUN, LAG_TASK, Paper
 from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch, TaskFit, improve
-from jointwear.studies.recovery.problem import Settings
+from jointwear.studies.recovery.problem import TableSettings
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class PaperFit:
         ]
         evidence = ArmEvidence(self.task, [np.concatenate([u[t] for u in found]) for t in range(count)], plan.descent)
         start = max(first, key=evidence)
-        arms, value = walk(evidence, start, random, plan.walk, plan.step, Settings().shape_range)
+        arms, value = walk(evidence, start, random, plan.walk, plan.step, TableSettings().shape_range)
         order = np.argsort(-value, kind="stable")
         order = order[np.sort(np.unique(value[order], return_index=True)[1])]
         return [arms[k] for k in order], value[order]
@@ -141,7 +141,7 @@ class PaperFit:
         """Return `count` arms: the fitted ones, then draws around them."""
         random = self.random("arms")
         result = list(fitted[:count])
-        low, high = Settings().shape_range
+        low, high = TableSettings().shape_range
         while len(result) < count:
             base = fitted[random.integers(len(fitted))]
             moment = base.moment * np.exp(self.plan.arm_spread * random.standard_normal())

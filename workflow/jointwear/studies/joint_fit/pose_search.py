@@ -23,7 +23,7 @@ from jointwear.studies.joint_fit.noise_bank import NoiseBank
 from jointwear.studies.multiverse.pose_sets import with_payload
 from jointwear.studies.recovery.candidates import candidate
 from jointwear.studies.recovery.least_squares import minimise
-from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.search import SOFT_FLOOR, screened_start
 from jointwear.studies.recovery.tables import Tables
 
@@ -71,7 +71,7 @@ class TaskFit:
         self.grid, self.noise, self.weights, self.shown = grid, noise, weights, shown
         self.dynamics = Dynamics(with_payload(robot, arm.mass, (0.0, 0.0, arm.offset)))
         frozen = np.array([arm.shape, arm.mass, 0.0, 0.0, arm.offset])
-        self.problem = Problem(robot, tables, candidate("payload"), Settings(), frozen=frozen)
+        self.problem = TableProblem(robot, tables, candidate("payload"), TableSettings(), frozen=frozen)
         self._moving = ~tables.at_rest
 
     def poses(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

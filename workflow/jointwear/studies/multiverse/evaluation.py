@@ -15,7 +15,7 @@ from jointwear.studies.multiverse.batched_model import BatchedModel
 from jointwear.studies.multiverse.dimensions import SIMULATION, Reading, part, stage_names
 from jointwear.studies.multiverse.pose_sets import PoseSet
 from jointwear.studies.multiverse.shared_features import as_histogram, count_task, divergences
-from jointwear.studies.multiverse.shared_torque import Experiment, SharedTask
+from jointwear.studies.multiverse.shared_torque import SharedExperiment, SharedTask
 
 # Readings that agree in these share histograms; in these too, divergences; in these too, the normal model.
 COUNTED = ("wear_shape", "torque_normalisation", "torque_sign", "out_of_range")
@@ -87,7 +87,7 @@ def _grouped(indices: Sequence[int], readings: Sequence[Reading], names: tuple[s
         yield list(group)
 
 
-def evaluate(readings: Sequence[Reading], poses: PoseSet, experiment: Experiment, analysis: Analysis) -> Outcomes:
+def evaluate(readings: Sequence[Reading], poses: PoseSet, experiment: SharedExperiment, analysis: Analysis) -> Outcomes:
     """Run every reading on one pose set.
 
     The work is nested: one simulation for all readings that agree in the dimensions of :data:`SIMULATION`, one

@@ -31,7 +31,7 @@ from jointwear.studies.multiverse.evaluation import Analysis
 from jointwear.studies.multiverse.pose_sets import PoseSet, configured_pose_set
 from jointwear.studies.multiverse.settings import analysis_of, experiment_of
 from jointwear.studies.multiverse.shared_features import count_task, divergences
-from jointwear.studies.multiverse.shared_torque import Experiment, SharedTask
+from jointwear.studies.multiverse.shared_torque import SharedExperiment, SharedTask
 
 CORRELATIONS = ("raw", "means_removed")
 VERSIONS = {
@@ -88,7 +88,7 @@ def named_axis(series: np.ndarray, correlation: str, reading: Mapping[str, str])
     return lag, select(source_rule, reading["source_rule"])(lag)
 
 
-def _runs(poses: PoseSet, experiment: Experiment, analysis: Analysis, reading: Reading):
+def _runs(poses: PoseSet, experiment: SharedExperiment, analysis: Analysis, reading: Reading):
     """Yield (worn axis or 0, KL series, onset, training mean, training spread) of all runs of the pose set."""
     for task in poses.tasks:
         shared = SharedTask(poses.dynamics, task, experiment, reading, ("lag rule", poses.name, task.name))
@@ -106,7 +106,7 @@ def _runs(poses: PoseSet, experiment: Experiment, analysis: Analysis, reading: R
         yield 0, series.normal[:, :hours], np.full(len(mean), np.nan), mean, spread
 
 
-def explain(poses: PoseSet, experiment: Experiment, analysis: Analysis, reading: Reading) -> LagRule:
+def explain(poses: PoseSet, experiment: SharedExperiment, analysis: Analysis, reading: Reading) -> LagRule:
     """Run the experiment. Detection follows the reading with the KL divergence as input of the PCA."""
     reading = {**reading, "pca_input": "kl_divergence"}
     n = len(analysis.axes)

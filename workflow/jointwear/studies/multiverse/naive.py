@@ -20,10 +20,10 @@ from jointwear.statistics.randomness import generator
 from jointwear.studies.multiverse.dimensions import Reading
 from jointwear.studies.multiverse.evaluation import Analysis, evaluate
 from jointwear.studies.multiverse.pose_sets import PoseSet
-from jointwear.studies.multiverse.shared_torque import Experiment
+from jointwear.studies.multiverse.shared_torque import SharedExperiment
 
 
-def evaluate_alone(reading: Reading, poses: PoseSet, experiment: Experiment, analysis: Analysis) -> np.ndarray:
+def evaluate_alone(reading: Reading, poses: PoseSet, experiment: SharedExperiment, analysis: Analysis) -> np.ndarray:
     """Run one reading without sharing anything: one simulation for every run, one PCA for every replicate.
 
     Returns
@@ -69,7 +69,7 @@ def evaluate_alone(reading: Reading, poses: PoseSet, experiment: Experiment, ana
 def measure_sharing(
     readings: Sequence[Reading],
     poses: PoseSet,
-    experiment: Experiment,
+    experiment: SharedExperiment,
     analysis: Analysis,
     sample: int = 3,
     replicates: int = 4,

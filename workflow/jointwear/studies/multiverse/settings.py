@@ -8,12 +8,12 @@ from typing import Any
 from jointwear.reproduction.published import Published
 from jointwear.studies.multiverse.evaluation import Analysis
 from jointwear.studies.multiverse.scoring import Target, target_of
-from jointwear.studies.multiverse.shared_torque import Experiment
+from jointwear.studies.multiverse.shared_torque import SharedExperiment
 
 
-def experiment_of(settings: Mapping[str, Any], replicates: int) -> Experiment:
+def experiment_of(settings: Mapping[str, Any], replicates: int) -> SharedExperiment:
     """Return what all readings share, from `seed`, `noise`, `sampling`, `wear_hours` and `normal_hours`."""
-    return Experiment(
+    return SharedExperiment(
         settings["seed"],
         replicates,
         **settings["noise"],

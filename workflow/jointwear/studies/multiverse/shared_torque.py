@@ -33,7 +33,7 @@ from jointwear.statistics.randomness import generator
 
 
 @dataclass(frozen=True)
-class Experiment:
+class SharedExperiment:
     """What all readings share: sampling, noise, seed and number of replicates.
 
     `samples` instants every `interval` [s] from the start of every hour; `wear_hours` and `normal_hours` [h] are
@@ -73,7 +73,7 @@ class SharedTask:
         self,
         dynamics: Dynamics,
         task: Task,
-        experiment: Experiment,
+        experiment: SharedExperiment,
         reading: Mapping[str, str],
         key: tuple[str | int, ...],
     ) -> None:

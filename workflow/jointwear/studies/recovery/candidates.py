@@ -131,7 +131,7 @@ COMPONENTS: dict[str, Component] = {
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Explanation:
     """A set of components that act together."""
 
     components: tuple[Component, ...]
@@ -156,11 +156,11 @@ class Candidate:
         return result
 
 
-def candidate(name: str) -> Candidate:
+def candidate(name: str) -> Explanation:
     """Return the candidate of a name such as "payload", "payload+gravity_scale" or "nothing".
 
     Raises
     ------
     KeyError : if there is no such component.
     """
-    return Candidate(() if name == NOTHING else tuple(COMPONENTS[part] for part in name.split("+")))
+    return Explanation(() if name == NOTHING else tuple(COMPONENTS[part] for part in name.split("+")))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from jointwear.studies.recovery.fit import Fit
+from jointwear.studies.recovery.fit import ExplanationFit
 from jointwear.studies.recovery.plan import ALIKE, NOTHING
 
 CLEAR = 10.0  # difference of the criterion that counts as very strong evidence (Kass and Raftery 1995)
@@ -15,7 +15,7 @@ def parts(name: str) -> frozenset[str]:
     return frozenset() if name == NOTHING else frozenset(name.split("+"))
 
 
-def choose(fits: Mapping[str, Fit], transferred: Mapping[str, float] | None = None) -> str:
+def choose(fits: Mapping[str, ExplanationFit], transferred: Mapping[str, float] | None = None) -> str:
     """Return the name of the chosen candidate.
 
     Parameters
@@ -46,14 +46,14 @@ def choose(fits: Mapping[str, Fit], transferred: Mapping[str, float] | None = No
     return standing
 
 
-def runner_up(fits: Mapping[str, Fit], chosen: str) -> str:
+def runner_up(fits: Mapping[str, ExplanationFit], chosen: str) -> str:
     """Return the best candidate that does not hold the chosen one and is not the same in slow motion."""
     same = {chosen, *(c for p in parts(chosen) for c in ALIKE[p])}
     others = [n for n in fits if n not in same and not (parts(chosen) and parts(chosen) <= parts(n))]
     return min(others, key=lambda n: fits[n].bic)
 
 
-def finalists(fits: Mapping[str, Fit], singles: int = 3, pairs: int = 2) -> Sequence[str]:
+def finalists(fits: Mapping[str, ExplanationFit], singles: int = 3, pairs: int = 2) -> Sequence[str]:
     """Return the candidates worth a transfer test: nothing, the best singles, the best pairs with the best single."""
     alone = sorted((n for n in fits if len(parts(n)) == 1), key=lambda n: fits[n].bic)
     both = sorted(

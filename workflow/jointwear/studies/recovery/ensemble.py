@@ -14,9 +14,9 @@ from jointwear.reproduction.wear import Wear
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.statistics.randomness import generator
 from jointwear.studies.recovery.candidates import candidate
-from jointwear.studies.recovery.fit import OTHER_OUTWARD, Fit, read_fit, settings_of
+from jointwear.studies.recovery.fit import OTHER_OUTWARD, ExplanationFit, read_fit, settings_of
 from jointwear.studies.recovery.least_squares import minimise
-from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.search import Effort, screened_start, search_task
 from jointwear.studies.recovery.tables import TORQUE_ROUNDING, Tables, read_tables
 
@@ -123,7 +123,7 @@ def unknown_growth(tables: Tables, shapes: np.ndarray) -> tuple[np.ndarray, np.n
     return size * mean, size * np.sqrt(square - mean**2)
 
 
-def draw_effect(fit: Fit, settings: Settings, random: np.random.Generator, count: int) -> np.ndarray:
+def draw_effect(fit: ExplanationFit, settings: TableSettings, random: np.random.Generator, count: int) -> np.ndarray:
     """Return (count, 1 + p) wear shapes and parameters spread around the fit; a payload stays on the tool axis."""
     parameters = candidate(fit.candidate).parameters
     low, high = settings.shape_range
@@ -141,8 +141,8 @@ def draw_effect(fit: Fit, settings: Settings, random: np.random.Generator, count
 def build_ensemble(
     robot: Robot,
     tables: Tables,
-    fit: Fit,
-    settings: Settings,
+    fit: ExplanationFit,
+    settings: TableSettings,
     random: np.random.Generator,
     wanted: int,
     tolerance: Tolerance,
@@ -162,11 +162,11 @@ def build_ensemble(
     Parameters
     ----------
     least : difference [rad] in some moving joint of every task that makes two solutions distinct.
-    growth, growth_spread : as of :class:`Problem`, where the hours are not to be used.
+    growth, growth_spread : as of :class:`TableProblem`, where the hours are not to be used.
     """
     chosen = candidate(fit.candidate)
     known = {"growth": growth, "growth_spread": growth_spread}
-    first = Problem(robot, tables, chosen, settings, outward=fit.outward, **known)
+    first = TableProblem(robot, tables, chosen, settings, outward=fit.outward, **known)
     outward = tolerable_segment_times(first, fit, tolerance, random)
     whole = first.with_outward(outward)
     widened = whole.widened
@@ -176,7 +176,7 @@ def build_ensemble(
         ranked = []
         for task in range(len(tables.tasks)):
             part = slice(task, task + 1)
-            alone = Problem(
+            alone = TableProblem(
                 robot,
                 tables.task_subset([task]),
                 chosen,
@@ -217,7 +217,7 @@ def build_ensemble(
 
 
 def tolerable_segment_times(
-    problem: Problem, fit: Fit, tolerance: Tolerance, random: np.random.Generator
+    problem: TableProblem, fit: ExplanationFit, tolerance: Tolerance, random: np.random.Generator
 ) -> np.ndarray:
     """Return (t,) durations of the way out [s]: those of the fit, unless a cell then stays beyond tolerance.
 
@@ -245,14 +245,16 @@ def tolerable_segment_times(
     return outward
 
 
-def _free_rest(problem: Problem, values: np.ndarray) -> np.ndarray:
+def _free_rest(problem: TableProblem, values: np.ndarray) -> np.ndarray:
     theta = np.zeros(problem.size)
     theta[: problem.trajectory_count] = ((problem.upper + problem.lower) / 2)[: problem.trajectory_count]
     theta[problem.trajectory_count :] = values
     return problem.free(theta)[problem.trajectory_count :]
 
 
-def write_ensemble(path: str | Path, ensemble: Ensemble, tables: Tables, fit: Fit, settings: dict[str, Any]) -> None:
+def write_ensemble(
+    path: str | Path, ensemble: Ensemble, tables: Tables, fit: ExplanationFit, settings: dict[str, Any]
+) -> None:
     """Write an ensemble as netCDF."""
     pose, cell = ("solution", "task", "axis"), ("solution", "task", "axis", "increase")
     names = [p.name if p.axis is None else f"{p.name}_{p.axis}" for p in candidate(fit.candidate).parameters]

@@ -13,9 +13,9 @@ from jointwear.files import provenance
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.statistics.randomness import generator
-from jointwear.studies.recovery.candidates import Candidate, candidate
+from jointwear.studies.recovery.candidates import Explanation, candidate
 from jointwear.studies.recovery.least_squares import minimise
-from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.sampled_motion import SEGMENT
 from jointwear.studies.recovery.search import Effort, search, search_task
 from jointwear.studies.recovery.tables import Tables, read_tables
@@ -29,7 +29,7 @@ NOISE_VARIANCE = 0.1
 
 
 @dataclass(frozen=True)
-class Fit:
+class ExplanationFit:
     """Best explanation of the tables by one candidate.
 
     `start`, `stop` (t, n) [rad]; `phase`, `outward` (t,) [s]; `shape` of the wear; `effect` (p,) parameters of
@@ -71,8 +71,8 @@ class Fit:
 
 
 def fit_tables(
-    robot: Robot, tables: Tables, chosen: Candidate, settings: Settings, effort: Effort, random, **known
-) -> Fit:
+    robot: Robot, tables: Tables, chosen: Explanation, settings: TableSettings, effort: Effort, random, **known
+) -> ExplanationFit:
     """Search trajectories, wear shape and the parameters of a candidate.
 
     Parameters
@@ -80,10 +80,10 @@ def fit_tables(
     robot : the arm; its payload is left out.
     effort : how long to search.
     random : numpy.random.Generator.
-    known : `growth`, `growth_spread` of :class:`Problem`, where the hours are not to be used; `outward`, where
+    known : `growth`, `growth_spread` of :class:`TableProblem`, where the hours are not to be used; `outward`, where
         segment times are not to be searched.
     """
-    problem = Problem(robot, tables, chosen, settings, **known)
+    problem = TableProblem(robot, tables, chosen, settings, **known)
     found = search(problem, random, effort)
     if "outward" in known:
         return describe(problem, found.point[0], found.first_cost)
@@ -91,7 +91,9 @@ def fit_tables(
     return describe(problem, point, found.first_cost)
 
 
-def with_segment_times(problem: Problem, point: np.ndarray, random, effort: Effort) -> tuple[Problem, np.ndarray]:
+def with_segment_times(
+    problem: TableProblem, point: np.ndarray, random, effort: Effort
+) -> tuple[TableProblem, np.ndarray]:
     """Return problem and free vector after other segment times have been tried for every task."""
     outward = problem.outward.copy()
     changed = point.copy()
@@ -108,15 +110,15 @@ def with_segment_times(problem: Problem, point: np.ndarray, random, effort: Effo
     return problem, solution.point[0]
 
 
-def replace_outward(problem: Problem, task: int, outward: float) -> Problem:
+def replace_outward(problem: TableProblem, task: int, outward: float) -> TableProblem:
     """Return the problem with another duration of the way out of one task."""
     changed = problem.outward.copy()
     changed[task] = outward
     return problem.with_outward(changed)
 
 
-def describe(problem: Problem, point: np.ndarray, start_cost: np.ndarray) -> Fit:
-    """Turn a free vector (p,) into a :class:`Fit`."""
+def describe(problem: TableProblem, point: np.ndarray, start_cost: np.ndarray) -> ExplanationFit:
+    """Turn a free vector (p,) into a :class:`ExplanationFit`."""
     start, stop, phase, shape, effect = (a[0] for a in problem.split(problem.physical(point[None])))
     predicted = problem.predict(point[None])
     residual, jacobian = problem.residuals_and_jacobian(point[None])
@@ -132,7 +134,7 @@ def describe(problem: Problem, point: np.ndarray, start_cost: np.ndarray) -> Fit
         inverse = np.linalg.pinv((scaled / norm).T @ (scaled / norm), rcond=1e-10, hermitian=True)
         covariance = inverse * 2 * cost / (problem.data_count - parameters) / np.outer(norm, norm)
         std = np.sqrt(np.maximum(np.diag(covariance)[-len(effect) :], 0.0))
-    return Fit(
+    return ExplanationFit(
         problem.candidate.name,
         start,
         stop,
@@ -150,16 +152,16 @@ def describe(problem: Problem, point: np.ndarray, start_cost: np.ndarray) -> Fit
     )
 
 
-def settings_of(options: dict[str, Any]) -> Settings:
-    """Build :class:`Settings` from the config."""
+def settings_of(options: dict[str, Any]) -> TableSettings:
+    """Build :class:`TableSettings` from the config."""
     return (
-        Settings(**{**options, "shape_range": tuple(options["shape_range"])})
+        TableSettings(**{**options, "shape_range": tuple(options["shape_range"])})
         if "shape_range" in options
-        else Settings(**options)
+        else TableSettings(**options)
     )
 
 
-def write_fit(path: str | Path, fit: Fit, tables: Tables, settings: dict[str, Any]) -> None:
+def write_fit(path: str | Path, fit: ExplanationFit, tables: Tables, settings: dict[str, Any]) -> None:
     """Write a fit as netCDF."""
     parameters = candidate(fit.candidate).parameters
     axis = ("task", "axis")
@@ -196,7 +198,7 @@ def write_fit(path: str | Path, fit: Fit, tables: Tables, settings: dict[str, An
     write_dataset(path, variables, attributes)
 
 
-def read_fit(path: str | Path) -> Fit:
+def read_fit(path: str | Path) -> ExplanationFit:
     """Read a fit.
 
     Raises
@@ -208,7 +210,7 @@ def read_fit(path: str | Path) -> Fit:
         arrays = {name: read_variable(data, path, name) for name in names}
         some = "effect" in data.variables
         effect, std = (read_variable(data, path, n) if some else np.zeros(0) for n in ("effect", "effect_std"))
-        return Fit(
+        return ExplanationFit(
             candidate=data.getncattr("candidate"),
             shape=float(data.getncattr("shape")),
             cost=float(data.getncattr("cost")),
@@ -220,9 +222,11 @@ def read_fit(path: str | Path) -> Fit:
         )
 
 
-def extended(robot: Robot, tables: Tables, chosen: Candidate, settings: Settings, iterations: int, simpler: Fit) -> Fit:
+def extended(
+    robot: Robot, tables: Tables, chosen: Explanation, settings: TableSettings, iterations: int, simpler: ExplanationFit
+) -> ExplanationFit:
     """Return the descent of a candidate from the fit of a simpler one, what is new in it at its nominal value."""
-    problem = Problem(robot, tables, chosen, settings, outward=simpler.outward)
+    problem = TableProblem(robot, tables, chosen, settings, outward=simpler.outward)
     known = {(p.name, p.axis): v for p, v in zip(candidate(simpler.candidate).parameters, simpler.effect, strict=True)}
     effect = np.array([known.get((p.name, p.axis), p.nominal) for p in chosen.parameters])
     start = problem.join(simpler.start, simpler.stop, simpler.phase, simpler.shape, effect)
@@ -246,7 +250,7 @@ def fit_candidate(
     simpler : fits of the components of a pair, from which it is fitted too, so that it is never worse than they are.
     output : netCDF file.
     name : candidate, such as "payload" or "payload+gravity_scale".
-    settings : `seed`, `search` (fields of :class:`Effort`), `comparison` (fields of :class:`Settings`).
+    settings : `seed`, `search` (fields of :class:`Effort`), `comparison` (fields of :class:`TableSettings`).
     """
     tables, arm, chosen = read_tables(published), load_robot(robot), candidate(name)
     comparison, effort = settings_of(settings["comparison"]), Effort(**settings["search"])

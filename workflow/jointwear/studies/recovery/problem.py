@@ -9,7 +9,7 @@ import numpy as np
 
 from jointwear.reproduction.wear import Wear
 from jointwear.robots.robot import Robot
-from jointwear.studies.recovery.candidates import Candidate
+from jointwear.studies.recovery.candidates import Explanation
 from jointwear.studies.recovery.sample_statistics import coefficient_of_variation, expected_maximum
 from jointwear.studies.recovery.sampled_motion import INSTANTS, SEGMENT, progress, states
 from jointwear.studies.recovery.sampled_torque import RigidBodyParts
@@ -20,7 +20,7 @@ _STEP = 1e-6  # of the finite differences, rad, s or a share
 
 
 @dataclass(frozen=True)
-class Settings:
+class TableSettings:
     """How tables are compared with a prediction.
 
     `torque_weight`: a difference of this share of the published maximum counts one; `variation_weight`: a
@@ -53,7 +53,7 @@ class Prediction:
     torque: np.ndarray
 
 
-class Problem:
+class TableProblem:
     """Residuals of the tables for S parameter vectors at once.
 
     Parameters
@@ -80,8 +80,8 @@ class Problem:
         self,
         robot: Robot,
         tables: Tables,
-        candidate: Candidate,
-        settings: Settings,
+        candidate: Explanation,
+        settings: TableSettings,
         frozen: np.ndarray | None = None,
         growth: np.ndarray | None = None,
         growth_spread: np.ndarray | None = None,
@@ -118,23 +118,23 @@ class Problem:
         self._resting = np.argwhere(tables.at_rest)
         self.data_count = int(2 * self._used.sum() + 2 * len(self._resting))
 
-    def softened(self, torque_floor: float) -> Problem:
+    def softened(self, torque_floor: float) -> TableProblem:
         """Return the same problem with another floor of the torque's weight."""
         result = copy(self)
         result.maximum_scale = np.maximum(self.maximum_scale, torque_floor)
         return result
 
-    def with_outward(self, outward: np.ndarray) -> Problem:
+    def with_outward(self, outward: np.ndarray) -> TableProblem:
         """Return the same problem with other durations of the way out, (t,) [s]."""
         result = copy(self)
         result.outward = np.asarray(outward, dtype=float)
         return result
 
-    def task_alone(self, task: int, point: np.ndarray) -> Problem:
+    def task_alone(self, task: int, point: np.ndarray) -> TableProblem:
         """Return the problem of one task, wear shape and candidate held at those of the free vector `point` (p,)."""
         shape, effect = self.split(self.physical(point[None]))[3:]
         part = slice(task, task + 1)
-        return Problem(
+        return TableProblem(
             self.robot,
             self.tables.task_subset([task]),
             self.candidate,

@@ -9,7 +9,7 @@ import numpy as np
 
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link, Robot
-from jointwear.studies.recovery.candidates import Candidate, Coefficients
+from jointwear.studies.recovery.candidates import Coefficients, Explanation
 from jointwear.studies.recovery.sampled_motion import States
 
 
@@ -19,7 +19,7 @@ class RigidBodyParts:
     A point mass at c adds a torque quadratic in c, so ten evaluations give it for every c.
     """
 
-    def __init__(self, robot: Robot, candidate: Candidate, known: Coefficients | None = None) -> None:
+    def __init__(self, robot: Robot, candidate: Explanation, known: Coefficients | None = None) -> None:
         """`known`: one set of coefficients (S = 1) that will not change; a payload then becomes part of the arm."""
         load = None
         if known is not None and known.payload[0, 0] > 0:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.studies.recovery.least_squares import minimise
-from jointwear.studies.recovery.problem import Problem
+from jointwear.studies.recovery.problem import TableProblem
 
 # The zero of an axis at rest makes a valley too narrow to search in; it counts in full from the last round on.
 SOFT_FLOOR = 0.02  # N m
@@ -45,7 +45,7 @@ class Found:
     first_cost: np.ndarray
 
 
-def search(problem: Problem, random: np.random.Generator, effort: Effort) -> Found:
+def search(problem: TableProblem, random: np.random.Generator, effort: Effort) -> Found:
     """Return the best end points over all starts, the best `finalists` brought to convergence."""
     point, first = _rounds(problem, random, effort)
     point = point[: effort.finalists]
@@ -59,7 +59,7 @@ def search(problem: Problem, random: np.random.Generator, effort: Effort) -> Fou
     return Found(point, cost, first)
 
 
-def _rounds(problem: Problem, random: np.random.Generator, effort: Effort) -> tuple[np.ndarray, np.ndarray]:
+def _rounds(problem: TableProblem, random: np.random.Generator, effort: Effort) -> tuple[np.ndarray, np.ndarray]:
     """Return the points after all exchanges, best first, and the costs before any."""
     exact, problem = problem, problem.softened(SOFT_FLOOR)
     place = problem.trajectory_count
@@ -80,7 +80,7 @@ def _rounds(problem: Problem, random: np.random.Generator, effort: Effort) -> tu
     return _sorted(point, cost)[0], first
 
 
-def _refined(problem: Problem, random: np.random.Generator, effort: Effort, point: np.ndarray) -> np.ndarray:
+def _refined(problem: TableProblem, random: np.random.Generator, effort: Effort, point: np.ndarray) -> np.ndarray:
     """Return `point` with every task's trajectory searched anew for the common numbers of `point`."""
     result = point.copy()
     for task, columns in enumerate(problem.columns_by_task):
@@ -90,14 +90,14 @@ def _refined(problem: Problem, random: np.random.Generator, effort: Effort, poin
     return result
 
 
-def search_task(alone: Problem, random: np.random.Generator, effort: Effort) -> tuple[np.ndarray, float]:
+def search_task(alone: TableProblem, random: np.random.Generator, effort: Effort) -> tuple[np.ndarray, float]:
     """Return the best trajectory of a problem that has one task and no common numbers, and its cost."""
     found, _ = _rounds(alone, random, effort)
     found, cost = _descend(alone, found[:1], effort.iterations)
     return found[0], float(cost[0])
 
 
-def mutated(problem: Problem, random: np.random.Generator, point: np.ndarray) -> np.ndarray:
+def mutated(problem: TableProblem, random: np.random.Generator, point: np.ndarray) -> np.ndarray:
     """Return `point` with one or two joints of every task sent the other way or to other positions."""
     drawn = problem.random_start(random, len(point))
     result = point.copy()
@@ -116,7 +116,7 @@ def mutated(problem: Problem, random: np.random.Generator, point: np.ndarray) ->
 
 
 def screened_start(
-    problem: Problem, random: np.random.Generator, count: int, draws: int, common: np.ndarray | None = None
+    problem: TableProblem, random: np.random.Generator, count: int, draws: int, common: np.ndarray | None = None
 ) -> np.ndarray:
     """Return `count` free vectors; each has, task by task, the best of `draws` random trajectories.
 
@@ -140,7 +140,7 @@ def screened_start(
     return point
 
 
-def exchange(problem: Problem, point: np.ndarray, others: np.ndarray) -> np.ndarray:
+def exchange(problem: TableProblem, point: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return `point` with every task's trajectory replaced by the one of either set that suits its parameters best."""
     place, count = problem.trajectory_count, len(point)
     pool = np.concatenate([point, others])
@@ -153,7 +153,7 @@ def exchange(problem: Problem, point: np.ndarray, others: np.ndarray) -> np.ndar
     return result
 
 
-def _descend(problem: Problem, point: np.ndarray, iterations: int) -> tuple[np.ndarray, np.ndarray]:
+def _descend(problem: TableProblem, point: np.ndarray, iterations: int) -> tuple[np.ndarray, np.ndarray]:
     solution = minimise(problem.residuals, problem.residuals_and_jacobian, point, iterations)
     return solution.point, solution.cost
 

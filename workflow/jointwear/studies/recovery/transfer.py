@@ -12,16 +12,22 @@ from jointwear.files import provenance
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.statistics.randomness import generator
-from jointwear.studies.recovery.candidates import Candidate, candidate
+from jointwear.studies.recovery.candidates import Explanation, candidate
 from jointwear.studies.recovery.choice import finalists
 from jointwear.studies.recovery.fit import fit_tables, read_fit, settings_of
-from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.search import Effort, search_task
 from jointwear.studies.recovery.tables import Tables, read_tables
 
 
 def left_out_cost(
-    robot: Robot, tables: Tables, chosen: Candidate, settings: Settings, effort: Effort, random, outward: np.ndarray
+    robot: Robot,
+    tables: Tables,
+    chosen: Explanation,
+    settings: TableSettings,
+    effort: Effort,
+    random,
+    outward: np.ndarray,
 ) -> np.ndarray:
     """Return (t,) mean squared weighted residual of every task when the candidate was fitted to the others.
 
@@ -36,7 +42,7 @@ def left_out_cost(
     for task in range(count):
         others = [k for k in range(count) if k != task]
         fit = fit_tables(robot, tables.task_subset(others), chosen, settings, effort, random, outward=outward[others])
-        alone = Problem(
+        alone = TableProblem(
             robot,
             tables.task_subset([task]),
             chosen,

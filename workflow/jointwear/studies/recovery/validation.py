@@ -15,9 +15,9 @@ from jointwear.robots.robot import Robot, load_robot
 from jointwear.statistics.randomness import generator
 from jointwear.studies.recovery.candidates import candidate
 from jointwear.studies.recovery.choice import choose, parts
-from jointwear.studies.recovery.fit import NOISE_VARIANCE, Fit, fit_tables, settings_of
+from jointwear.studies.recovery.fit import NOISE_VARIANCE, ExplanationFit, fit_tables, settings_of
 from jointwear.studies.recovery.plan import ALIKE, NOTHING
-from jointwear.studies.recovery.problem import Problem, Settings
+from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.search import Effort
 from jointwear.studies.recovery.tables import TORQUE_ROUNDING, Tables, read_tables
 
@@ -46,13 +46,15 @@ def draw_truth(cause: str, random: np.random.Generator) -> np.ndarray:
     return np.zeros(0)
 
 
-def synthetic_case(robot: Robot, pattern: Tables, cause: str, settings: Settings, random: np.random.Generator) -> Case:
+def synthetic_case(
+    robot: Robot, pattern: Tables, cause: str, settings: TableSettings, random: np.random.Generator
+) -> Case:
     """Return tables such as the paper would have printed, from random poses and one draw of the noise.
 
     Hours, resting axes and pauses are those of `pattern`; poses are random with spans of at least 20 degrees.
     """
     truth = draw_truth(cause, random)
-    problem = Problem(robot, pattern, candidate(cause), settings)
+    problem = TableProblem(robot, pattern, candidate(cause), settings)
     while True:
         theta = random.uniform(problem.lower, problem.upper)
         wide = [
@@ -80,14 +82,14 @@ def synthetic_case(robot: Robot, pattern: Tables, cause: str, settings: Settings
 
 
 def name_cause(
-    robot: Robot, tables: Tables, settings: Settings, effort: Effort, random: np.random.Generator
-) -> tuple[str, dict[str, Fit]]:
+    robot: Robot, tables: Tables, settings: TableSettings, effort: Effort, random: np.random.Generator
+) -> tuple[str, dict[str, ExplanationFit]]:
     """Return the chosen candidate among nothing and all single components, and the fits.
 
     Candidates are tried in the order of their number of parameters, and no more of them once one reproduces the
     tables to within their noise: the criterion cannot prefer one with more parameters to it.
     """
-    fits: dict[str, Fit] = {}
+    fits: dict[str, ExplanationFit] = {}
     for name in sorted((NOTHING, *ALIKE), key=lambda n: len(candidate(n).parameters)):
         # One that slow motion cannot tell from it may have been tried already.
         if set(ALIKE.get(name, ())) & set(fits):

@@ -15,14 +15,14 @@ from jointwear.files.storage import open_dataset, read_variable
 from jointwear.robots.robot import load_robot
 from jointwear.studies.recovery.candidates import COMPONENTS, Parameter, candidate
 from jointwear.studies.recovery.choice import choose, parts, runner_up
-from jointwear.studies.recovery.fit import Fit, read_fit
+from jointwear.studies.recovery.fit import ExplanationFit, read_fit
 from jointwear.studies.recovery.plan import NOTHING
 from jointwear.studies.recovery.tables import Tables, read_tables
 
 UNEXPLAINED = 9.0  # mean squared weighted residual: three per cent of the torque in the root mean square
 
 
-def cells(tables: Tables, fit: Fit) -> list[dict[str, Any]]:
+def cells(tables: Tables, fit: ExplanationFit) -> list[dict[str, Any]]:
     """Return one entry for every table cell: published, reproduced, errors."""
     result = []
     for t, task in enumerate(tables.tasks):
@@ -88,7 +88,7 @@ def _parameter(p: Parameter, value: float, std: float) -> dict[str, Any]:
 
 def build_verdict(
     tables: Tables,
-    fits: Mapping[str, Fit],
+    fits: Mapping[str, ExplanationFit],
     transferred: Mapping[str, float],
     coulomb: np.ndarray,
     ensemble: Mapping[str, np.ndarray] | None = None,
@@ -181,7 +181,7 @@ def build_verdict(
     }
 
 
-def _best_retuned(fits: Mapping[str, Fit]) -> Fit:
+def _best_retuned(fits: Mapping[str, ExplanationFit]) -> ExplanationFit:
     names = [n for n in fits if parts(n) and all(COMPONENTS[p].kind == "retuned" for p in parts(n))]
     return min((fits[n] for n in names), key=lambda f: f.bic) if names else fits[NOTHING]
 
@@ -215,7 +215,7 @@ def _not_identifiable(fits, chosen: str, ensemble) -> list[dict[str, Any]]:
 
 
 def write_comparison(
-    path: str | Path, fits: Mapping[str, Fit], transferred: Mapping[str, float], tables: Tables
+    path: str | Path, fits: Mapping[str, ExplanationFit], transferred: Mapping[str, float], tables: Tables
 ) -> None:
     """Write one row a candidate, best criterion first."""
     moving = ~tables.at_rest

@@ -13,7 +13,7 @@ from jointwear.studies.challenge.motion import SampledPath
 from jointwear.studies.challenge.scene import scene_of
 from jointwear.studies.challenge.surroundings import Temperatures
 from jointwear.studies.challenge.tiers import EFFECTS
-from jointwear.studies.challenge.world import State, World
+from jointwear.studies.challenge.world import PlantState, World
 from jointwear.studies.world.visibility import Samples, Sieve
 
 _DRAWS = 3
@@ -52,7 +52,7 @@ def energies_left(
     q, v, a = samples.position, samples.velocity, samples.acceleration
     paths = tuple(SampledPath(1 / rate, q[b], v[b], a[b], torque[b]) for b in blocks)
     clock = np.arange(size) / rate
-    state = State(
+    state = PlantState(
         time=np.concatenate([s + clock for s in starts]),
         recording=samples.recording,
         position=q,
