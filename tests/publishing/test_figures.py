@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from small_experiment import FIGURES, PUBLISHED, ROOT, draw, small_experiment
+from small_experiment import FIGURES, PUBLISHED, ROOT, cell_of, draw, small_experiment
 
 from jointwear.files.storage import Variable, read_variables, write_dataset
-from jointwear.publishing.figures import palette
+from jointwear.publishing.figures import figure_3, palette
 from jointwear.publishing.figures.cells import figure_cell
 from jointwear.publishing.figures.curves import divergence_curves, friction_curves, residual_curves
 from jointwear.publishing.figures.detection_map import draw_detection_map
@@ -80,6 +80,27 @@ def test_units_and_published_values_stand_in_the_figures(experiment):
     assert "x [m]" in figure["figure_4"]
     assert "paper: 60 h" in figure["table_iv"]
     assert "−27" in figure["table_ii"]
+
+
+@pytest.mark.parametrize("ours", [40.0, 71.0, 73.0, 118.0])
+def test_labels_of_figure_3_stay_apart(experiment, tmp_path, monkeypatch, ours):
+    placed = {}
+    curves = figure_3.residual_curves
+    monkeypatch.setattr(
+        figure_3, "residual_curves", lambda *told: replace(c := curves(*told), onset=np.full(len(c.onset), ours))
+    )
+    monkeypatch.setattr(
+        figure_3, "direct_label", lambda axes, x, y, text, colour, **how: placed.update({text.split()[0]: (x, y, how)})
+    )
+    model = experiment.results.models[cell_of(experiment.figure_run).task]
+    run = experiment.results.figure_run["detection"]
+    figure_3.draw_figure_3(model, run, ROOT / PUBLISHED, tmp_path / "figure_3.svg", 1, 0.95)
+    (our_hour, our_height, our_side), (hour, height, side) = placed["our"], placed["paper"]
+    assert our_height > 1.5 * height
+    if our_hour > hour:
+        assert side["ha"] == "right"
+    else:
+        assert (our_side["ha"], side["ha"]) == ("right", "left")
 
 
 def test_friction_of_figure_1_is_equation_8(experiment):

@@ -1,6 +1,7 @@
 """Stored studies: their chapters, their pages, and the copies of the recovered experiment."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -27,6 +28,8 @@ def test_a_stored_study_makes_a_page_that_stands_alone(folder, tmp_path):
     text = page.read_text(encoding="utf-8")
     assert text.count("<svg") == len(list(folder.glob("*.svg")))
     assert 'src="http' not in text
+    # The answer comes first, in one sentence.
+    assert re.search(r"<main.*?<p>(<b>)?", text, re.DOTALL)[1] == "<b>"
     assert "None" not in text
     assert "nan" not in text.split("<main")[1].replace("nano", "")
 

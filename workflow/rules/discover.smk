@@ -90,6 +90,7 @@ rule summarise_discovery:
         modules=modules_of("summarise_discovery"),
     output:
         chapter=f"results/discover/{SHOWN_DATASET}/chapter/chapter.json",
+        regimes=f"results/discover/{SHOWN_DATASET}/chapter/regimes.svg",
         where=f"results/discover/{SHOWN_DATASET}/chapter/where.svg",
         effect=f"results/discover/{SHOWN_DATASET}/chapter/effect.svg",
         gap=f"results/discover/{SHOWN_DATASET}/chapter/gap.svg",

@@ -31,7 +31,7 @@ CHAPTER_FIGURES = {
 # One small data set with a hidden effect is part of every report.
 SHOWN_DISCOVERY = f"results/discover/{SHOWN_DATASET}/chapter"
 CHAPTERS["discover"] = f"{SHOWN_DISCOVERY}/chapter.json"
-for picture in ("where", "effect", "gap"):
+for picture in ("regimes", "effect", "gap", "where"):
     CHAPTER_FIGURES[f"discover_{picture}"] = f"{SHOWN_DISCOVERY}/{picture}.svg"
 
 

@@ -7,14 +7,23 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jointwear.discovery.drawing import axis_shown, draw_effect, draw_gap, draw_held_out, draw_where
-from jointwear.discovery.page import lead
+from jointwear.discovery.drawing import (
+    axis_of,
+    axis_shown,
+    draw_effect,
+    draw_gap,
+    draw_held_out,
+    draw_regimes,
+    draw_where,
+)
+from jointwear.discovery.page import body_in_words, lead
+from jointwear.discovery.regimes import read_motion, residual_by_regime
 from jointwear.effects import library
 from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
 
 #: Figures of the chapter, in the order of their files.
-PICTURES = ("where", "effect", "gap")
+PICTURES = ("regimes", "effect", "gap", "where")
 
 
 def write_chapter(
@@ -36,12 +45,14 @@ def write_chapter(
     """
     content = read_json(verdict)
     known = library()
+    regimes = residual_by_regime(read_motion(models))
+    draw_regimes(regimes, figures["regimes"])
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])
     if content["effects"]:
         draw_effect(content["effects"][0], models, figures["effect"])
     else:
-        draw_held_out(models, axis_shown(content), figures["effect"])
+        draw_held_out(models, axis_shown(content, models), figures["effect"])
     found = [
         {
             "effect": e["effect"],
@@ -49,6 +60,8 @@ def write_chapter(
             "equation": known[e["effect"]].equation,
             "axis": e["axis"],
             "source_axis": e["source_axis"],
+            "shown_on": axis_of(e, models) + 1,
+            "body": body_in_words(e),
             "tie_set": [known[t].phrase for t in e["tie_set"]],
             "evidence_nats": e["evidence_nats"],
         }
@@ -60,6 +73,7 @@ def write_chapter(
         "verdict": content["verdict"],
         "lead": lead(content),
         "effects": found,
+        "largest": regimes.largest(),
         "gap": content["gap"],
         "hidden": {**hidden, "name": known[hidden["effect"]].phrase},
         "named_rightly": right,

@@ -8,12 +8,46 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Rectangle
 
+from jointwear.discovery.regimes import Regimes, axis_of_most, pose_of_most, read_motion, residual_by_regime
 from jointwear.files.json_documents import read_json
 from jointwear.files.storage import open_dataset, read_variable, read_variables
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
+from jointwear.publishing.report.numbers import number
 
 MODELS = ("nominal", "retuned", "augmented")
+
+
+#: From so many joints on, a cell of the map has room for one number on a line only.
+CROWDED = 8
+
+
+def draw_regimes(regimes: Regimes, output: str | Path) -> None:
+    """Draw the residual torque in N m by joint and regime, after retuning; the colour is the share of the residual."""
+    joints = len(regimes.residual)
+    between = "\n" if joints >= CROWDED else " · "
+    rows = max(len(regimes.arguments), 1)
+    figure = new_figure((0.42 if joints >= CROWDED else 0.3) * rows + 0.9)
+    axes = figure.add_subplot()
+    for j, k in np.argwhere(np.isfinite(regimes.rms)):
+        share = float(regimes.share[j, k])
+        colour = palette.mix(palette.SEQUENTIAL, share)
+        axes.add_patch(Rectangle((j - 0.5, k - 0.5), 1, 1, facecolor=colour, edgecolor=palette.PAPER))
+        text = f"{number(float(regimes.rms[j, k]), 2)}{between}{100 * share:.0f} %"
+        axes.text(j, k, text, ha="center", va="center", fontsize=7.5, color=palette.text_on(colour))
+    axes.set(xlim=(-0.5, joints - 0.5), ylim=(rows - 0.5, -0.5))
+    whole = ["at rest" if np.isnan(r) else f"{number(float(r), 2)} N m" for r in regimes.residual]
+    axes.set_xticks(range(joints), [f"joint {j + 1}\n{text}" for j, text in enumerate(whole)])
+    axes.set_yticks(range(len(regimes.arguments)), list(regimes.arguments))
+    axes.grid(False)
+    text = "Residual torque after retuning that a mean over each regime explains, RMS in N m and share of the square"
+    most = regimes.largest()
+    if most is not None:
+        text += (
+            f"; most on joint {most['joint']} over {most['argument']}: {number(most['rms'], 2)} N m, "
+            f"{100 * most['share']:.0f} % of {number(most['residual'], 2)} N m"
+        )
+    save(figure, output, "Residual torque by joint and regime", f"{text}.")
 
 
 def draw_where(where: str | Path, output: str | Path) -> None:
@@ -92,9 +126,13 @@ def _test_of(models: str | Path, trajectory: np.ndarray) -> np.ndarray:
         return np.isin(trajectory, np.atleast_1d(dataset.test))
 
 
-def _argument_of(effect: dict[str, Any], models: str | Path) -> tuple[np.ndarray, str]:
-    """Return the argument of an effect at every sample, as well as the figure can show it, and its label."""
-    axis = (effect["axis"] or 1) - 1
+def axis_of(effect: dict[str, Any], models: str | Path) -> int:
+    """Return the 0-based axis on which an effect is shown; one of the whole arm where it matters most."""
+    return effect["axis"] - 1 if effect["axis"] is not None else axis_of_most(read_motion(models))
+
+
+def _argument_of(effect: dict[str, Any], models: str | Path, axis: int) -> tuple[np.ndarray, str]:
+    """Return the argument of an effect at every sample of `axis`, as well as the figure can show it, and its label."""
     with open_dataset(models) as dataset:
 
         def column(name: str, j: int = axis) -> np.ndarray:
@@ -112,6 +150,9 @@ def _argument_of(effect: dict[str, Any], models: str | Path) -> tuple[np.ndarray
             return column("load"), "load torque [N m]"
         if words.endswith(("torque", "load")):
             return column("nominal"), "nominal torque [N m]"
+        if words == "pose" and effect["axis"] is None:
+            joint = pose_of_most(read_motion(models), axis)
+            return column("position", joint), f"position of joint {joint + 1} [rad]"
         if words.startswith("position") or words == "pose" or words == "motor angle":
             return column("position"), "position [rad]"
         return column("velocity"), "velocity [rad/s]"
@@ -122,8 +163,8 @@ def draw_effect(effect: dict[str, Any], models: str | Path, output: str | Path) 
 
     Points are medians of 40 bins; a solid line is motion forward, a dashed one motion backward.
     """
-    axis = (effect["axis"] or 1) - 1
-    argument, label = _argument_of(effect, models)
+    axis = axis_of(effect, models)
+    argument, label = _argument_of(effect, models, axis)
     usable, velocity, torque, retuned, augmented = (
         v[:, axis] for v in read_variables(models, "usable", "velocity", "torque", "retuned", "augmented")
     )
@@ -162,21 +203,21 @@ def draw_all(verdict: str | Path, where: str | Path, models: str | Path, folder:
     """Draw every figure of a data set into `folder`; return name: file, the effects' as ``effect_1`` and so on."""
     content = read_json(verdict)
     folder = Path(folder)
-    figures = {"where": folder / "where.svg", "gap": folder / "gap.svg", "held_out": folder / "held_out.svg"}
+    figures = {name: folder / f"{name}.svg" for name in ("regimes", "where", "gap", "held_out")}
+    draw_regimes(residual_by_regime(read_motion(models)), figures["regimes"])
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])
-    draw_held_out(models, axis_shown(content), figures["held_out"])
+    draw_held_out(models, axis_shown(content, models), figures["held_out"])
     for i, effect in enumerate(content["effects"], start=1):
         figures[f"effect_{i}"] = folder / f"effect_{i}.svg"
         draw_effect(effect, models, figures[f"effect_{i}"])
     return figures
 
 
-def axis_shown(content: dict[str, Any]) -> int:
-    """The axis of the first effect; else the one whose gap is farthest above its noise."""
-    for effect in content["effects"]:
-        if effect["axis"] is not None:
-            return effect["axis"] - 1
+def axis_shown(content: dict[str, Any], models: str | Path) -> int:
+    """The axis on which the first effect is shown; without one that whose gap is farthest above its noise."""
+    if content["effects"]:
+        return axis_of(content["effects"][0], models)
     gap = content["gap"]
     ratio = [(a / f if a is not None and f else -1.0) for a, f in zip(gap["nominal"], gap["noise_floor"], strict=True)]
     return int(np.argmax(ratio))

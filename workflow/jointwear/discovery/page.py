@@ -91,7 +91,9 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
 
 
 def body_in_words(effect: Mapping[str, Any]) -> str:
-    """Return an effect given by mass and first moments as a body: mass, centre of mass, inertia; empty for others."""
+    """Return an effect given by mass and first moments as a body: mass [kg] with its standard deviation, centre of mass
+    [mm] and moments of inertia about it [kg m2]; empty for others.
+    """
     value = {name: p["value"] for name, p in effect["parameters"].items()}
     if not {"mass", "moment_x", "moment_y", "moment_z", "xx", "yy", "zz"} <= set(value) or value["mass"] <= 0:
         return ""
@@ -99,9 +101,12 @@ def body_in_words(effect: Mapping[str, Any]) -> str:
     # Steiner: from the origin of the link to the centre of mass.
     square = sum(x * x for x in com)
     moments = [value[k] - value["mass"] * (square - x * x) for k, x in zip(("xx", "yy", "zz"), com, strict=True)]
+    std = effect["parameters"]["mass"].get("std")
+    give = f" ± {number(std, 2)}" if std is not None else ""
     return (
-        f"{number(value['mass'])} kg with its centre of mass at ({', '.join(number(x) for x in com)}) m in the frame "
-        f"of the last link, moments of inertia about it {', '.join(number(x) for x in moments)} kg m2."
+        f"{number(value['mass'])}{give} kg with its centre of mass at "
+        f"({', '.join(number(1e3 * x) for x in com)}) mm in the frame of the last link, "
+        f"moments of inertia about it {', '.join(number(x) for x in moments)} kg m2."
     )
 
 

@@ -12,6 +12,14 @@ from jointwear.publishing.figures.style import direct_label, new_figure, save
 from jointwear.reproduction.published import load_published
 from jointwear.statistics.intervals import spread_over_replicates
 
+#: Share of the worn hours beyond which a label has no room to the right of its line.
+ROOM = 0.75
+
+
+def _side(right: bool) -> dict:
+    """Return how a label is placed to the right or to the left of its line."""
+    return {"ha": "left", "offset": (4, 0)} if right else {"ha": "right", "offset": (-4, 0)}
+
 
 def draw_figure_3(
     model: str | Path,
@@ -63,20 +71,23 @@ def draw_figure_3(
     found = np.isfinite(curves.onset).mean()
     told = f"Detected in {100 * found:.0f} % of {len(curves.onset)} replicates"
     bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, top * (top / bottom) ** 0.14)
-    label_height = top * (top / bottom) ** 0.03
+    axes.set_ylim(bottom, top * (top / bottom) ** 0.2)
+    # One label above the other, each on the side away from the other line: they stay apart wherever the lines are.
+    upper, lower = (top * (top / bottom) ** share for share in (0.12, 0.03))
+    paper = printed.data["figures"]["fig_3"]["onset_hours_after_start_of_wear"] if cell == printed.lag_cell else None
     if np.isfinite(median):
         axes.axvspan(low, high, color=palette.SERIES[5], alpha=0.25, linewidth=0)
         axes.axvline(median, color=palette.SERIES[0], linewidth=1.2)
         text = f"our onset {median:.0f} h"
-        direct_label(axes, median, label_height, text, palette.SERIES[0], ha="right", offset=(-4, 0))
+        right = paper is not None and paper < median and median < ROOM * end
+        direct_label(axes, median, upper, text, palette.SERIES[0], **_side(right))
         told += f", at the median hour {median:.0f} ({low:.0f} to {high:.0f})"
     told += "."
-    if cell == printed.lag_cell:
-        hour = printed.data["figures"]["fig_3"]["onset_hours_after_start_of_wear"]
-        axes.axvline(hour, color=palette.PUBLISHED, linewidth=1.2, linestyle=palette.DASHES[2])
-        direct_label(axes, hour, label_height, f"paper {hour:g} h", palette.PUBLISHED)
-        told += f" The paper's figure has {hour:g} h."
+    if paper is not None:
+        axes.axvline(paper, color=palette.PUBLISHED, linewidth=1.2, linestyle=palette.DASHES[2])
+        right = not (np.isfinite(median) and paper < median) and paper < ROOM * end
+        direct_label(axes, paper, lower, f"paper {paper:g} h", palette.PUBLISHED, **_side(right))
+        told += f" The paper's figure has {paper:g} h."
     axes.set(
         xlabel="time since the start of wear [h] (training before 0)",
         ylabel="Q residual (log scale)",
