@@ -82,7 +82,7 @@ ROBOT_EFFECTS = frozenset(
 
 
 def simulation_modules(rule):
-    """Library files of a rule that simulates the robot of the reproduction: of the effects, those that it has."""
+    """Library files behind a simulation of the reproduction; of the effects, those that its robot has."""
     script = LIBRARY / "scripts" / f"{rule}.py"
     return lambda wildcards: [
         from_here(path) for path in imported_by(script, ROBOT_EFFECTS)

@@ -12,16 +12,6 @@ FIGURE_RUN = f"{FIGURE_CELL.task}/axis{FIGURE_CELL.axis}_{percent(FIGURE_CELL.in
 TRAJECTORIES = expand("results/trajectories/{task}.nc", task=config["tasks"])
 
 
-def drawn(name, caption, label):
-    """One figure, labelled for Snakemake's own report."""
-    return report(
-        f"results/figures/{name}.svg",
-        caption=f"../../report/captions/{caption}.rst",
-        category="Figures",
-        labels={"figure": label},
-    )
-
-
 rule draw_figures:
     input:
         simulation=f"results/simulation/{FIGURE_RUN}",

@@ -1,21 +1,5 @@
 # Many robots: a job judges a batch of them, because starting a job costs more than judging a robot. It reads each log
 # once. Logs are a parameter (names, sizes, times), not inputs: a folder that is lost on the way must not stop the call.
-import time
-
-from jointwear.monitor.fleet.plan import batches, seen
-from jointwear.monitor.plan import model_file, window_seconds
-
-MONITOR = config["monitor"]
-FLEET = batches(list(MONITOR["robots"]))
-
-
-def fleet_entries(wildcards):
-    """Entries of the robots of a batch, with the robot files that they are judged with."""
-    entries = {name: MONITOR["robots"][name] for name in FLEET[wildcards.fleet_batch]}
-    return {
-        name: {**entry, "robot": model_file(name, entry)}
-        for name, entry in entries.items()
-    }
 
 
 rule fleet:

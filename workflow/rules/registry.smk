@@ -30,6 +30,5 @@ for registered_name, registered_entry in REGISTERED.items():
             f"results/logs/fetch_registered/{registered_name}.log",
         params:
             name=registered_name,
-            folder=str(FETCHED / registered_name),
         script:
             "../scripts/fetch_registered.py"

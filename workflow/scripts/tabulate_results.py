@@ -1,5 +1,7 @@
 """Tables II to VI, each published number beside ours."""
 
+from pathlib import Path
+
 from jointwear.reproduction.tables import tabulate_results
 from jointwear.running.script import reported
 
@@ -7,7 +9,7 @@ if __name__ == "__main__":
     with reported(snakemake.log[0]):
         tabulate_results(
             snakemake.params.tables,
-            snakemake.params.folder,
+            Path(snakemake.output[0]).parent,
             snakemake.input.published,
             features=snakemake.input.features,
             detections=snakemake.input.detections,

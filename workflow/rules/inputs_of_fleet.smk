@@ -1,0 +1,17 @@
+# What the rules of fleet.smk take from the entries of the robots.
+import time
+
+from jointwear.monitor.fleet.plan import batches, seen
+from jointwear.monitor.plan import model_file, window_seconds
+
+MONITOR = config["monitor"]
+FLEET = batches(list(MONITOR["robots"]))
+
+
+def fleet_entries(wildcards):
+    """Entries of the robots of a batch, with the robot files that they are judged with."""
+    entries = {name: MONITOR["robots"][name] for name in FLEET[wildcards.fleet_batch]}
+    return {
+        name: {**entry, "robot": model_file(name, entry)}
+        for name, entry in entries.items()
+    }
