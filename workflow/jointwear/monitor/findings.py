@@ -1,4 +1,4 @@
-"""What is no alarm of wear but must be told: a service that a fall proposes, axes that moved together."""
+"""What is no alarm of wear but must be told: a proposed service, axes that moved together, a missing temperature."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.effects import get_effect
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.scale import ScaleStep
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
+from jointwear.robots.robot import Robot
 
 
 def moment_words(statistics: WindowStatistics, seconds: float) -> str:
@@ -116,3 +118,32 @@ def _shared(
             result.append({"time": time, "axes": [], "kind": "shared", "words": words})
         before = abs(mean) > FINDING
     return result
+
+
+def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict[str, Any]]:
+    """Return one finding on effects of the robot file that count as zero because a temperature was not logged, or none.
+
+    Windows in which an axis shows no friction need no temperature.
+    """
+    lacking = ~np.isfinite(statistics.temperature) & (np.asarray(statistics.count) > 0)
+    names, axes = {}, set()
+    for entry in robot.effects:
+        effect = get_effect(entry.effect)
+        if "temperature" not in effect.needs:
+            continue
+        own = range(robot.joints) if entry.axis is None else [entry.axis - 1]
+        without = {j for j in own if lacking[:, j].any()}
+        if without:
+            names[effect.phrase] = None
+            axes |= without
+    if not axes:
+        return []
+    found = lacking[:, sorted(axes)].any(axis=1)
+    where = "" if found.all() else f" in {int(found.sum())} of {statistics.windows} windows"
+    numbers = [j + 1 for j in sorted(axes)]
+    words = (
+        f"The robot file has {' and '.join(names)}, but the logs hold no temperature of {_axes_words(numbers)}{where}: "
+        "the effect counts as zero there, so its torque looks like friction; log the temperature."
+    )
+    time = float(statistics.start[np.flatnonzero(found)[0]])
+    return [{"time": time, "axes": numbers, "kind": "missing_temperature", "words": words}]
