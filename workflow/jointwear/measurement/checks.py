@@ -23,9 +23,9 @@ CLEARLY = 0.9
 WRONG = 0.5
 #: Log likelihood [nats] by which the closer look may speak against another reading that fits far better in size.
 CONTRADICTS = 12.0
-#: Log likelihood [nats] by which it must favour one that fits no better. What a robot file lacks reached 19 in
-#: right logs of 88 simulated robots that chose it, and more in 4 of 60 others; residuals repeat with the motion. A torque of the motor is told from the size of its friction, which no
-#: load changes.
+#: Log likelihood [nats] by which it must favour one that fits no better. What a robot file lacks reached 19 in right
+#: logs of 88 simulated robots that chose it, and more in 4 of 60 others, as residuals repeat with the motion. A torque
+#: of the motor is told from the size of its friction, which no load changes.
 FAVOURS = {"swap": 25.0, "flip": 25.0, "torque": 25.0, "motor": CONTRADICTS}
 #: Why another reading is believed, as the end of the sentence that says what it is.
 _WHY = {
