@@ -66,6 +66,15 @@ def test_a_misspelt_robot_is_named_as_the_user_wrote_it(clone, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+def test_a_robot_file_may_leave_out_effects(clone, tmp_path):
+    robot = (ROOT / "config/robots/puma560.yaml").read_text()
+    assert "effects: []\n" in robot
+    (tmp_path / "arm.yaml").write_text(robot.replace("effects: []\n", ""))
+    (tmp_path / "my.yaml").write_text("robot: arm.yaml\n")
+    jobs = Project(tmp_path).planned("--snakefile", str(clone.folder / "Snakefile"), "--configfile", "my.yaml")
+    assert jobs["simulate_wear"] == 2
+
+
 def test_another_workflow_takes_it_as_a_module(clone, tmp_path):
     (tmp_path / "Snakefile").write_text(MODULE.format(snakefile=clone.folder / "Snakefile"))
     jobs = Project(tmp_path).planned("--config", "replicates=4")

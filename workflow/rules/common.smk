@@ -77,7 +77,7 @@ def modules_of(rule):
 
 # Effects of the robot of the reproduction; an edit of any other effect leaves its runs alone.
 ROBOT_EFFECTS = frozenset(
-    entry["effect"] for entry in read_robot_file(config["robot"])["effects"]
+    entry["effect"] for entry in read_robot_file(config["robot"]).get("effects", [])
 )
 
 
