@@ -19,7 +19,6 @@ from jointwear.running.configuration import (
     reading_of,
 )
 from jointwear.files.errors import InputError
-from jointwear.robots.robot_file import read_robot_file
 from jointwear.running.project import check_writable
 from jointwear.running.script import message_of
 from jointwear.running.modules import imported_by, lend_to_children
@@ -47,7 +46,7 @@ try:
         check_writable(Path.cwd())
     # The shipped values, config/config.yaml of the working directory, then --configfile and --config.
     config = prepare(layer_files(config), workflow.configfiles)
-    check_experiment(config)
+    ROBOT = check_experiment(config)
     # What `verify` looks at is no part of the experiment.
     CRATE, TRUST = config.pop("crate", None), config.pop("trust", False)
 except (InputError, OSError) as error:
@@ -76,9 +75,7 @@ def modules_of(rule):
 
 
 # Effects of the robot of the reproduction; an edit of any other effect leaves its runs alone.
-ROBOT_EFFECTS = frozenset(
-    entry["effect"] for entry in read_robot_file(config["robot"]).get("effects", [])
-)
+ROBOT_EFFECTS = frozenset(entry["effect"] for entry in ROBOT.get("effects", []))
 
 
 def simulation_modules(rule):

@@ -103,9 +103,8 @@ def beside_workflow(config: Mapping[str, Any]) -> Mapping[str, Any]:
     for section, key in (("discover", "datasets"), ("monitor", "robots")):
         if isinstance(result.get(section), Mapping) and key in result[section]:
             result[section] = {**result[section], key: entries_of(result[section][key])}
-    for section in ("recover",):
-        if isinstance(result.get(section), Mapping):
-            result[section] = entry_of(result[section])
+    if "recover" in result:
+        result["recover"] = entry_of(result["recover"])
     return entry_of(result)
 
 
@@ -157,8 +156,8 @@ def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict
     return config
 
 
-def check_experiment(config: Mapping[str, Any]) -> None:
-    """Check robot and tasks of the reproduction against each other and against the config.
+def check_experiment(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Check robot and tasks of the reproduction against each other and the config; return the robot file as read.
 
     Raises
     ------
@@ -180,6 +179,7 @@ def check_experiment(config: Mapping[str, Any]) -> None:
                 f"(there are: {', '.join(known)})"
             )
         read_task_file(shipped(f"config/tasks/{task}.yaml"), robot)
+    return robot
 
 
 def reading_of(config: Mapping[str, Any], *stages: str) -> dict[str, str]:
