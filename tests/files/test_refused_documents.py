@@ -126,7 +126,7 @@ def bomb(levels=9):
         ("a0: &a0 [1]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 2000)), ["levels deep, aliases"]),
         ("? [a, b]\n: 1\n", ["line 1", "a key must be text"]),
         ("a: 2026-13-45\n", ["not valid YAML"]),
-        ("a: !!int text\n", ["not valid YAML"]),
+        ("a: !!int text\n", ["line 1", "'text'"]),
         ("a: !!python/object/apply:os.system [true]\n", ["line 1"]),
         ("a: 1" + "0" * 5000, ["not valid YAML"]),
         ("a: '\x00'\n", ["x.yaml"]),
@@ -141,6 +141,22 @@ def test_a_yaml_file_out_of_proportion_is_refused_at_once(tmp_path, text, words)
     assert str(error.value).isprintable()
     for word in words:
         assert word in str(error.value)
+
+
+@pytest.mark.parametrize("number", ["010", "1:30", "-1:30:05.5", "1_000", "0x1F", "0b11", "1_0.5", "007"])
+def test_a_number_that_readers_of_yaml_disagree_on_is_refused(tmp_path, number):
+    (tmp_path / "x.yaml").write_text(f"b: 1\na: {number}\n")
+    with pytest.raises(InputError, match=r"line 2: .* decimal digits"):
+        read_yaml(tmp_path / "x.yaml")
+    (tmp_path / "x.yaml").write_text(f"a: '{number}'\nb: [0, -0.5, +3, 1., 1e-4, 2.5E+3]\n")
+    assert read_yaml(tmp_path / "x.yaml") == {"a": number, "b": [0, -0.5, 3, 1.0, 1e-4, 2500.0]}
+
+
+def test_digits_of_other_scripts_are_text(root):
+    config = yaml.safe_load((root / "config/config.yaml").read_text())
+    for text in ("٣", "3\n", "³"):
+        with pytest.raises(InputError, match="'seed' is"):
+            prepare({**config, "seed": text})
 
 
 def test_only_regular_files_are_opened(tmp_path):
