@@ -9,7 +9,7 @@ import yaml
 
 from jointwear.files.documents import check, read_yaml
 from jointwear.files.errors import InputError, shown
-from jointwear.files.json_documents import read_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.numbers import LARGEST
 from jointwear.reproduction.features import histograms
 from jointwear.robots.robot_file import read_robot_file
@@ -192,6 +192,41 @@ def test_json_is_read_by_one_reader_with_one_line(tmp_path, text, words):
     assert "x.json" in str(error.value)
     (tmp_path / "x.json").write_text(json.dumps({"a": [1, 2.5, None]}))
     assert read_json(tmp_path / "x.json") == {"a": [1, 2.5, None]}
+
+
+CONTENT = {"a": [1, 2.5, None, float("nan"), np.float32(0.1)], "b": {"c": "Bühne <1>", 2: True}, "n": np.arange(2)}
+
+
+def test_what_was_written_is_read_and_is_json(tmp_path):
+    write_json(tmp_path / "x.json", CONTENT)
+    assert "NaN" not in (tmp_path / "x.json").read_text()
+    found = read_json(tmp_path / "x.json")
+    assert found == {"a": [1, 2.5, None, None, float(np.float32(0.1))], "b": {"c": "Bühne <1>", "2": True}, "n": [0, 1]}
+    # The layout of the file is no part of its content.
+    (tmp_path / "x.json").write_text(json.dumps(json.loads((tmp_path / "x.json").read_text())))
+    assert read_json(tmp_path / "x.json") == found
+
+
+def test_no_flipped_bit_of_a_json_file_is_believed(tmp_path):
+    path = tmp_path / "x.json"
+    write_json(path, CONTENT)
+    whole, found = path.read_bytes(), read_json(path)
+    for place in range(len(whole)):
+        for bit in range(8):
+            path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+            try:
+                read = read_json(path)
+            except InputError:
+                continue
+            # Blanks between the values, or the name of the checksum itself.
+            assert {key: read[key] for key in found} == found
+
+
+def test_a_number_changed_by_hand_is_found(tmp_path):
+    write_json(tmp_path / "x.json", CONTENT)
+    (tmp_path / "x.json").write_text((tmp_path / "x.json").read_text().replace("2.5", "2.6"))
+    with pytest.raises(InputError, match=r"x\.json: was changed or damaged since it was written; delete it and run"):
+        read_json(tmp_path / "x.json")
 
 
 def test_values_are_cut_and_stay_on_one_line(root):

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.json_values import as_json
+from jointwear.files.json_documents import write_json
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.files.text_files import replace_text
 from jointwear.robots.robot import load_robot
 from jointwear.studies.joint_fit.detection import READINGS
 from jointwear.studies.joint_fit.paper import Paper, read_paper
@@ -239,9 +237,9 @@ def write_chapter(
         ],
         "readings": readings(screened),
     }
-    replace_text(output, json.dumps(as_json(content), indent=1, allow_nan=False) + "\n")
+    write_json(output, content)
 
 
 def write_controls(paths: Sequence[str | Path], output: str | Path) -> None:
     """Write what the chapter of the controls says as JSON."""
-    replace_text(output, json.dumps(as_json(controls(paths)), indent=1, allow_nan=False) + "\n")
+    write_json(output, controls(paths))
