@@ -12,7 +12,7 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 from jointwear.robots.trajectory import Task
 from jointwear.studies.joint_fit.detection import Grid, TaskOutcome, detect
-from jointwear.studies.joint_fit.distance import Weights, detection_cost, lags, same_signs, table_cost
+from jointwear.studies.joint_fit.distance import Weights, detection_cost, lags, right_pairs, table_cost
 from jointwear.studies.joint_fit.divergence import HISTOGRAM_READING
 from jointwear.studies.joint_fit.levels import Noise, task_levels
 from jointwear.studies.joint_fit.noise_bank import draw_bank
@@ -34,8 +34,9 @@ class Confirmed:
 
     `probability`, `hour` (t, c, n): share of replicates that detect, median hour, NaN below half; `maximum`,
     `variation` (2, t, c, n): Tables V and VI at the printed hours and at our own; `signs` (r,): pairs of axes with
-    the sign of Table II; `kl_maximum` (r,) [nat]; `kept` (t, r); `located` share of the detected runs and
-    `alarms` of the normal runs, NaN from the fast engine; `distance` from the paper.
+    the sign of Table II; `right_pairs` (pairs,): share of replicates in which each pair i < j has it; `kl_maximum`
+    (r,) [nat]; `kept` (t, r); `located` share of the detected runs and `alarms` of the normal runs, NaN from the
+    fast engine; `distance` from the paper.
     """
 
     probability: np.ndarray
@@ -43,6 +44,7 @@ class Confirmed:
     maximum: np.ndarray
     variation: np.ndarray
     signs: np.ndarray
+    right_pairs: np.ndarray
     kl_maximum: np.ndarray
     kept: np.ndarray
     located: float
@@ -139,11 +141,23 @@ def judged(
         distance += float(table_cost(torque[moving[t]].reshape(1, -1), spread[moving[t]].reshape(1, -1), weights)[0])
         outcome = TaskOutcome({reading: onset[t]}, {reading: kept[t]})
         distance += detection_cost(outcome, paper.target(t), weights)[reading]
-    signs = same_signs(lag, paper.lag_sign)
-    pairs = len(paper.lag_sign) * (len(paper.lag_sign) - 1) // 2
+    right = right_pairs(lag, paper.lag_sign)
+    signs, pairs = right.sum(axis=1), right.shape[1]
     distance += weights.lag * (pairs - float(signs.mean()))
     probability = np.isfinite(onset).mean(axis=-1)
-    return Confirmed(probability, hour, maximum, variation, signs, kl_maximum, kept, located, alarms, distance)
+    return Confirmed(
+        probability,
+        hour,
+        maximum,
+        variation,
+        signs,
+        right.mean(axis=0),
+        kl_maximum,
+        kept,
+        located,
+        alarms,
+        distance,
+    )
 
 
 def confirm_fast(

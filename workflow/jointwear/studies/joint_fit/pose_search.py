@@ -79,6 +79,10 @@ class TaskFit:
         start, stop, phase, _, _ = self.problem.split(self.problem.physical(u))
         return start[:, 0], stop[:, 0], phase[:, 0]
 
+    def free(self, start: np.ndarray, stop: np.ndarray, phase: float) -> np.ndarray:
+        """Return the free vector (p,) of poses start, stop (n,) [rad] and phase [s]: the inverse of `poses`."""
+        return self.problem.join(start[None], stop[None], np.array([phase]), self.arm.shape, np.empty(0))
+
     def table_errors(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return relative errors of Table V and errors of Table VI at the published hours, each (S, cells)."""
         predicted, tables = self.problem.predict(u), self.problem.tables

@@ -17,9 +17,11 @@ from jointwear.studies.joint_fit.confirmation import confirm_fast
 from jointwear.studies.joint_fit.detection import READINGS, Grid
 from jointwear.studies.joint_fit.levels import Noise
 from jointwear.studies.joint_fit.paper import Prior, read_paper, shuffled_paper, synthetic_paper
-from jointwear.studies.joint_fit.paper_fit import PaperFit, Plan, choose_reading
+from jointwear.studies.joint_fit.paper_fit import JointExperiment, PaperFit, Plan, choose_reading
 from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch
+from jointwear.studies.joint_fit.posterior import read_confirmed
 from jointwear.studies.joint_fit.records import read_experiments, write_confirmed, write_experiments
+from jointwear.studies.joint_fit.trade import Emphasis, bases, search_on
 
 KINDS = ("ours", "known", "shuffled")
 
@@ -143,6 +145,38 @@ def confirm_joint_fit(
         for k, e in enumerate(experiments)
     ]
     write_confirmed(output, experiments, found, places, "joint experiments on new random numbers", settings)
+
+
+def trade_joint_aims(
+    robot: str | Path, published: str | Path, confirmed: str | Path, output: str | Path, settings: dict
+) -> None:
+    """Search the nearest experiments on under other weights, and run what comes out on new random numbers.
+
+    Parameters
+    ----------
+    settings : of the experiment; `plan` as :func:`plan_of`, `arms` that are searched on, `emphases` as pairs of the
+        factors of :class:`Emphasis`, `confirm_replicates`.
+    """
+    arm, paper = load_robot(robot), read_paper(published)
+    grid, noise = _grid(settings, paper.tables.increase_percent), _noise(settings)
+    experiments, found = read_confirmed([confirmed])
+    emphases = [Emphasis(*pair) for pair in settings["emphases"]]
+    searched: list[JointExperiment] = []
+    for k, places in enumerate(bases(experiments, found["distance"], settings["arms"])):
+        members = [experiments[place] for place in places]
+        plan = plan_of(settings["plan"])
+        searched += search_on(arm, paper, settings["seed"], plan, grid, noise, members, emphases, k)
+    again = [
+        confirm_fast(arm, e, paper, settings["seed"], f"trade {k}", settings["confirm_replicates"], grid, noise)
+        for k, e in enumerate(searched)
+    ]
+    places = range(len(experiments), len(experiments) + len(searched))
+    factors = np.array([[e.tables, e.signs] for e in emphases] * (len(searched) // len(emphases)))
+    more = {
+        "emphasis_tables": Variable(("experiment",), factors[:, 0], "factor on the weights of Tables V and VI", "1"),
+        "emphasis_signs": Variable(("experiment",), factors[:, 1], "factor on the weight of Table II", "1"),
+    }
+    write_confirmed(output, searched, again, places, "joint experiments under other weights", settings, more)
 
 
 def control_joint_fit(
