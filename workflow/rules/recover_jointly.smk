@@ -12,7 +12,7 @@ JOINT_SHARED = {
     "variance_share": config["detection"]["variance_share"],
 }
 JOINT_KEPT = 30  # experiments that make the posterior
-JOINT_FIGURES = ["cells", "frontier"]
+JOINT_FIGURES = ["cells", "frontier", "trade"]
 STUDY_PICTURES["joint_fit"] = JOINT_FIGURES
 STUDY_PICTURES["joint_fit_controls"] = ["controls"]
 
