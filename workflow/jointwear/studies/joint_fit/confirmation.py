@@ -106,9 +106,9 @@ def torque_tables(
             arm.shape,
             np.array([arm.mass, 0.0, 0.0, arm.offset]),
         )
-        found = problem.predict(u[None])
-        maximum.append(found.maximum[0].swapaxes(1, 2))
-        variation.append(found.variation[0].swapaxes(1, 2))
+        predicted = problem.predict(u[None])
+        maximum.append(predicted.maximum[0].swapaxes(1, 2))
+        variation.append(predicted.variation[0].swapaxes(1, 2))
     return np.array(maximum), np.array(variation)
 
 
@@ -180,24 +180,24 @@ def confirm_fast(
     dynamics = pose_set(robot, experiment, paper.tables.tasks, name).dynamics
     levels = task_levels(dynamics, experiment.start, experiment.stop, experiment.phase, noise)
     reading = experiment.reading
-    found = [
+    outcomes = [
         detect(
-            one,
+            task,
             draw_bank(seed, f"{name} {t}", robot.joints, replicates),
             experiment.arm.shape,
             grid,
             [reading],
             LAG_RUN if t == LAG_TASK else None,
         )
-        for t, one in enumerate(levels)
+        for t, task in enumerate(levels)
     ]
-    series = found[LAG_TASK].series
+    series = outcomes[LAG_TASK].series
     return judged(
         robot,
         experiment,
         paper,
-        np.stack([f.onset[reading] for f in found]),
-        np.stack([f.kept[reading] for f in found]),
+        np.stack([f.onset[reading] for f in outcomes]),
+        np.stack([f.kept[reading] for f in outcomes]),
         lags(series),
         series.max(axis=(1, 2)),
         Weights(),
@@ -225,7 +225,7 @@ def confirm(
         [full_reading(experiment, base)], pose_set(robot, experiment, paper.tables.tasks, name), settings, analysis
     )
     onset = outcomes.onset[0]
-    found = np.isfinite(onset)
+    detects = np.isfinite(onset)
     axes = np.array(analysis.axes)[:, None]
     return judged(
         robot,
@@ -236,6 +236,6 @@ def confirm(
         outcomes.lag[0],
         outcomes.kl_maximum[0],
         Weights(),
-        float((found & (outcomes.source[0] == axes)).sum() / max(found.sum(), 1)),
+        float((detects & (outcomes.source[0] == axes)).sum() / max(detects.sum(), 1)),
         float(outcomes.alarms[0].mean()),
     )

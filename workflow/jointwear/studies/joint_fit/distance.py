@@ -66,8 +66,8 @@ def detection_cost(outcome: TaskOutcome, target: TaskTarget, weights: Weights) -
     wanted = np.isfinite(target.hours)
     result = {}
     for reading, onset in outcome.onset.items():
-        found = np.isfinite(onset)
-        share = found.mean(axis=-1)
+        detects = np.isfinite(onset)
+        share = detects.mean(axis=-1)
         right = np.where(wanted, share, 1 - share)
         miss = np.maximum(weights.margin - right, 0.0) / weights.margin
         with np.errstate(all="ignore"):

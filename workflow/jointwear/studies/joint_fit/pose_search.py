@@ -96,8 +96,8 @@ class TaskFit:
 
     def outcomes(self, u: np.ndarray, readings: Sequence[PcaReading]) -> list[TaskOutcome]:
         """Return the detections of free vectors u (S, p)."""
-        found = task_levels(self.dynamics, *self.poses(u), self.noise)
-        return [detect(levels, self.bank, self.arm.shape, self.grid, readings, self.shown) for levels in found]
+        tasks = task_levels(self.dynamics, *self.poses(u), self.noise)
+        return [detect(levels, self.bank, self.arm.shape, self.grid, readings, self.shown) for levels in tasks]
 
     def costs(self, u: np.ndarray, readings: Sequence[PcaReading]) -> tuple[np.ndarray, np.ndarray]:
         """Return the whole cost of free vectors u (S, p) and the cells of Table IV that agree, each (S, readings)."""
@@ -105,9 +105,9 @@ class TaskFit:
         costs, cells = np.empty((len(u), len(readings))), np.empty((len(u), len(readings)), dtype=int)
         for k, outcome in enumerate(self.outcomes(u, readings)):
             extra = fixed[k] + series_cost(outcome, self.target, self.weights)
-            found = detection_cost(outcome, self.target, self.weights)
+            of_detection = detection_cost(outcome, self.target, self.weights)
             agreed = agreeing_cells(outcome, self.target)
-            costs[k] = [extra + found[r] for r in readings]
+            costs[k] = [extra + of_detection[r] for r in readings]
             cells[k] = [agreed[r] for r in readings]
         return costs, cells
 

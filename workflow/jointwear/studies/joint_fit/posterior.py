@@ -35,9 +35,9 @@ def read_confirmed(paths: Sequence[str | Path]) -> tuple[list[JointExperiment], 
         with open_dataset(path) as data:
             for name, values in parts.items():
                 values.append(read_variable(data, path, name))
-    found = {name: np.concatenate(values) for name, values in parts.items()}
-    order = np.argsort(found.pop("place"))
-    return [experiments[k] for k in order], {name: values[order] for name, values in found.items()}
+    fields = {name: np.concatenate(values) for name, values in parts.items()}
+    order = np.argsort(fields.pop("place"))
+    return [experiments[k] for k in order], {name: values[order] for name, values in fields.items()}
 
 
 def nearest(distance: np.ndarray, count: int) -> np.ndarray:
@@ -73,16 +73,16 @@ def write_posterior(
     settings : of the experiment; `reading` of the config, `kept`, `check_replicates`.
     """
     paper = read_paper(published)
-    experiments, found = read_confirmed([confirmed])
-    order = nearest(found["distance"], settings["kept"])
-    scores = score(found, paper)
+    experiments, fields = read_confirmed([confirmed])
+    order = nearest(fields["distance"], settings["kept"])
+    scores = score(fields, paper)
     text = io.StringIO()
     names = tuple(Scores.__dataclass_fields__)
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["experiment", "mass", "offset", "moment", "shape", "distance", *names])
     for k in order:
         arm = experiments[k].arm
-        values = [arm.mass, arm.offset, arm.moment, arm.shape, found["distance"][k]]
+        values = [arm.mass, arm.offset, arm.moment, arm.shape, fields["distance"][k]]
         writer.writerow([k + 1, *(f"{float(v):.6g}" for v in (*values, *(getattr(scores, n)[k] for n in names)))])
     replace_text(table, text.getvalue())
     every, again = read_confirmed([confirmed, traded])

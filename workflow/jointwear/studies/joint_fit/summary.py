@@ -136,10 +136,10 @@ def pairs(right: np.ndarray, paper: Paper) -> dict[str, dict[str, Any]]:
 
 def searched_on(path: str | Path, paper: Paper) -> list[dict[str, Any]]:
     """Return the experiments under other weights: factors on the weights and what they reach on new random numbers."""
-    _, found = read_confirmed([path])
+    _, fields = read_confirmed([path])
     with open_dataset(path) as data:
         tables, signs = (read_variable(data, path, name) for name in ("emphasis_tables", "emphasis_signs"))
-    scores, met = score(found, paper), aims_met(score(found, paper))
+    scores, met = score(fields, paper), aims_met(score(fields, paper))
     return [
         {
             "tables": tables[k],
@@ -148,8 +148,8 @@ def searched_on(path: str | Path, paper: Paper) -> list[dict[str, Any]]:
             "hour_error": scores.hour_error[k],
             "torque_median": scores.torque_median[k],
             "variation_median": scores.variation_median[k],
-            "signs": found["signs"][k].mean(),
-            "signs_at_least_11": (found["signs"][k] >= 11).mean(),
+            "signs": fields["signs"][k].mean(),
+            "signs_at_least_11": (fields["signs"][k] >= 11).mean(),
             "met": met[k],
         }
         for k in range(len(met))
@@ -173,15 +173,15 @@ def write_chapter(
     robot : arm with torque limits; kept : how many experiments make the posterior.
     """
     paper = read_paper(published)
-    experiments, found = read_confirmed([confirmed])
-    order = nearest(found["distance"], kept)
-    scores = score(found, paper)
+    experiments, fields = read_confirmed([confirmed])
+    order = nearest(fields["distance"], kept)
+    scores = score(fields, paper)
     (best,), once_more = read_confirmed([checked])
     again, again_own = score(once_more, paper), score(once_more, paper, at=1)
     limit = load_robot(robot).torque_limit
     moment = np.array([e.arm.moment for e in experiments])
     shape = np.array([e.arm.shape for e in experiments])
-    cells = _cells(found, paper, order)
+    cells = _cells(fields, paper, order)
     missing = [c for c in cells if c["agree"] == 0]
     checks = [
         {
@@ -220,7 +220,7 @@ def write_chapter(
         "figure_3": _quantiles(scores.figure_3[order][np.isfinite(scores.figure_3[order])]),
         "cells": cells,
         "missing": missing,
-        "contradictions": contradictions(found, paper, order),
+        "contradictions": contradictions(fields, paper, order),
         "frontier": [
             {
                 "moment": moment[k],
@@ -228,8 +228,8 @@ def write_chapter(
                 "cells": scores.cells[k],
                 "hour_error": scores.hour_error[k],
                 "torque_median": scores.torque_median[k],
-                "signs": found["signs"][k].mean(),
-                "distance": found["distance"][k],
+                "signs": fields["signs"][k].mean(),
+                "distance": fields["distance"][k],
                 "kept": bool(k in order),
             }
             for k in range(len(experiments))
