@@ -21,6 +21,7 @@ from jointwear.studies.joint_fit.pose_search import Arm
 from jointwear.studies.joint_fit.records import write_experiments
 from jointwear.studies.recovery.export import robot_data, task_data, write_yaml
 from jointwear.studies.side_by_side.experiments import write_closest
+from jointwear.studies.side_by_side.figures import draw_hours
 from jointwear.studies.side_by_side.summary import COMPARED, beside, changed_readings, write_chapter
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -88,3 +89,5 @@ def test_the_chapter_quotes_the_tables_of_both(tmp_path):
     assert all(row["literal"] == row["closest"] for table in chapter["tables"].values() for row in table)
     assert chapter["experiments"]["literal"]["readings"][0]["chosen"] == "means_removed"
     assert chapter["experiments"]["closest"]["scores"]["table_iv"]["compared"] == 8
+    draw_hours(tmp_path / "chapter.json", tmp_path / "hours.svg")
+    assert "has the paper's outcome in 8" in (tmp_path / "hours.svg").read_text(encoding="utf-8")

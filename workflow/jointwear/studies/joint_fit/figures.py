@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
 
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import direct_label, new_figure, save
@@ -179,6 +180,7 @@ def draw_controls(chapter: dict[str, Any], output: str | Path) -> None:
         axes.grid(axis="y", visible=False)
     left.set_yticks(range(len(kinds)), [words for _, words in kinds])
     left.invert_yaxis()
+    left.xaxis.set_major_locator(MaxNLocator(integer=True))
     right.set_xscale("log")
     save(
         figure,
