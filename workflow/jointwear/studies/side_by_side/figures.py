@@ -8,7 +8,7 @@ from jointwear.files.json_documents import read_json
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
 
-_NOT_DETECTED = 132.0  # h; a row of its own above the last hour of a run
+_NOT_DETECTED = 142.0  # h; a row of its own above the last hour of a run
 
 
 def draw_hours(chapter: str | Path, output: str | Path) -> None:
