@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.json_values import as_json
+from jointwear.files.json_documents import write_json
 from jointwear.files.storage import open_dataset
-from jointwear.files.text_files import replace_text
 
 MOMENT_TOLERANCE = 0.15  # share of the payload's first moment within which a fit has found it
 _CONTROL_NUMBERS = ("cells", "hour_error", "distance", "moment", "shape", "true_moment", "true_shape")
@@ -57,4 +55,4 @@ def controls(paths: Sequence[str | Path]) -> dict[str, Any]:
 
 def write_controls(paths: Sequence[str | Path], output: str | Path) -> None:
     """Write what the chapter of the controls says as JSON."""
-    replace_text(output, json.dumps(as_json(controls(paths)), indent=1, allow_nan=False) + "\n")
+    write_json(output, controls(paths))

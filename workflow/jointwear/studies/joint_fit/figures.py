@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from jointwear.files.json_documents import read_json
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import direct_label, new_figure, save
 
@@ -194,6 +194,6 @@ def draw_controls(chapter: dict[str, Any], output: str | Path) -> None:
 
 def draw(picture: str, chapter: str | Path, output: str | Path) -> None:
     """Draw the figure named `picture`, of :data:`PICTURES` or "controls", from its chapter's JSON file."""
-    content = json.loads(Path(chapter).read_text(encoding="utf-8"))
+    content = read_json(chapter)
     drawings = {"cells": draw_cells, "frontier": draw_frontier, "trade": draw_trade, "controls": draw_controls}
     drawings[picture](content, output)

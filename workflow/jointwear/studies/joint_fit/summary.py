@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.json_values import as_json
+from jointwear.files.json_documents import write_json
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.files.text_files import replace_text
 from jointwear.robots.robot import load_robot
 from jointwear.studies.joint_fit.detection import READINGS
 from jointwear.studies.joint_fit.paper import LAG_RUN, Paper, read_paper
@@ -236,4 +234,4 @@ def write_chapter(
         ],
         "readings": readings(screened),
     }
-    replace_text(output, json.dumps(as_json(content), indent=1, allow_nan=False) + "\n")
+    write_json(output, content)

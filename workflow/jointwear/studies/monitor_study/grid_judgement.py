@@ -5,14 +5,13 @@ One replicate of a run is one robot: its training hours are the baseline, the ho
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import write_json
 from jointwear.monitor.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.model import TorqueModel
@@ -99,4 +98,4 @@ def judge_grid(
     normal = alarms(named["normal"])
     hours = len(normal) * read_torque(named["normal"], slice(0, 1)).shape[1]
     result = {"cells": cells, "false": sum(len(a) for a in normal), "hours": hours, "rate": RATE}
-    replace_text(output, json.dumps(result, indent=1) + "\n")
+    write_json(output, result)

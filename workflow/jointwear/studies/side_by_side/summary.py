@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.documents import read_yaml
-from jointwear.files.json_values import as_json
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import write_json
 from jointwear.publishing.report.result_tables import (
     Row,
     read_table,
@@ -109,4 +107,4 @@ def write_chapter(folders: Mapping[str, str | Path], output: str | Path) -> None
         },
         "tables": tables,
     }
-    replace_text(output, json.dumps(as_json(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_json(output, content)
