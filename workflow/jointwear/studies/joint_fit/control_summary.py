@@ -13,8 +13,6 @@ from jointwear.files.storage import open_dataset
 
 MOMENT_TOLERANCE = 0.15  # share of the payload's first moment within which a fit has found it
 _CONTROL_NUMBERS = ("cells", "hour_error", "distance", "moment", "shape", "true_moment", "true_shape")
-
-
 _COMPARED = ("cells", "hour_error", "distance")
 
 
