@@ -23,13 +23,13 @@ from jointwear.publishing.report.wording import summary
 
 def other_pages(results: Path) -> list[dict[str, str]]:
     """Return the pages that other targets have built beside the report, as links relative to it."""
-    found = [path.relative_to(results) for level in ("*", "*/*") for path in results.glob(f"{level}/*.html")]
+    paths = [path.relative_to(results) for level in ("*", "*/*") for path in results.glob(f"{level}/*.html")]
     return [
         {
             "name": " ".join([*path.parts[:-1], *([] if path.stem in ("index", path.parts[0]) else [path.stem])]),
             "link": f"../{path.as_posix()}",
         }
-        for path in sorted(found)
+        for path in sorted(paths)
         if path.parts[0] != "report"
     ]
 

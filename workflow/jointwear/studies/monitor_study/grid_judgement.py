@@ -16,7 +16,7 @@ from jointwear.monitor.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.windows import WindowStatistics
-from jointwear.reproduction.grid import by_cell
+from jointwear.reproduction.grid import worn_runs
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.robots.trajectory import Motion, load_task
 from jointwear.studies.monitor_study.runs import DEAD_BAND, read_torque
@@ -80,7 +80,7 @@ def judge_grid(
         return alarm["time"] / HOUR - training.shape[1]
 
     cells = []
-    for cell, path in sorted(by_cell([p for p in runs if "/axis" in p]).items()):
+    for cell, path in sorted(worn_runs(runs).items()):
         told = [sorted(a, key=lambda x: x["time"]) for a in alarms(path)]
         right = [next((hour_of(x) for x in a if x["axis"] == cell.axis), None) for a in told]
         found = [h for h in right if h is not None]
