@@ -60,11 +60,15 @@ class Problem:
 
     @cached_property
     def fold_of_sample(self) -> np.ndarray:
-        """(N_train,) fold of each training sample: its record, or one of four blocks of time if records are few."""
+        """(N_train,) fold of each training sample: its record, or a block of it, so that there are at least four.
+
+        Out of three records the other two have to extrapolate: what changes with time, or over a position that only one
+        of them visits, would fail for that alone.
+        """
         record = np.asarray(self.train_state.record)
         labels, first = np.unique(record, return_index=True)
         labels = labels[np.argsort(first)]
-        blocks = 1 if len(labels) >= 3 else int(np.ceil(4 / max(len(labels), 1)))
+        blocks = int(np.ceil(4 / max(len(labels), 1)))
         fold = np.zeros(len(record), dtype=int)
         for i, label in enumerate(labels):
             index = np.flatnonzero(record == label)

@@ -1,7 +1,8 @@
 """Does the probability of a name mean what it says? python -m jointwear.studies.world.calibration ROWS.
 
-Reads judged rows of choosing cases (`--save` of `python -m jointwear.studies.world`), fits a logistic model of "this name is right" and
-prints the expected calibration error of names that the fit had not seen: every case is left out in turn with its fold.
+Reads judged rows of choosing cases (`--save` of `python -m jointwear.studies.world`), fits a logistic model of "this
+name is right" and prints the expected calibration error of names that the fit had not seen: every case is left out in
+turn with its fold.
 """
 
 from __future__ import annotations
