@@ -13,6 +13,7 @@ from jointwear.discovery import Recording, discover
 from jointwear.discovery.instruments import band_limited, cutoff_of, limit, torque_noise
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import build_problem
+from jointwear.discovery.reversals import leave_out_shared_stops
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import whiten
@@ -183,3 +184,18 @@ def test_an_effect_of_one_new_file_is_found_named_and_written(robot, tmp_path):
         assert entry["parameters"]["height"] == pytest.approx(3.0, rel=0.1)
         with found.files["augmented"].robot() as written:
             effects.check_effects(written)
+
+
+def test_samples_of_a_shared_drive_that_sticks_are_left_out(robot):
+    measured = measure(split(coarse(robot, step=1e-9)))
+    speed = measured.velocity.copy()
+    stuck = slice(300, 330)
+    speed[stuck, 4] = -speed[stuck, 5]
+    usable = np.ones_like(measured.usable)
+    left = leave_out_shared_stops(replace(measured, velocity=speed, usable=usable)).usable
+    assert not left[stuck][:, [4, 5]].any()
+    # Speeds of others may linger at the same value by chance.
+    assert np.all(np.mean(left, axis=0) > 0.95)
+    # Joints that a program turns as one all the time share no drive.
+    speed[:, 4] = -speed[:, 5]
+    assert leave_out_shared_stops(replace(measured, velocity=speed, usable=usable)).usable[:, 4].mean() > 0.95

@@ -101,7 +101,7 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
-    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= problem.settings.judged_speed)
+    moving = problem.moving[problem.test] & (np.abs(test.velocity) >= problem.settings.judged_speed)
     peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
     if candidate.axis is None:
         # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.

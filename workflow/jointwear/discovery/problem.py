@@ -7,7 +7,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from jointwear.discovery.reversals import leave_out_reversals
+from jointwear.discovery.reversals import leave_out_reversals, leave_out_shared_stops
 from jointwear.discovery.settings import Settings
 from jointwear.effects import State, effect_torque, make_state
 from jointwear.measurement.motion import Measured, low_pass, measure, runs
@@ -36,6 +36,7 @@ class Problem:
     inertial : (N, n, r) torque of each direction of the inertial prior at one standard deviation [N m].
     factor : (10 n, r) those directions.
     smear : (N, n, 3) what the filter behind the derivatives does to the rigid-body torque [N m], 0 if given.
+    moving : (N, n) samples in motion: those that can be judged, and those beside reversals and in shared stops too.
     judged : 0-based axes with enough usable training samples.
     """
 
@@ -51,6 +52,7 @@ class Problem:
     factor: np.ndarray
     inertial: np.ndarray
     smear: np.ndarray
+    moving: np.ndarray
     judged: tuple[int, ...]
 
     @cached_property
@@ -117,7 +119,9 @@ class Problem:
 
 def build_problem(recording: Recording, robot: Robot, settings: Settings, measured: Measured | None = None) -> Problem:
     """Set up the comparison of a split recording with `robot`; `measured` are its samples if already at hand."""
-    measured = leave_out_reversals(measured or measure(recording))
+    measured = measured or measure(recording)
+    moving = measured.usable
+    measured = leave_out_shared_stops(leave_out_reversals(measured))
     dynamics = Dynamics(robot)
     q, v, a = measured.position, measured.velocity, measured.acceleration
     regressor = inertial_regressor(dynamics, q, v, a)
@@ -155,6 +159,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         factor=factor,
         inertial=inertial,
         smear=_smear(measured, state),
+        moving=moving,
         judged=tuple(int(j) for j in np.flatnonzero(counts >= FEWEST_SAMPLES)),
     )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from jointwear.effects.rests import Rest, rests
 from jointwear.robots.robot import Robot
 
 
@@ -64,6 +65,7 @@ class State:
     encoder_side: str = "motor"
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
+    _rests: dict[tuple, list[Rest]] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "direction", np.sign(self.velocity))
@@ -72,6 +74,16 @@ class State:
     def has_temperature(self) -> bool:
         """Whether any temperature is known."""
         return bool(np.isfinite(self.temperature).any())
+
+    def rests_of(self, axis: int, source: int | None = None, shares: tuple[float, float] = (1.0, 0.0)) -> list[Rest]:
+        """Return the stops of an axis, or of a drive that turns with `shares` of it and of another; unordered: none."""
+        key = (axis, source, *shares)
+        if key not in self._rests:
+            velocity = shares[0] * self.velocity[..., axis]
+            if source is not None:
+                velocity = velocity + shares[1] * self.velocity[..., source]
+            self._rests[key] = [] if self.record is None else rests(velocity, self.time, record_slices(self))
+        return self._rests[key]
 
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""
