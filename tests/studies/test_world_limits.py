@@ -1,6 +1,6 @@
 """What is said of the limits of discovery, and of the probability of its names."""
 
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 
 import numpy as np
 import pytest
@@ -8,9 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointwear.discovery.calibration import FEATURES, calibrated
+from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.settings import REPORTED, USERS, Settings
 from jointwear.studies.world.calibration import cross_fitted, fit, names_of, summary
-from jointwear.studies.world.sensitivity import FACTORS, NOT_ASKED, lines, table, variants
+from jointwear.studies.world.page import limits_context
+from jointwear.studies.world.sensitivity import FACTORS, GATES, NOT_ASKED, can_matter, lines, table, variants
 
 
 def test_fewer_than_twenty_limits_decide_and_each_has_its_meaning():
@@ -55,6 +58,30 @@ def test_the_table_counts_what_a_limit_changes():
         "limits": table(rows_of("accept", False), Settings()),
     }
     assert any("accept" in line and "single -1" in line for line in lines(stored))
+
+
+def refused(gate):
+    return Refusal(Candidate("payload", None, None), 30.0, gate, 0.0, 1.0)
+
+
+def test_a_limit_is_moved_only_where_it_can_matter():
+    base, empty = Settings(), Outcome(None, None, None, None)
+    for name, (words, less) in GATES.items():
+        more = next(factor for factor in FACTORS if factor != less)
+        assert not can_matter(empty, name, less, base)
+        assert not can_matter(empty, name, more, base)
+        assert can_matter(replace(empty, refusals=[refused(words)]), name, less, base)
+    assert all(can_matter(empty, "accept", factor, base) for factor in FACTORS)
+    seen = Unexplained(0, "time", "s", 0.0, 1.0, 1e-9, 20.0)
+    assert can_matter(replace(empty, profile=[seen]), "unexplained_p", 1.3, base)
+    assert not can_matter(replace(empty, profile=[seen]), "unexplained_p", 0.7, base)
+
+
+def test_the_page_shows_the_table():
+    stored = {"cases": 1, "judged": {"single": 1, "two": 0}, "right": {"single": 1, "two": 0}, "command": "x"}
+    shown = limits_context({**stored, "limits": table(rows_of("accept", False), Settings())})
+    assert shown["words"] == "1 of 1 single"
+    assert {r["words"] for r in shown["table"]} == {"single -1", "the same"}
 
 
 def world_rows(rng, count):
