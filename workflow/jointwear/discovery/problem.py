@@ -62,15 +62,24 @@ class Problem:
 
     @cached_property
     def fold_of_sample(self) -> np.ndarray:
-        """(N_train,) fold of each training sample: its record, or a block of it, so that there are at least four.
+        """(N_train,) fold of each training sample: its record, or one of four blocks of time if records are few."""
+        return self._folds(fewest=3)
+
+    @cached_property
+    def part_of_sample(self) -> np.ndarray:
+        """(N_train,) part of each training sample that a name has to predict: there are at least four.
 
         Out of three records the other two have to extrapolate: what changes with time, or over a position that only one
-        of them visits, would fail for that alone.
+        of them visits, would fail for that alone. A written model is asked to extrapolate: its folds are the records.
         """
+        return self._folds(fewest=4)
+
+    def _folds(self, fewest: int) -> np.ndarray:
+        """Return the record of each training sample, cut into blocks, four in all or more, if there are too few."""
         record = np.asarray(self.train_state.record)
         labels, first = np.unique(record, return_index=True)
         labels = labels[np.argsort(first)]
-        blocks = int(np.ceil(4 / max(len(labels), 1)))
+        blocks = 1 if len(labels) >= fewest else int(np.ceil(4 / max(len(labels), 1)))
         fold = np.zeros(len(record), dtype=int)
         for i, label in enumerate(labels):
             index = np.flatnonzero(record == label)
