@@ -128,7 +128,9 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         tip_regressor=lambda: last,
         gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
     )
-    state = replace(state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side)
+    state = replace(
+        state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side, passes=measured.passes
+    )
     nominal = state.torque + effect_torque(robot, state)
     train = np.isin(measured.trajectory, recording.train)
     factor = prior_factor(robot, settings.inertial_prior)

@@ -10,6 +10,7 @@ instead of falling to its noise floor.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -55,7 +56,9 @@ def leave_out_shared_stops(measured: Measured) -> Measured:
     """
     usable, records = measured.usable.copy(), runs(measured.trajectory)
     n = usable.shape[1]
-    for i, j in [(i, j) for i in range(n) for j in range(i + 1, min(n, i + REACH + 1))]:
+    for i, j in combinations(range(n), 2):
+        if j - i > REACH:
+            continue
         moving = measured.usable[:, i] & measured.usable[:, j]
         for sign in (1.0, -1.0):
             stuck = np.zeros(len(usable), dtype=bool)

@@ -25,6 +25,8 @@ class Settings:
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
         and direction, because no form is known exactly.
+    parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
+        and forms are never exact. filter_error : the same of the share of a fast wave that filters let pass.
     unexplained_p : structure is unexplained below this probability.
     retuned_nats : evidence that a parameter of the model needs to be called wrong.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
@@ -48,6 +50,8 @@ class Settings:
     predicted: float = 0.15
     worst_record: float = -4.0
     form_error: float = 0.05
+    parameter_error: float = 0.01
+    filter_error: float = 0.2
     unexplained_p: float = 1e-8
     retuned_nats: float = 8.0
     mass_sigmas: float = 3.0
