@@ -20,6 +20,8 @@ from jointwear.robots.robot import Robot
 FEWEST_SAMPLES = 60
 #: Poses over which the mass matrix is averaged.
 POSES = 200
+#: Share of the discrepancy that stands for the friction of an axis whose friction the robot file does not know.
+UNKNOWN_FRICTION = 0.3
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
@@ -60,11 +62,15 @@ class Problem:
 
     @cached_property
     def fold_of_sample(self) -> np.ndarray:
-        """(N_train,) fold of each training sample: its record, or one of four blocks of time if records are few."""
+        """(N_train,) fold of each training sample: its record, or a block of it, so that there are at least four.
+
+        Out of three records the other two have to extrapolate: what changes with time, or over a position that only one
+        of them visits, would fail for that alone.
+        """
         record = np.asarray(self.train_state.record)
         labels, first = np.unique(record, return_index=True)
         labels = labels[np.argsort(first)]
-        blocks = 1 if len(labels) >= 3 else int(np.ceil(4 / max(len(labels), 1)))
+        blocks = int(np.ceil(4 / max(len(labels), 1)))
         fold = np.zeros(len(record), dtype=int)
         for i, label in enumerate(labels):
             index = np.flatnonzero(record == label)
@@ -84,8 +90,14 @@ class Problem:
 
     @cached_property
     def scale(self) -> np.ndarray:
-        """(n,) torque [N m] that stands for the friction of an axis when priors are set."""
+        """(n,) torque [N m] that stands for the friction of an axis when priors are set.
+
+        Where the robot file knows no friction, it is most of what the model lacks.
+        """
         level = 0.5 * (self.robot.coulomb_positive - self.robot.coulomb_negative)
+        square = np.where(self.usable, self.discrepancy[self.train] ** 2, 0.0).sum(axis=0)
+        lacking = np.sqrt(square / np.maximum(self.usable.sum(axis=0), 1))
+        level = np.where(level > 0, level, UNKNOWN_FRICTION * lacking)
         torque = np.sqrt(np.mean(self.state.torque**2, axis=0))
         return np.maximum(np.maximum(level, 0.03 * torque), 1e-6)
 

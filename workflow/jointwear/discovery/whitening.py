@@ -69,7 +69,7 @@ class White:
     def folds(self, axis: int) -> np.ndarray:
         """Return the fold of cross-validation of each whitened row of `axis`, in order of time.
 
-        A fold is a record; fewer than three records are cut into contiguous blocks.
+        A fold is a record; fewer than four records are cut into contiguous blocks.
         """
         return self.problem.fold_of_sample[self.whiteners[axis].rows]
 
