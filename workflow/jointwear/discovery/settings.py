@@ -31,7 +31,8 @@ class Settings:
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
         and direction, because no form is known exactly.
     parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
-        and forms are never exact. filter_error : the same of the share of a fast wave that filters let pass.
+        and forms are never exact. filter_error : the same of the share of a fast wave that filters take: how much
+        of it is in the acceleration, and how much in the torque, is up to the controller.
     unexplained_p : structure is unexplained below this probability.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
@@ -62,7 +63,7 @@ class Settings:
     worst_record: float = -4.0
     form_error: float = 0.05
     parameter_error: float = 0.01
-    filter_error: float = 0.2
+    filter_error: float = 0.3
     unexplained_p: float = 1e-8
     mass_sigmas: float = 3.0
     wrongest_mass: float = 0.6
