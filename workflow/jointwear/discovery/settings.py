@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 #: Fields that the user gives, and limits of what is reported beside a verdict; the others decide it.
-USERS, REPORTED = ("inertial_prior", "groups"), ("near_the_floor", "judged_speed", "visible")
+USERS = ("inertial_prior", "groups")
+REPORTED = ("near_the_floor", "judged_speed", "visible", "parameter_error", "filter_error")
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,9 @@ class Settings:
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
         and direction, because no form is known exactly.
     parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
-        and forms are never exact. filter_error : the same of the share of a fast wave that filters take: how much
-        of it is in the acceleration, and how much in the torque, is up to the controller.
+        and forms are never exact.
+    filter_error : the same of the share of a fast wave that filters take: how much of it is in the acceleration, and
+        how much in the torque, is up to the controller.
     unexplained_p : structure is unexplained below this probability.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
