@@ -45,7 +45,8 @@ def test_a_stop_lies_between_the_moving_samples(still, after):
     assert found.samples == slice(40, 40 + still)
     assert (found.before, found.after) == (1.0, after)
     share = found.sense(np.arange(40, 40 + still) / RATE)
-    assert np.all(np.abs(share) <= 1) and np.all(np.diff(share) * after >= 0)
+    assert np.all(np.abs(share) <= 1)
+    assert np.all(np.diff(share) * after >= 0)
 
 
 @settings(max_examples=30, deadline=None)
@@ -89,7 +90,7 @@ def test_a_shared_drive_that_sticks_keeps_its_friction(robot):
     effect = effects.get_effect("drive_coupling")
     state = sampled(robot, stopping(30) - 0.5)
     column = effect.columns(state, 0, 1, {"own": 1.0, "other": 1.0})[:, 0]
-    assert column[39] == 1 and column[70] == -1
+    assert (column[39], column[70]) == (1, -1)
     assert np.all(np.diff(column[39:71]) < 0)
     unordered = effect.columns(replace(state, record=None), 0, 1, {"own": 1.0, "other": 1.0})[:, 0]
     assert np.all(unordered[40:70] == 0)

@@ -7,8 +7,9 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from jointwear.discovery.reversals import leave_out_reversals, leave_out_shared_stops
+from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.shared_drives import sticking
 from jointwear.effects import State, effect_torque, make_state
 from jointwear.measurement.motion import Measured, low_pass, measure, runs
 from jointwear.measurement.recording import Recording
@@ -130,7 +131,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     """Set up the comparison of a split recording with `robot`; `measured` are its samples if already at hand."""
     measured = measured or measure(recording)
     moving = measured.usable
-    measured = leave_out_shared_stops(leave_out_reversals(measured))
+    measured = leave_out_reversals(measured)
     dynamics = Dynamics(robot)
     q, v, a = measured.position, measured.velocity, measured.acceleration
     regressor = inertial_regressor(dynamics, q, v, a)
@@ -149,11 +150,15 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         tip_regressor=lambda: last,
         gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
     )
-    state = replace(state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side)
+    state = replace(
+        state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side, passes=measured.passes
+    )
     nominal = state.torque + effect_torque(robot, state)
     train = np.isin(measured.trajectory, recording.train)
     factor = prior_factor(robot, settings.inertial_prior)
     inertial = regressor @ factor
+    stuck = sticking(measured.usable & train[:, None], v, a, measured.torque - nominal, inertial)
+    measured = replace(measured, usable=measured.usable & ~stuck)
     counts = np.sum(measured.usable[train], axis=0)
     return Problem(
         robot=robot,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 #: Fields that the user gives, and limits of what is reported beside a verdict; the others decide it.
-USERS, REPORTED = ("inertial_prior", "groups"), ("near_the_floor", "judged_speed", "visible")
+USERS = ("inertial_prior", "groups")
+REPORTED = ("near_the_floor", "judged_speed", "visible", "parameter_error", "filter_error")
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,10 @@ class Settings:
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
         and direction, because no form is known exactly.
+    parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
+        and forms are never exact.
+    filter_error : the same of the share of a fast wave that filters take: how much of it is in the acceleration, and
+        how much in the torque, is up to the controller.
     unexplained_p : structure is unexplained below this probability.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
@@ -59,6 +64,8 @@ class Settings:
     predicted: float = 0.15
     worst_record: float = -4.0
     form_error: float = 0.05
+    parameter_error: float = 0.01
+    filter_error: float = 0.3
     unexplained_p: float = 1e-8
     mass_sigmas: float = 3.0
     wrongest_mass: float = 0.6

@@ -154,8 +154,8 @@ def _of_a_body(inertia: np.ndarray) -> np.ndarray:
     return (axes * np.maximum(moments, ROUND_OFF * size)) @ axes.T
 
 
-#: Share of its nominal mass that a link keeps at least: the first moments of one with next to none would lie far outside
-#: of the arm, where no robot file may have a centre of mass.
+#: Share of its nominal mass that a link keeps at least: the centre of mass of one with next to none would lie far
+#: outside of the arm, where no robot file may have it.
 LEAST_MASS = 0.02
 
 
