@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 from scipy.special import expit
+
+from jointwear.files.json_documents import read_json
 
 #: The fit with its source, written by `python -m jointwear.studies.world.calibration --store`.
 FILE = Path(__file__).with_name("calibration.json")
@@ -37,4 +38,4 @@ def calibrated(log_odds: float, share: float, left: bool) -> float:
 
 @cache
 def _coefficients() -> tuple[float, ...]:
-    return tuple(json.loads(FILE.read_text(encoding="utf-8"))["coefficients"])
+    return tuple(read_json(FILE)["coefficients"])

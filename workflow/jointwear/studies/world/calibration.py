@@ -19,8 +19,7 @@ from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 
 from jointwear.discovery.calibration import FEATURES, FILE, features
-from jointwear.files.text_files import replace_text
-from jointwear.studies.challenge.case_files import read_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.studies.challenge.reliability import calibration_error
 
 #: Standard deviation of the prior of each coefficient but the first: with a few wrong names among a hundred, a fit
@@ -98,7 +97,7 @@ def main(arguments: list[str] | None = None) -> int:
     stored = summary(rows, f"{len(rows)} choosing cases of the tier world")
     print(json.dumps(stored, indent=1))
     if given.store:
-        replace_text(FILE, json.dumps(stored, indent=1) + "\n")
+        write_json(FILE, stored)
     return 0
 
 

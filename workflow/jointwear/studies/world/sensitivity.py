@@ -7,7 +7,6 @@ again. Verdicts are judged by their names; what the written model predicts is no
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -25,7 +24,7 @@ from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import REPORTED, USERS, Settings
 from jointwear.discovery.whitening import White, whiten
 from jointwear.files.errors import InputError
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import write_json
 from jointwear.measurement.recording import split
 from jointwear.studies.challenge.judge import judge
 from jointwear.studies.challenge.solve import with_words
@@ -225,7 +224,7 @@ def main(arguments: list[str] | None = None) -> int:
     stored = summary(rows, command)
     print(*lines(stored), sep="\n")
     if given.save:
-        replace_text(given.save, json.dumps(stored, indent=1) + "\n")
+        write_json(given.save, stored)
     return 0
 
 
