@@ -44,7 +44,13 @@ def names_of(rows: Sequence[Row]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def fit(table: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the coefficients (p,) of a logistic model, the most probable ones under the prior."""
+    """Return the coefficients (p,) of a logistic model, the most probable ones under the prior.
+
+    A mean name that is right and one that is wrong are added to those seen (Laplace): that all were right makes none
+    certain.
+    """
+    middle = table.mean(axis=0)
+    table, right = np.concatenate([table, [middle, middle]]), np.append(right, [True, False])
     precision = np.full(table.shape[1], PRIOR**-2.0)
     precision[0] = 0.0
 
@@ -53,8 +59,7 @@ def fit(table: np.ndarray, right: np.ndarray) -> np.ndarray:
         return float(-np.sum(np.where(right, log_expit(score), log_expit(-score))) + 0.5 * precision @ c**2)
 
     start = np.zeros(table.shape[1])
-    # One right and one wrong name more than were seen: a rate of one is no certainty.
-    start[0] = np.log((right.sum() + 1) / (len(right) - right.sum() + 1))
+    start[0] = np.log(right.sum() / np.sum(~right))
     return minimize(loss, start, method="BFGS").x
 
 
