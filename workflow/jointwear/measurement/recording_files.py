@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import csv
-import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jointwear.files import provenance
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.regular_files import check_regular
 from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.measurement.formats import Layout, read_log
 from jointwear.measurement.formats.arrow import holds_numbers
-from jointwear.measurement.formats.chunk import check_count
+from jointwear.measurement.formats.chunk import check_count, numbered_columns
 from jointwear.measurement.log_kinds import log_format
+from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.units import ROLES, UNITS, converted
 from jointwear.robots.robot_file import read_robot_file
@@ -66,12 +67,19 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         if role not in found:
             raise InputError(f"{path}: has no {role} (looked for '{names[role]}'); name it under 'variables'")
     for role in list(found):
-        found[role] = converted(found[role], role, units.get(role), name)
+        values = without_sentinels(found[role]) if role in _JOINT_ROLES else found[role]
+        found[role] = converted(values, role, units.get(role), name)
+        if role in _JOINT_ROLES:
+            found[role] = possible(found[role], role)
+            if not np.isfinite(found[role]).any():
+                raise InputError(f"{path}: {role} holds no number that an arm can have")
     count = len(found["time"])
     if "trajectory" in found:
         labels = found["trajectory"]
-        if not np.isfinite(labels).all() or np.any(labels != np.round(labels)):
-            raise InputError(f"{path}: '{names['trajectory']}' must hold whole numbers")
+        with np.errstate(invalid="ignore"):
+            whole = (labels == np.round(labels)) & (np.abs(labels) <= LARGEST_LABEL)
+        if not whole.all():
+            raise InputError(f"{path}: '{names['trajectory']}' must hold whole numbers of at most {LARGEST_LABEL}")
         trajectory = labels.astype(int)
     else:
         trajectory = np.zeros(count, dtype=int)
@@ -152,6 +160,7 @@ def _read_table(path: Path) -> dict[str, np.ndarray]:
             with parquet.ParquetFile(path) as file:
                 check_count(path, len(file.schema_arrow.names))
                 table = file.read()
+            _check_unique(path, table.column_names)
             return {
                 name: np.asarray(column.to_numpy(), dtype=float)
                 for name, column in zip(table.column_names, table.columns, strict=True)
@@ -168,6 +177,7 @@ def _read_table(path: Path) -> dict[str, np.ndarray]:
                 raise InputError(f"{path}: is empty")
             header = [h.strip() for h in header]
             check_count(path, len(header))
+            _check_unique(path, header)
             rows = np.genfromtxt(file, delimiter=",", dtype=float, ndmin=2)
     except InputError:
         raise
@@ -182,6 +192,12 @@ def _read_table(path: Path) -> dict[str, np.ndarray]:
     return dict(zip(header, rows.T, strict=True))
 
 
+def _check_unique(path: Path, names: Sequence[str]) -> None:
+    twice = next((name for name, count in Counter(names).items() if name and count > 1), None)
+    if twice is not None:
+        raise InputError(f"{path}: names the column '{shown(twice)[1:-1]}' twice")
+
+
 def _from_table(path: Path, table: Mapping[str, np.ndarray], names: Mapping[str, str]) -> dict[str, np.ndarray]:
     found = {}
     for role, base in names.items():
@@ -190,9 +206,7 @@ def _from_table(path: Path, table: Mapping[str, np.ndarray], names: Mapping[str,
             continue
         if role not in _JOINT_ROLES:
             continue
-        numbered = sorted(
-            (int(m.group(1)), column) for column in table if (m := re.fullmatch(re.escape(base) + r"_(\d+)", column))
-        )
+        numbered = numbered_columns(table, base)
         if not numbered:
             continue
         if [k for k, _ in numbered] != list(range(1, len(numbered) + 1)):
