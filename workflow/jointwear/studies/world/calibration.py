@@ -25,6 +25,8 @@ from jointwear.studies.challenge.reliability import calibration_error
 #: Standard deviation of the prior of each coefficient but the first: with a few wrong names among a hundred, a fit
 #: without one would be certain of everything.
 PRIOR = 1.0
+#: More evidence and a larger share make no name less probable, structure that is left makes none more so.
+SENSE = ((None, None), (0.0, None), (0.0, None), (None, 0.0))
 #: Folds of cases.
 FOLDS = 8
 
@@ -60,7 +62,7 @@ def fit(table: np.ndarray, right: np.ndarray) -> np.ndarray:
 
     start = np.zeros(table.shape[1])
     start[0] = np.log(right.sum() / np.sum(~right))
-    return minimize(loss, start, method="BFGS").x
+    return minimize(loss, start, method="L-BFGS-B", bounds=SENSE).x
 
 
 def cross_fitted(rows: Sequence[Row]) -> tuple[float | None, int]:

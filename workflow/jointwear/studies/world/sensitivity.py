@@ -182,6 +182,7 @@ def summary(rows: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
     return {
         "seeds": "choose",
         "cases": len(rows),
+        "which": [r["case"] for r in rows],
         "judged": {kind: len(mine) for kind, mine in counts.items()},
         "right": {kind: sum(bool(r["found"][" 1"]["right"]) for r in mine) for kind, mine in counts.items()},
         "command": command,
