@@ -40,10 +40,10 @@ def _body_of(content):
     return float(content["mass"]), np.array(content["com"], dtype=float), inertia
 
 
-def _about_centre(total):
+def _about_centre(total, farthest=np.inf):
     """Return centre of mass (3,) and inertia (3, 3) about it of ten parameters with a mass."""
     mass = float(total[0])
-    com = np.clip(total[1:4] / mass, -FARTHEST, FARTHEST)
+    com = np.clip(total[1:4] / mass, -farthest, farthest)
     about = matrix_of_six(total[4:]) - mass * (com @ com * np.eye(3) - np.outer(com, com))
     return com, (about + about.T) / 2
 
@@ -59,7 +59,7 @@ def _written(content, parameters):
     mass = float(total[0])
     if mass <= 1e-9:
         return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
-    com, about = _about_centre(total)
+    com, about = _about_centre(total, FARTHEST)
     moments, axes = np.linalg.eigh(about)
     # A shade more than nothing, so that rounding makes no moment negative.
     least = 1e-10 * min(max(float(moments[-1]), 0.0), LARGEST)
