@@ -158,6 +158,8 @@ def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Nam
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     fit = Fit(white.targets, [*base, *terms])
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
+    for _, candidate, term in refined:
+        _make_sound(fit, candidate, places[id(term)])
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
     for i, (one, candidate, term) in enumerate(refined):
@@ -170,6 +172,28 @@ def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Nam
         )
     friction, std, inertial = _base_of(white, fit, masses)
     return Final(outcome, fit, tuple(estimates), friction, std, inertial, friction, inertial)
+
+
+#: Standard deviations by which the first coefficient of an effect is moved until something like it may exist.
+SOUND = np.linspace(0.0, 3.0, 31)
+
+
+def _make_sound(fit: Fit, candidate: Candidate, where: slice) -> None:
+    """Move a fit along its posterior to the nearest parameters of an effect that may exist, where there are any.
+
+    A mass that the motion hardly shows comes out too small for its moments: the inertia about the centre of mass would
+    be negative, and what is written for it another torque. Everything else follows the mass as its covariance says.
+    """
+    effect = get_effect(candidate.effect)
+    if effect.sound is None:
+        return
+    theta, column = fit.theta, fit.covariance[:, where.start]
+    deviation = column / np.sqrt(column[where.start])
+    for step in SOUND:
+        for moved in (theta + step * deviation, theta - step * deviation):
+            if effect.sound(effect.parameters_of(candidate.nonlinear, moved[where])):
+                fit.theta = moved
+                return
 
 
 def _reference(candidate: Candidate) -> str:
