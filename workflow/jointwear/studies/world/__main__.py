@@ -82,7 +82,11 @@ def main(arguments: list[str] | None = None) -> int:
                     print(line(row), flush=True)
         else:
             for case in chosen:
-                rows.append(solve_case(case))
+                try:
+                    rows.append(solve_case(case))
+                except ArithmeticError as error:
+                    print(f"   {case.name} is no case: {error}", file=sys.stderr)
+                    continue
                 print(line(rows[-1]), flush=True)
     except InputError as error:
         print(error, file=sys.stderr)
