@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from jointwear.monitor.decision import shift_evidence
 from jointwear.monitor.dispersion import FLOOR, START, ShiftMeans, between_shifts
-from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state
+from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_threshold
 from jointwear.monitor.regimes import find_regimes
 from jointwear.monitor.shared_error import shared_error
@@ -63,6 +63,21 @@ def test_an_odd_day_of_the_baseline_does_not_rule_it():
     assert abs(fit.posterior.mean[0]) < 0.006
 
 
+@settings(max_examples=20, deadline=None)
+@given(st.floats(-0.5, 0.5))
+def test_a_shift_teaches_contrasts_and_never_its_level(step):
+    random = np.random.default_rng(5)
+    x = np.stack([np.ones(30), random.standard_normal(30)], axis=1)
+    y = x @ [0.0, 0.1] + 0.002 * random.standard_normal(30)
+    before = Posterior(np.zeros(2), np.diag([1e-4, 0.09]))
+    after = taught(before, x, y, np.full(30, 4e-6))
+    worn = taught(before, x, y + step, np.full(30, 4e-6))
+    assert after.mean == pytest.approx([0.0, 0.1], abs=5e-3)
+    assert worn.mean == pytest.approx(after.mean, abs=1e-9)
+    assert after.covariance[0, 0] == pytest.approx(1e-4)
+    assert after.covariance[1, 1] < 1e-5
+
+
 def test_scatter_between_shifts_has_a_floor_and_is_found():
     random = np.random.default_rng(3)
     quiet = [ShiftMeans(np.zeros(6), np.full(6, 1e-8)) for _ in range(3)]
@@ -81,7 +96,14 @@ def evidence(level: np.ndarray):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
     return shift_evidence(
-        np.repeat(level, 8), np.full(w, 1e-5), np.ones((w, 1)), np.full((1, 1), 1e-6), shift, START, np.zeros(w)
+        np.repeat(level, 8),
+        np.full(w, 1e-5),
+        np.ones((w, 1)),
+        [Posterior(np.zeros(1), np.full((1, 1), 1e-6))],
+        np.zeros(w, dtype=int),
+        shift,
+        START,
+        np.zeros(w),
     )
 
 
@@ -119,6 +141,10 @@ def test_programs_are_told_apart_and_an_unseen_one_is_said_so():
     regime = find_regimes(signature, np.arange(23) < 20)
     assert len(set(regime[:20])) == 2
     assert (regime[20:] == -1).all()
+    # From the fourth window on it is a program of its own.
+    longer = find_regimes(np.concatenate([signature, third[None]]), np.arange(24) < 20)
+    assert np.array_equal(longer[:20], regime[:20])
+    assert (longer[20:] == 2).all()
     mixed = np.random.default_rng(4).uniform(-3, 3, (20, 6))
     assert find_regimes(mixed, np.ones(20, dtype=bool)) is None
 

@@ -133,10 +133,12 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     scales.append(LOAD)
     if conditions.regime is not None:
         names, counts = np.unique(conditions.regime[baseline & (conditions.regime >= 0)], return_counts=True)
-        for name in np.delete(names, np.argmax(counts)) if len(names) else ():
-            columns.append((conditions.regime == name).astype(float))
-            scales.append(PROGRAM)
-        columns.append(np.where(np.isin(conditions.regime, names), 0.0, np.nan))
+        usual_one = names[np.argmax(counts)] if len(names) else -1
+        for name in np.unique(conditions.regime[conditions.regime >= 0]):
+            if name != usual_one:
+                columns.append((conditions.regime == name).astype(float))
+                scales.append(PROGRAM)
+        columns.append(np.where(conditions.regime >= 0, 0.0, np.nan))
         scales.append(PROGRAM)
     scale = np.array(scales)
     return Design(np.stack(columns, axis=1), Posterior(np.zeros(len(scale)), np.diag(scale**2)), beyond)

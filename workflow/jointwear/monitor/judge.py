@@ -103,7 +103,7 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
     features, speed = operating_features(statistics, scale, share)
     regime = labelled_regimes(statistics.labels, first)
     if regime is None:
-        regime = find_regimes(signatures(statistics, scale), first)
+        regime = find_regimes(signatures(statistics), first)
     conditions = Conditions(statistics.start, statistics.end, statistics.temperature, features, speed, load, regime)
     shift = shift_labels(statistics.start, statistics.end, first)
     hours = statistics.length / 3600 if statistics.windows else 1.0

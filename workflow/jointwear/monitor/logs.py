@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -11,8 +12,9 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.clock import Clock, Ordered, join, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
-from jointwear.monitor.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.derivation import derive_motion
+from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
+from jointwear.monitor.carried import LoadTorque, with_loads
+from jointwear.monitor.derivation import Motion, derive_motion
 from jointwear.monitor.inspection import Inspector
 from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import outside_limits
@@ -55,6 +57,7 @@ def log_statistics(
         block=survey.block,
     )
     inspector = Inspector(model, survey, path)
+    loads = LoadTorque(model.robot)
     refused = inspector.refused
     parts: list[WindowStatistics] = []
     span = [np.inf, -np.inf]
@@ -62,7 +65,7 @@ def log_statistics(
         for around, kept in _blocks(path, layout, length, block):
             time = around.chunk.time[kept]
             span = [min(span[0], float(time.min())), max(span[1], float(time.max()))]
-            parts.append(_block_statistics(around, kept, model, survey, settings, inspector))
+            parts.append(_block_statistics(around, kept, model, loads, survey, settings, inspector))
             if len(parts) >= 32:
                 parts = [merge(parts)]
     except InputError as error:
@@ -102,6 +105,7 @@ def _block_statistics(
     around: Ordered,
     kept: slice,
     model: TorqueModel,
+    loads: LoadTorque,
     survey: Survey,
     settings: WindowSettings,
     inspector: Inspector,
@@ -125,6 +129,8 @@ def _block_statistics(
     else:
         zeros = np.zeros_like(chunk.position)
         torque = ModelTorque(zeros, zeros, zeros)
+    torque, clear = _with_loads(around, motion, torque, usable, loads, settings, survey)
+    usable = usable & clear
     return window_statistics(
         chunk.time,
         motion.position,
@@ -140,6 +146,29 @@ def _block_statistics(
         kept=kept,
         dated=chunk.dated,
     )
+
+
+def _with_loads(
+    around: Ordered,
+    motion: Motion,
+    torque: ModelTorque,
+    usable: np.ndarray,
+    loads: LoadTorque,
+    settings: WindowSettings,
+    survey: Survey,
+) -> tuple[ModelTorque, np.ndarray]:
+    """Return the torque of the model with the loads that each window shows, and the samples clear of a switch."""
+    residual = around.chunk.torque - torque.total
+    used = usable & np.isfinite(residual)
+    used &= moving(motion.velocity, around.stretch, settings.dead_band, settings.guard)
+    label = np.floor(around.chunk.time / settings.length)
+    cuts = np.flatnonzero((np.diff(label) != 0) | (np.diff(around.stretch) != 0)) + 1
+    pieces = [slice(a, b) for a, b in itertools.pairwise([0, *cuts.tolist(), len(label)])] if len(label) else []
+
+    def unit(rows: slice) -> np.ndarray:
+        return loads.unit(motion.position[rows], motion.velocity[rows], motion.acceleration[rows])
+
+    return with_loads(torque, residual, motion.velocity, used, pieces, 1 / max(survey.rate, 1e-3), unit, loads.least)
 
 
 def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray, fewest: int = 200) -> np.ndarray:

@@ -105,6 +105,30 @@ def fit_normal_state(
     return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
 
 
+def taught(posterior: Posterior, design: np.ndarray, value: np.ndarray, variance: np.ndarray) -> Posterior:
+    """Return the posterior after a shift whose level is its own: only contrasts within the shift are learnt from.
+
+    What changes between shifts, wear among it, does not enter: the weighted mean of the shift is free.
+
+    Parameters
+    ----------
+    design : (w, p). value : (w,) log levels. variance : (w,) of the windows, memory of neighbours included.
+    """
+    used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(variance)
+    if used.sum() < 2:
+        return posterior
+    x, y, v = design[used], value[used], variance[used]
+    error = y - x @ posterior.mean
+    spread = v + np.einsum("wp,pq,wq->w", x, posterior.covariance, x)
+    error = error - np.average(error, weights=1 / spread)
+    weight = (FREEDOM + 1) / (FREEDOM + error**2 / spread) / v
+    x = x - weight @ x / weight.sum()
+    y = y - weight @ y / weight.sum()
+    before = _inverse(posterior.covariance)
+    covariance = _inverse(before + (x.T * weight) @ x)
+    return Posterior(covariance @ (before @ posterior.mean + x.T @ (weight * y)), covariance)
+
+
 def _inverse(matrix: np.ndarray) -> np.ndarray:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     inverse = np.linalg.inv(matrix * np.outer(scale, scale)) * np.outer(scale, scale)

@@ -12,7 +12,7 @@ from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import Evidence, shift_evidence
 from jointwear.monitor.dispersion import inflated
 from jointwear.monitor.learning import AxisNormal, enough, learn_axes, relearnt, widened
-from jointwear.monitor.normal_state import Posterior
+from jointwear.monitor.normal_state import Posterior, taught
 from jointwear.monitor.null_runs import BUDGET, Axis, null_threshold
 from jointwear.monitor.series import Series
 from jointwear.monitor.shared_error import SharedError, shared_error
@@ -86,6 +86,7 @@ def watch(
     events, proposed = events or [[]] * n, proposed or [[]] * n
     axes = learnt or learn_axes(series, names, conditions, _first_part(baseline, events, n), shift)
     judged = [j for j in range(n) if axes[j] is not None]
+    first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
     fields = {name: np.full((w, n), np.nan) for name in ("residual", "std", "noise", "mean", "mean_std")}
     growth, fall = np.full((w, n), -np.inf), np.full((w, n), -np.inf)
     shifts = np.zeros((w, n), dtype=int)
@@ -112,7 +113,7 @@ def watch(
             hit = np.flatnonzero(evidence.fall > falls[j])
             hit = hit[~baseline[hit]]
             if services and len(hit):
-                begin = _begin_of_change(hit[0], int(evidence.shifts[hit[0]]), shift)
+                begin = max(_begin_of_change(hit[0], int(evidence.shifts[hit[0]]), shift), first_judged)
                 later = [s for s in starts[j] if s.window > hit[0]]
                 kept = [s for s in starts[j] if s.window <= hit[0]]
                 if not kept or kept[-1].window < begin:
@@ -152,24 +153,33 @@ class _Axis:
         matrix = normal.design.matrix
         self.residual, self.predicted = np.full(w, np.nan), np.full(w, np.nan)
         self.learning, self.unseen = np.zeros(w, dtype=bool), np.zeros(w, dtype=bool)
-        self.segments: list[tuple[slice, Posterior]] = []
+        self.segments: list[slice] = []
+        self.states: list[Posterior] = []
+        self.which = np.zeros(w, dtype=int)
         edges = [0, *[s.window for s in starts], w]
+        memory = normal.dispersion.memory
+        variance = normal.noise * (1 + memory) / (1 - memory)
+        posterior = normal.fit.posterior
+        bad = ~np.isfinite(matrix).all(axis=1)
         for k, (a, b) in enumerate(itertools.pairwise(edges)):
             part = slice(a, b)
-            if k == 0:
-                posterior, learnt = normal.fit.posterior, baseline
-            else:
+            learnt = baseline
+            if k > 0:
                 learnt = self._after(a, b)
-                fit = relearnt(normal, learnt, shift, widened(normal))
-                posterior = fit.posterior
+                posterior = relearnt(normal, learnt, shift, widened(normal, posterior)).posterior
                 self.learning[part] |= learnt[part] | (
                     np.cumsum(learnt)[part] < min(RELEARNT_WINDOWS, learnt.sum() + 1)
                 )
-            expected, spread = posterior.predict(np.nan_to_num(matrix[part]))
-            bad = ~np.isfinite(matrix[part]).all(axis=1)
-            self.residual[part] = np.where(bad, np.nan, normal.series_value[part] - expected)
-            self.predicted[part] = spread + normal.design.beyond[part]
-            self.segments.append((part, posterior))
+            for s in np.unique(shift[part]):
+                rows = a + np.flatnonzero(shift[part] == s)
+                expected, spread = posterior.predict(np.nan_to_num(matrix[rows]))
+                self.residual[rows] = np.where(bad[rows], np.nan, normal.series_value[rows] - expected)
+                self.predicted[rows] = spread + normal.design.beyond[rows]
+                self.which[rows] = len(self.states)
+                self.states.append(posterior)
+                fresh = rows[~learnt[rows]]
+                posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], variance[fresh])
+            self.segments.append(part)
         # In the baseline a window is held against what the other shifts predict for it.
         own = np.isfinite(normal.fit.left_out) & (np.arange(w) < edges[1])
         self.residual[own] = normal.fit.left_out[own]
@@ -179,6 +189,7 @@ class _Axis:
             self.unseen = beyond & np.isfinite(normal.series_value) & ~own
         hidden = self.unseen | self.learning
         self.residual[hidden] = np.nan
+        self.judged = np.isfinite(self.residual) & ~baseline
 
     @property
     def total_variance(self) -> np.ndarray:
@@ -199,13 +210,15 @@ class _Axis:
     def judge(self, shared: np.ndarray, shared_variance: np.ndarray) -> Evidence:
         """Return the evidence of all windows; each segment stands for itself."""
         parts = []
-        for part, posterior in self.segments:
+        value = np.where(self.judged, self.normal.series_value - shared, np.nan)
+        for part in self.segments:
             parts.append(
                 shift_evidence(
-                    (self.residual - shared)[part],
+                    value[part],
                     self.normal.noise[part],
                     self.normal.design.matrix[part],
-                    posterior.covariance,
+                    self.states,
+                    self.which[part],
                     self.shift[part],
                     self.normal.dispersion,
                     (shared_variance + self.normal.design.beyond)[part],
@@ -223,13 +236,12 @@ def _first_part(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -
 
 def _threshold(axis: AxisNormal, conditions: Conditions, shift: np.ndarray, baseline: np.ndarray, rate: float) -> float:
     """Return the threshold of one axis for a rate of false alarms a window."""
-    rows = np.isfinite(axis.series_value)
+    rows = np.isfinite(axis.series_value) & baseline
     usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else 8.0
     noise = float(np.nanmedian(axis.noise))
     within = np.sqrt(noise * float(inflated(usual, axis.dispersion.memory)) / usual)
-    clean = axis.design.matrix[rows]
-    clean = clean[np.isfinite(clean).all(axis=1)]
-    normal = np.sqrt(float(np.median(axis.fit.posterior.predict(clean)[1]))) if len(clean) else 0.01
+    left = axis.fit.left_out_variance
+    normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else 0.01
     null = Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual))
     return null_threshold(null, rate)
 

@@ -16,7 +16,8 @@ from scipy.signal import butter, sosfiltfilt
 
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
+from jointwear.monitor.carried import with_loads
 from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of, survey_log
@@ -101,6 +102,29 @@ def _statistics(
     kept = inside.ravel()
     time = (signals.begin[:, None] + sample / RATE).ravel()[kept]
 
+    def whole(values: np.ndarray) -> np.ndarray:
+        return values.reshape(w * m, n)
+
+    residual, every = whole(signals.torque - total), np.repeat(np.arange(w), m)
+    used = usable.ravel()[:, None] & np.isfinite(residual)
+    used &= moving(whole(velocity), every, settings.dead_band, settings.guard)
+    phase, square = signals.phase.ravel(), np.repeat(signals.override**2, m)
+
+    def unit(samples: slice) -> np.ndarray:
+        parts = at_phase(signals.job.load, phase[samples])
+        return np.stack([parts[:, 0], parts[:, 1] * square[samples, None, None]])
+
+    pieces = [slice(k * m, k * m + int(count)) for k, count in enumerate(signals.samples)]
+    model, clear = with_loads(
+        ModelTorque(whole(total), whole(gravity), whole(inertial)),
+        residual,
+        whole(velocity),
+        used,
+        pieces,
+        1 / RATE,
+        unit,
+    )
+
     def rows(values: np.ndarray) -> np.ndarray:
         return values.reshape(w * m, n)[kept]
 
@@ -112,9 +136,9 @@ def _statistics(
         rows(signals.position),
         rows(velocity),
         torque,
-        ModelTorque(rows(total), rows(gravity), rows(inertial)),
+        ModelTorque(*(values[kept] for values in (model.total, model.gravity, model.inertial))),
         settings,
-        usable=np.repeat(usable.ravel()[kept][:, None], n, axis=1),
+        usable=(usable.ravel()[:, None] & clear)[kept],
         stretch=np.repeat(np.arange(w), m)[kept],
         temperature=rows(temperature) if cell.thermometer != "none" else None,
         flags=flags,
