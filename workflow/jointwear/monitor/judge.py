@@ -18,6 +18,7 @@ from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import findings_of
 from jointwear.monitor.payload import gravity_share
+from jointwear.monitor.programs import labelled_regimes
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
 from jointwear.monitor.regimes import find_regimes, signatures
 from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
@@ -100,7 +101,9 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
     sums, noise = sums_of(statistics, coulomb, first)
     share, load = gravity_share(sums, noise)
     features, speed = operating_features(statistics, scale, share)
-    regime = find_regimes(signatures(statistics), first)
+    regime = labelled_regimes(statistics.labels, first)
+    if regime is None:
+        regime = find_regimes(signatures(statistics), first)
     conditions = Conditions(statistics.start, statistics.end, statistics.temperature, features, speed, load, regime)
     shift = shift_labels(statistics.start, statistics.end, first)
     hours = statistics.length / 3600 if statistics.windows else 1.0

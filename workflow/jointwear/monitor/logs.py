@@ -18,6 +18,7 @@ from jointwear.monitor.derivation import Motion, derive_motion
 from jointwear.monitor.inspection import Inspector
 from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import outside_limits
+from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of
 from jointwear.monitor.windows import WindowStatistics, blank_statistics, merge
 
@@ -52,6 +53,7 @@ def log_statistics(
         np.array(survey.dead_band),
         np.array(survey.torque_reference),
         guard=guard_of(survey.rate),
+        reach=reach_of(survey.rate),
         block=survey.block,
     )
     inspector = Inspector(model, survey, path)
@@ -140,6 +142,7 @@ def _block_statistics(
         stretch=around.stretch,
         temperature=motion.temperature,
         flags=flags,
+        program=chunk.program,
         kept=kept,
         dated=chunk.dated,
     )

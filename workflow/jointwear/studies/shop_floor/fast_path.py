@@ -19,6 +19,7 @@ from jointwear.measurement.formats import layout_of
 from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
 from jointwear.monitor.carried import with_loads
 from jointwear.monitor.model import ModelTorque, TorqueModel
+from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of, survey_log
 from jointwear.monitor.windows import WindowStatistics, merge
 from jointwear.robots.robot import Robot
@@ -72,7 +73,12 @@ def statistics_of(cell: Cell, survey: Survey | None = None) -> WindowStatistics:
     survey = survey or survey_of(cell)
     robot = nominal_robot(cell)
     settings = WindowSettings(
-        WINDOW, np.array(survey.dead_band), np.array(survey.torque_reference), guard_of(survey.rate), survey.block
+        WINDOW,
+        np.array(survey.dead_band),
+        np.array(survey.torque_reference),
+        guard_of(survey.rate),
+        reach_of(survey.rate),
+        survey.block,
     )
     return merge([_statistics(s, robot, cell, survey, settings) for s in signals_of(cell)])
 
