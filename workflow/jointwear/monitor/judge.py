@@ -124,7 +124,7 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
     candidates = [series[name] for name in levels]
     level = watch(candidates, levels, conditions, first, shift, LEVEL_SHARE * rate, events)
     scale_of = scale_series(sums, noise)
-    scaled = watch([scale_of], ["scale"], conditions, first, shift, rate, events, services=False)
+    scaled = watch([scale_of], ["scale"], conditions, first, shift, rate, events, services=False, common=False)
     steps: list[ScaleStep] = []
     found: list[list[int]] = [[] for _ in range(statistics.axes)]
     for _ in range(MOST_STEPS):
@@ -139,7 +139,17 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
         level = watch(candidates, levels, conditions, first, shift, LEVEL_SHARE * rate, events, found, level.axes)
         scaled = watch(
-            [scale_of], ["scale"], conditions, first, shift, rate, events, found, scaled.axes, services=False
+            [scale_of],
+            ["scale"],
+            conditions,
+            first,
+            shift,
+            rate,
+            events,
+            found,
+            scaled.axes,
+            services=False,
+            common=False,
         )
     viscous = watch([series["viscous"]], ["viscous"], conditions, first, shift, VISCOUS_SHARE * rate, events, found)
     hidden = hidden_because(statistics, coulomb, first)

@@ -157,7 +157,7 @@ def relearnt(axis: AxisNormal, learnt: np.ndarray, shift: np.ndarray, prior: Pos
 
 
 #: After a service: standard deviation of the constant, and how far the other coefficients go back to their priors.
-SERVICE_STEP, SERVICE_SHARE = 0.3, 0.4
+SERVICE_STEP, SERVICE_SHARE = 0.3, 0.15
 
 
 def widened(axis: AxisNormal, posterior: Posterior) -> Posterior:

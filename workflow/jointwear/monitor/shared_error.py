@@ -74,6 +74,9 @@ def _location(residual: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, n
     total = robust.sum(axis=1)
     scatter = np.divide((robust * weight * (values - middle[:, None]) ** 2).sum(axis=1), np.maximum(total, 1e-300))
     error = np.divide(np.maximum(1.0, scatter), np.maximum(total, 1e-300))
+    # Where the axes fall into two camps, the larger one is not sure to be right.
+    plain = np.divide((weight * values).sum(axis=1), np.maximum(weight.sum(axis=1), 1e-300))
+    error = error + (plain - middle) ** 2
     return np.where(enough, middle, 0.0), np.where(enough, error, np.inf)
 
 

@@ -71,6 +71,7 @@ def watch(
     proposed: Sequence[Sequence[int]] = (),
     learnt: list[AxisNormal | None] | None = None,
     services: bool = True,
+    common: bool = True,
 ) -> Watch:
     """Watch one quantity.
 
@@ -80,7 +81,7 @@ def watch(
     shift : (w,) labels. rate : false alarms a window that all axes together may have.
     events : per axis, windows at which the config says that something was done to it.
     proposed : the same, found in the logs themselves. learnt : normal states that are known already.
-    services : whether falls propose services.
+    services : whether falls propose services. common : whether what all axes have in common is taken out.
     """
     w, n = series[0].value.shape
     events, proposed = events or [[]] * n, proposed or [[]] * n
@@ -100,14 +101,18 @@ def watch(
         threshold[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * rate / len(judged))
     falls = np.array([t if np.isfinite(t) else np.inf for t in threshold])
     # Services that falls propose change what comes after them: found one after the other, until none is left.
-    states = {j: _Axis(axes[j], baseline, shift, starts[j]) for j in judged}
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
+    states: dict[int, _Axis] = {}
+    again = judged
     for _ in range(_MOST_TURNS):
+        for j in again:
+            states[j] = _Axis(axes[j], baseline, shift, starts[j])
         raw, spread = np.full((w, n), np.nan), np.full((w, n), np.nan)
         for j, state in states.items():
             raw[:, j], spread[:, j] = state.residual, state.total_variance
-        shared = shared_error(raw, spread, baseline, shift)
-        again = False
+        if common:
+            shared = shared_error(raw, spread, baseline, shift)
+        again = []
         for j, state in states.items():
             evidence = state.judge(shared.value[:, j], shared.variance[:, j])
             hit = np.flatnonzero(evidence.fall > falls[j])
@@ -118,8 +123,7 @@ def watch(
                 kept = [s for s in starts[j] if s.window <= hit[0]]
                 if not kept or kept[-1].window < begin:
                     starts[j] = [*kept, Start(begin, True), *later]
-                    states[j] = _Axis(axes[j], baseline, shift, starts[j])
-                    again = True
+                    again.append(j)
             state.evidence = evidence
         if not again:
             break
@@ -147,7 +151,13 @@ class _Axis:
 
     evidence: Evidence
 
-    def __init__(self, normal: AxisNormal, baseline: np.ndarray, shift: np.ndarray, starts: Sequence[Start]) -> None:
+    def __init__(
+        self,
+        normal: AxisNormal,
+        baseline: np.ndarray,
+        shift: np.ndarray,
+        starts: Sequence[Start],
+    ) -> None:
         self.normal, self.shift = normal, shift
         w = len(shift)
         matrix = normal.design.matrix
