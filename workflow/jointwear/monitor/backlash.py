@@ -26,11 +26,11 @@ LEAST = float(np.log(1.25))
 #: Hours after which an alarm that lasts is told again.
 REPEAT_HOURS = 168.0
 #: Samples near and far of a window that suffice; samples that count as one, because the quick part is smooth.
-FEWEST, ALIKE = 60, 4.0
+FEWEST, ALIKE = 30, 4.0
 #: Reversals in motion of a window that suffice, and share of the baseline's windows that must show them.
 FEWEST_TURNS, MOST_WINDOWS = 3, 0.5
 #: Body torque over friction (root mean square) below which the load of the gear turns round with the motion.
-LIGHT = 0.75
+LIGHT = 1.5
 #: Share of the noise of the regression that the quick part of the residual must stand out of: below, quantised or
 #: filtered torque hides it.
 QUICKEST = 0.02

@@ -113,9 +113,11 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
     share, load = gravity_share(sums, noise)
     features, speed = operating_features(statistics, scale, share)
     regime = labelled_regimes(statistics.labels, first)
-    if regime is None:
+    named = regime is not None
+    if not named:
         regime = find_regimes(signatures(statistics), first)
-    conditions = Conditions(statistics.start, statistics.end, statistics.temperature, features, speed, load, regime)
+    warmth = statistics.temperature
+    conditions = Conditions(statistics.start, statistics.end, warmth, features, speed, load, regime, named)
     shift = shift_labels(statistics.start, statistics.end, first)
     hours = statistics.length / 3600 if statistics.windows else 1.0
     rate = settings.false_alarms_per_1000_h / 1000 * hours
