@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.carried import LoadTorque, find_load, near_switch, with_loads
+from jointwear.monitor.carried import LoadsOnMotion, find_load, near_switch, with_loads
 from jointwear.monitor.model import ModelTorque
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
 from jointwear.studies.shop_floor.arms import LIGHT, robot_data, robot_of
 
 STEP = 0.1
@@ -23,7 +24,7 @@ def motion():
     angle = pace * time[:, None] + phase
     position = home + reach * np.sin(angle)
     velocity, acceleration = reach * pace * np.cos(angle), -reach * pace**2 * np.sin(angle)
-    unit = LoadTorque(robot_of(robot_data(LIGHT))).unit(position, velocity, acceleration)
+    unit = FlangeLoad(robot_of(robot_data(LIGHT))).unit(position, velocity, acceleration)
     return position, velocity, acceleration, unit
 
 
@@ -57,6 +58,7 @@ def test_mass_and_switches_are_found_whatever_the_friction(motion, mass, begin, 
 
 def test_friction_and_noise_are_no_load_and_a_load_becomes_part_of_the_model(motion):
     velocity, unit = motion[1], motion[3]
+    along = LoadsOnMotion(FlangeLoad(robot_of(robot_data(LIGHT))), *motion[:3])
     used = np.abs(velocity) > 0.02
     noise = 0.3 * np.random.default_rng(1).standard_normal(velocity.shape)
     torque = 4.0 * np.sign(velocity) + noise
@@ -64,11 +66,11 @@ def test_friction_and_noise_are_no_load_and_a_load_becomes_part_of_the_model(mot
     zeros = np.zeros_like(velocity)
     plain = ModelTorque(zeros, zeros, zeros)
     whole = [slice(0, 300)]
-    same, clear = with_loads(plain, torque, velocity, used, whole, STEP, lambda rows: unit[:, rows])
+    same, clear = with_loads(plain, torque, velocity, used, whole, STEP, along)
     assert not same.total.any()
     assert clear.all()
     torque = torque + 5.0 * unit.sum(axis=0)[:, 0] * (np.arange(300) >= 150)[:, None]
-    found, clear = with_loads(plain, torque, velocity, used, whole, STEP, lambda rows: unit[:, rows])
+    found, clear = with_loads(plain, torque, velocity, used, whole, STEP, along)
     left = (torque - 4.0 * np.sign(velocity) - found.total)[clear & used]
     assert np.std(left) < 1.3 * np.std(noise)
     assert found.gravity + found.inertial == pytest.approx(found.total)

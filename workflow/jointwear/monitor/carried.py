@@ -13,14 +13,15 @@ model leaves; then its torque belongs to the model, and what a load does to the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from jointwear.monitor.model import ModelTorque
-from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.robot import Link, Robot
+from jointwear.robots.flange import FlangeLoad
+from jointwear.robots.robot import Robot
 
 #: Rounds of finding switch and moments in turn; a few suffice, as each is a least-squares step.
 ROUNDS = 12
@@ -30,8 +31,6 @@ SMOOTH, EDGE = 0.5, 0.3
 CLEAR = 4.0
 #: Time [s] between samples that suffices to find a load. Fewest of them.
 STEP, FEWEST = 0.1, 60
-#: First moment [m] for which its column is taken; second order in it is left out.
-_LEVER = 0.05
 
 
 @dataclass(frozen=True)
@@ -42,34 +41,37 @@ class Load:
     carried: np.ndarray
 
 
-class LoadTorque:
-    """Torques of unit loads at the flange of a robot."""
+class UnitTorques(Protocol):
+    """Torques of loads at samples of a motion, by their indices (k,)."""
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
-        self._bare = Dynamics(replace(robot, payload=None))
-        levers = np.vstack([np.zeros(3), _LEVER * np.eye(3)])
-        self._unit = [Dynamics(self._loaded(1.0, lever)) for lever in levers]
+    def unit(self, rows: np.ndarray) -> np.ndarray:
+        """Return gravity and inertial torque (2, k, 4, n) of unit mass [N m/kg] and first moments [N m/(kg m)]."""
 
-    def _loaded(self, mass: float, centre: np.ndarray) -> Robot:
-        return replace(self._robot, payload=Link(mass, np.asarray(centre, dtype=float), np.zeros((3, 3))))
+    def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
+        """Return gravity and inertial torque (2, k, n) [N m] of loads `moments` (k, 4)."""
 
-    def unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """Return gravity and inertial torque (2, m, 4, n) of unit mass [1/kg] and unit first moments [1/(kg m)]."""
-        still = np.zeros_like(position)
 
-        def both(dynamics: Dynamics) -> np.ndarray:
-            gravity = dynamics.rigid_body_torque(position, still, still)
-            return np.stack([gravity, dynamics.rigid_body_torque(position, velocity, acceleration) - gravity])
+@dataclass(frozen=True)
+class LoadsOnMotion:
+    """Torques of loads at the flange along a motion, arrays (m, n)."""
 
-        bare = both(self._bare)
-        mass, *levers = [both(d) - bare for d in self._unit]
-        return np.stack([mass, *[(x - mass) / _LEVER for x in levers]], axis=2)
+    flange: FlangeLoad
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
 
-    @property
-    def least(self) -> float:
-        """Mass [kg] that can be missing: the payload of the robot file, counted negative."""
-        return 0.0 if self._robot.payload is None else -self._robot.payload.mass
+    def unit(self, rows: np.ndarray) -> np.ndarray:
+        """See :class:`UnitTorques`."""
+        return self.flange.unit(self.position[rows], self.velocity[rows], self.acceleration[rows])
+
+    def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
+        """See :class:`UnitTorques`."""
+        return self.flange.torque(self.position[rows], self.velocity[rows], self.acceleration[rows], moments)
+
+
+def least_mass(robot: Robot) -> float:
+    """Return the mass [kg] that can be missing: the payload of the robot file, counted negative."""
+    return 0.0 if robot.payload is None else -robot.payload.mass
 
 
 def with_loads(
@@ -79,7 +81,7 @@ def with_loads(
     used: np.ndarray,
     pieces: Sequence[slice],
     step: float,
-    unit: Callable[[slice], np.ndarray],
+    torques: UnitTorques,
     least: float = 0.0,
 ) -> tuple[ModelTorque, np.ndarray]:
     """Return the model with the loads that the samples show, and which samples (m, n) are not near a switch.
@@ -88,23 +90,34 @@ def with_loads(
     ----------
     model : torques (m, n) without the loads. residual : (m, n) torque less that of the model. used : (m, n) samples
         that count, moving ones. pieces : uninterrupted samples in which one load may be. step : [s] between samples.
-    unit : gravity and inertial torque (2, k, 4, n) of unit loads at samples. least : smallest mass [kg].
+    torques : of loads at samples. least : smallest mass [kg].
     """
-    parts = np.stack([model.total, model.gravity, model.inertial])
     clear = np.ones(used.shape, dtype=bool)
     every = max(round(STEP / step), 1)
-    for piece in pieces:
-        coarse = slice(piece.start, piece.stop, every)
-        v = velocity[coarse]
-        columns = np.stack([v > 0, -(v < 0).astype(float), v, model.gravity[coarse], model.inertial[coarse]])
-        columns = np.where(used[coarse], columns, 0.0).transpose(2, 0, 1)
-        load = find_load(residual[coarse], columns, unit(coarse).sum(axis=0), used[coarse], every * step, least)
+    index = [np.arange(piece.start, piece.stop, every) for piece in pieces]
+    rows = np.concatenate(index) if index else np.zeros(0, dtype=int)
+    if not len(rows):
+        return model, clear
+    units = torques.unit(rows).sum(axis=0)
+    v, on = velocity[rows], used[rows]
+    columns = np.stack([v > 0, -(v < 0).astype(float), v, model.gravity[rows], model.inertial[rows]])
+    columns = np.where(on, columns, 0.0).transpose(2, 0, 1)
+    moments, at = np.zeros((len(used), 4)), 0
+    for piece, samples in zip(pieces, index, strict=True):
+        own = slice(at, at + len(samples))
+        at = own.stop
+        load = find_load(residual[samples], columns[:, :, own], units[own], on[own], every * step, least)
         if load is None:
             continue
         carried = np.repeat(load.carried, every)[: piece.stop - piece.start]
-        torque = np.einsum("smkn,k->smn", unit(piece), load.moments) * carried[:, None]
-        parts[:, piece] += np.stack([torque.sum(axis=0), *torque])
+        moments[piece] = carried[:, None] * load.moments
         clear[piece] &= ~near_switch(carried, step)[:, None]
+    loaded = np.flatnonzero(moments.any(axis=1))
+    if not len(loaded):
+        return model, clear
+    parts = np.stack([model.total, model.gravity, model.inertial])
+    torque = torques.torque(loaded, moments[loaded])
+    parts[:, loaded] += np.stack([torque.sum(axis=0), *torque])
     return ModelTorque(*parts), clear
 
 

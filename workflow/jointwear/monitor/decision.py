@@ -8,7 +8,8 @@ axis alarms where
 - the largest z_K over K >= 2 exceeds the threshold and the last two shifts both exceed :data:`TOLERATED`, or
 - z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once.
 
-A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts. The threshold is that of :mod:`.null_runs`.
+A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts. The threshold
+is that of :mod:`.null_runs`.
 """
 
 from __future__ import annotations

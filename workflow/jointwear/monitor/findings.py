@@ -73,8 +73,8 @@ def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleS
             if start.proposed and (j, start.window) not in explained:
                 time = float(statistics.start[start.window])
                 words = (
-                    f"Friction of axis {j + 1} fell: was it serviced or greased? It is learnt anew from there; enter the "
-                    "service under 'events' to confirm it, or look for another cause."
+                    f"Friction of axis {j + 1} fell: was it serviced or greased? It is learnt anew from there; enter "
+                    "the service under 'events' to confirm it, or look for another cause."
                 )
                 result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
     return result
@@ -83,8 +83,8 @@ def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleS
 def _programs(
     statistics: WindowStatistics, conditions: Conditions, baseline: np.ndarray, level: Watch
 ) -> list[dict[str, Any]]:
-    """One finding for each program that the baseline did not have, with what is learnt of it and until when."""
-    if conditions.regime is None:
+    """One finding for each program that the motion shows and the baseline did not have, and until when it is learnt."""
+    if conditions.regime is None or conditions.named:
         return []
     result = []
     for regime in np.setdiff1d(np.unique(conditions.regime[~baseline]), [*conditions.regime[baseline], -1]):
@@ -136,8 +136,8 @@ def _shared(
         if abs(mean) > FINDING and not before:
             time = float(statistics.start[rows][0])
             words = (
-                f"All axes moved together by {100 * mean:+.0f} %, which is no wear of one axis: look at the temperature, "
-                "the oil, the model and the unit of the torque."
+                f"All axes moved together by {100 * mean:+.0f} %, which is no wear of one axis: look at the "
+                "temperature, the oil, the model and the unit of the torque."
             )
             result.append({"time": time, "axes": [], "kind": "shared", "words": words})
         before = abs(mean) > FINDING

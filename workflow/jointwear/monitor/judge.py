@@ -14,12 +14,20 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.monitor.backlash import (
+    BACKLASH,
+    backlash_findings,
+    backlash_records,
+    backlash_series,
+    hidden_because,
+    raised_status,
+)
 from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import findings_of
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.payload import gravity_share
-from jointwear.monitor.programs import labelled_regimes
+from jointwear.monitor.programs import labelled_regimes, program_findings
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
 from jointwear.monitor.regimes import find_regimes, signatures
 from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
@@ -33,8 +41,10 @@ from jointwear.robots.robot import Robot
 DEFAULT_LIMIT = 20.0
 #: Rounds in which changed scales of the torque are looked for.
 MOST_STEPS = 3
-#: Share of the allowance of the charts for viscous friction alone, where the level that is judged leaves it out.
-VISCOUS_SHARE = 0.2
+#: Shares of the allowance: of the charts for viscous friction alone, where the level that is judged leaves it out, and
+#: for backlash; the rest is that of the level.
+VISCOUS_SHARE, BACKLASH_SHARE = 0.2, 0.1
+LEVEL_SHARE = 1.0 - VISCOUS_SHARE - BACKLASH_SHARE
 
 
 @dataclass(frozen=True)
@@ -71,7 +81,8 @@ class Judgement:
 
     `estimates`, `std` : name -> (w, n), change since the normal period; `units` : name -> unit. Names: `coulomb`
     [N m], the growth of friction that counts as Coulomb friction; `coulomb_percent` [%] of the level in the normal
-    period; `viscous` [N m s/rad] where the motion shows it. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`,
+    period; `viscous` [N m s/rad] where the motion shows it; `backlash` [%], of the torque
+    pulses at reversals of the load. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`,
     :data:`UNJUDGED`. `alarms` : records with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3):
     forecast at the last judged window, median, low and high; NaN where none is due, infinite where open.
     `reason` (w, n): why not judged, :class:`~jointwear.monitor.records.Reason`. `findings` :
@@ -110,9 +121,11 @@ def judge(
     share, load = gravity_share(sums, noise)
     features, speed = operating_features(statistics, scale, share)
     regime = labelled_regimes(statistics.labels, first)
-    if regime is None:
+    named = regime is not None
+    if not named:
         regime = find_regimes(signatures(statistics), first)
-    conditions = Conditions(statistics.start, statistics.end, statistics.temperature, features, speed, load, regime)
+    warmth = statistics.temperature
+    conditions = Conditions(statistics.start, statistics.end, warmth, features, speed, load, regime, named)
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     shift = shift_labels(statistics.start, statistics.end, first, steady)
     hours = statistics.length / 3600 if statistics.windows else 1.0
@@ -120,10 +133,12 @@ def judge(
     events = event_windows(settings.events, statistics.start, statistics.axes)
     levels = ("coulomb", "friction")
     scale_of = scale_series(sums, noise)
+    hidden = hidden_because(statistics, coulomb, first)
     for name, candidates in (
         ("level", [series[n] for n in levels]),
         ("scale", [scale_of]),
         ("viscous", [series["viscous"]]),
+        ("backlash", [backlash_series(statistics, np.array([not reason for reason in hidden]))]),
     ):
         if name not in known:
             known[name] = learn_axes(
@@ -136,7 +151,7 @@ def judge(
         return watch(known[name], conditions, first, shift, share * rate, events, found, **more)
 
     for turn in range(MOST_STEPS + 1):
-        level = watched("level", 1 - VISCOUS_SHARE)
+        level = watched("level", LEVEL_SHARE)
         if turn == MOST_STEPS:
             break
         scaled = watched("scale", 1.0, services=False, common=False)
@@ -147,20 +162,28 @@ def judge(
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
     viscous = watched("viscous", VISCOUS_SHARE)
+    backlash = watched("backlash", BACKLASH_SHARE, services=False)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
-    alarms = teller.records() + paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate)
+    alarms = teller.records() + backlash_records(statistics, backlash)
+    alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate)
     estimates, std = _estimates(level, viscous, series, usual, coulomb)
+    estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
+    std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
+    status = raised_status(teller.status, backlash, CHANGED)
+    findings = findings_of(statistics, shift, first, level, steps, status == CHANGED, conditions)
+    findings += backlash_findings(hidden, float(statistics.start[0]))
+    findings += program_findings(statistics, first)
     return Judgement(
         estimates=estimates,
         std=std,
-        status=teller.status,
+        status=status,
         alarms=alarms,
-        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad"},
+        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad", BACKLASH: "%"},
         hours_to_limit=teller.hours_to_limit(),
         reason=teller.reasons(),
-        findings=findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, conditions),
+        findings=findings,
     )
 
 

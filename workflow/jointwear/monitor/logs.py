@@ -13,7 +13,7 @@ from jointwear.measurement.clock import Clock, Ordered, join, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
 from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
-from jointwear.monitor.carried import LoadTorque, with_loads
+from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
 from jointwear.monitor.inspection import Inspector
 from jointwear.monitor.model import ModelTorque, TorqueModel
@@ -21,6 +21,7 @@ from jointwear.monitor.plausibility import outside_limits
 from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of
 from jointwear.monitor.windows import WindowStatistics, blank_statistics, merge
+from jointwear.robots.flange import FlangeLoad
 
 #: Samples of a block, and samples around it that are read along for filters and reversals.
 BLOCK, HALO = 40_000, 400
@@ -57,7 +58,7 @@ def log_statistics(
         block=survey.block,
     )
     inspector = Inspector(model, survey, path)
-    loads = LoadTorque(model.robot)
+    loads = FlangeLoad(model.robot)
     refused = inspector.refused
     parts: list[WindowStatistics] = []
     span = [np.inf, -np.inf]
@@ -105,7 +106,7 @@ def _block_statistics(
     around: Ordered,
     kept: slice,
     model: TorqueModel,
-    loads: LoadTorque,
+    loads: FlangeLoad,
     survey: Survey,
     settings: WindowSettings,
     inspector: Inspector,
@@ -129,7 +130,7 @@ def _block_statistics(
     else:
         zeros = np.zeros_like(chunk.position)
         torque = ModelTorque(zeros, zeros, zeros)
-    torque, clear = _with_loads(around, motion, torque, usable, loads, settings, survey)
+    torque, clear = _with_loads(around, motion, torque, usable, loads, least_mass(robot), settings, survey)
     usable = usable & clear
     return window_statistics(
         chunk.time,
@@ -153,7 +154,8 @@ def _with_loads(
     motion: Motion,
     torque: ModelTorque,
     usable: np.ndarray,
-    loads: LoadTorque,
+    loads: FlangeLoad,
+    least: float,
     settings: WindowSettings,
     survey: Survey,
 ) -> tuple[ModelTorque, np.ndarray]:
@@ -164,11 +166,8 @@ def _with_loads(
     label = np.floor(around.chunk.time / settings.length)
     cuts = np.flatnonzero((np.diff(label) != 0) | (np.diff(around.stretch) != 0)) + 1
     pieces = [slice(a, b) for a, b in itertools.pairwise([0, *cuts.tolist(), len(label)])] if len(label) else []
-
-    def unit(rows: slice) -> np.ndarray:
-        return loads.unit(motion.position[rows], motion.velocity[rows], motion.acceleration[rows])
-
-    return with_loads(torque, residual, motion.velocity, used, pieces, 1 / max(survey.rate, 1e-3), unit, loads.least)
+    along = LoadsOnMotion(loads, motion.position, motion.velocity, motion.acceleration)
+    return with_loads(torque, residual, motion.velocity, used, pieces, 1 / max(survey.rate, 1e-3), along, least)
 
 
 def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray, fewest: int = 200) -> np.ndarray:

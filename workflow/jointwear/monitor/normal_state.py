@@ -105,6 +105,25 @@ def fit_normal_state(
     return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
 
 
+def introduced(
+    posterior: Posterior, design: np.ndarray, value: np.ndarray, variance: np.ndarray, between: float
+) -> Posterior:
+    """Return the posterior after the first shift of a program whose constant is not known: its level is learnt too.
+
+    Parameters
+    ----------
+    design : (w, p). value : (w,) log levels. variance : (w,) of the windows. between : variance that they share.
+    """
+    used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(variance)
+    if not used.any():
+        return posterior
+    x = design[used]
+    spread = np.diag(variance[used]) + between
+    gain = np.linalg.solve(x @ posterior.covariance @ x.T + spread, x @ posterior.covariance).T
+    mean = posterior.mean + gain @ (value[used] - x @ posterior.mean)
+    return Posterior(mean, posterior.covariance - gain @ x @ posterior.covariance)
+
+
 def taught(posterior: Posterior, design: np.ndarray, value: np.ndarray, variance: np.ndarray) -> Posterior:
     """Return the posterior after a shift whose level is its own: only contrasts within the shift are learnt from.
 

@@ -9,10 +9,13 @@ normal has been learnt, as those of a regime that the motion shows late.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from jointwear.monitor.program_labels import window_programs
 from jointwear.monitor.regimes import FEWEST
+from jointwear.monitor.windows import WindowStatistics
 
 
 def labelled_regimes(labels: np.ndarray, baseline: np.ndarray) -> np.ndarray | None:
@@ -45,3 +48,17 @@ def unseen_programs(labels: np.ndarray, baseline: np.ndarray) -> list[tuple[str,
         if name and not baseline[k] and np.sum(seen == name) < FEWEST:
             first.setdefault(name, k)
     return list(first.items())
+
+
+def program_findings(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[str, Any]]:
+    """Return a finding for every program that began after the baseline (w,): its normal has to be learnt first."""
+    return [
+        {
+            "time": float(statistics.start[k]),
+            "axes": [],
+            "kind": "program",
+            "words": f"Program '{name}' began, which the baseline does not hold: it cannot be judged yet. Its own "
+            "normal is learnt from its first shifts.",
+        }
+        for name, k in unseen_programs(statistics.labels, baseline)
+    ]

@@ -10,8 +10,8 @@ import numpy as np
 
 #: A pause [h] that ends a shift, and the same in windows where they are long.
 PAUSE_HOURS, PAUSE_WINDOWS = 2.5, 2.0
-#: Longest shift [h]; where operation never stops, the length [h] of a part of a steady one; the baseline shall hold this
-#: many parts of at least so many windows.
+#: Longest shift [h]; where operation never stops, the length [h] of a part of a steady one; the baseline shall hold
+#: this many parts of at least so many windows.
 LONGEST_HOURS, PART_HOURS, PARTS, FEWEST_WINDOWS = 24.0, 8.0, 6, 4
 
 

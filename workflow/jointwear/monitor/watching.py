@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from jointwear.monitor.conditions import Conditions
+from jointwear.monitor.conditions import Conditions, Design
 from jointwear.monitor.decision import Evidence, shift_evidence
 from jointwear.monitor.dispersion import inflated, updated_between
 from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
-from jointwear.monitor.normal_state import Posterior, taught
+from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import BUDGET, Axis, null_threshold
 from jointwear.monitor.shared_error import SharedError, shared_error
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
-#: Variance of leaving the baseline's range (standard deviation) beyond which a shift teaches no level, for so many shifts.
+#: Standard deviation of leaving the baseline's range beyond which a window teaches no level, for so many shifts.
 FAR, LATEST_SHIFTS = 0.01, 8
 #: Standard deviation of a prediction beyond which the conditions count as unseen.
 UNSEEN = 0.06
@@ -185,6 +185,9 @@ class _Axis:
                 self.which[rows] = len(self.states)
                 self.states.append(posterior)
                 fresh = rows[~learnt[rows]]
+                new = fresh[_new_program(normal.design, posterior, fresh)]
+                between = normal.dispersion.between**2
+                posterior = introduced(posterior, matrix[new], normal.series_value[new], variance[new], between)
                 posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], variance[fresh])
             self.segments.append(part)
         # In the baseline a window is held against what the other shifts predict for it.
@@ -259,6 +262,12 @@ class _Axis:
             )
         names = Evidence.__dataclass_fields__
         return Evidence(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in names})
+
+
+def _new_program(design: Design, posterior: Posterior, rows: np.ndarray) -> np.ndarray:
+    """Return which windows `rows` run a program that the log names and whose normal is not known yet."""
+    unknown = [c for c in design.programs if posterior.covariance[c, c] > UNSEEN**2]
+    return (design.matrix[np.ix_(rows, unknown)] > 0).any(axis=1)
 
 
 def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:

@@ -8,7 +8,7 @@ along the program, with its mass matrix for the accelerations that differ from t
 from __future__ import annotations
 
 import tempfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ from jointwear.studies.shop_floor.arms import robot_data, robot_of
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.closed_loop import RATE, at_phase
 from jointwear.studies.shop_floor.log_files import columns_of, write_log
+from jointwear.studies.shop_floor.programs import Job
 from jointwear.studies.shop_floor.sensing import Signals, signals_of
 
 #: Length of a window [s]; windows of the first log, whose survey decides how all are read.
@@ -110,10 +111,6 @@ def _statistics(
     used &= moving(whole(velocity), every, settings.dead_band, settings.guard)
     phase, square = signals.phase.ravel(), np.repeat(signals.override**2, m)
 
-    def unit(samples: slice) -> np.ndarray:
-        parts = at_phase(signals.job.load, phase[samples])
-        return np.stack([parts[:, 0], parts[:, 1] * square[samples, None, None]])
-
     pieces = [slice(k * m, k * m + int(count)) for k, count in enumerate(signals.samples)]
     model, clear = with_loads(
         ModelTorque(whole(total), whole(gravity), whole(inertial)),
@@ -122,7 +119,7 @@ def _statistics(
         used,
         pieces,
         1 / RATE,
-        unit,
+        _JobLoads(signals.job, phase, square),
     )
 
     def rows(values: np.ndarray) -> np.ndarray:
@@ -144,6 +141,22 @@ def _statistics(
         flags=flags,
         dated=True,
     )
+
+
+@dataclass(frozen=True)
+class _JobLoads:
+    """Torques of loads along the phases (k,) of a job at a squared override (k,)."""
+
+    job: Job
+    phase: np.ndarray
+    square: np.ndarray
+
+    def unit(self, rows: np.ndarray) -> np.ndarray:
+        parts = at_phase(self.job.load, self.phase[rows])
+        return np.stack([parts[:, 0], parts[:, 1] * self.square[rows, None, None]])
+
+    def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
+        return np.einsum("smkn,mk->smn", self.unit(rows), moments)
 
 
 def _derived(signals: Signals, cell: Cell, cutoff: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
