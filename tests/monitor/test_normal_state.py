@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.decision import shift_evidence
+from jointwear.monitor.decision import STEP_WINDOWS, shift_evidence
 from jointwear.monitor.dispersion import FLOOR, START, Dispersion, ShiftMeans, between_shifts, updated_between
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_threshold
@@ -138,10 +138,10 @@ def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     fall = evidence(np.array([0, 0, -0.04, -0.04, -0.04]))
     assert np.isneginf(fall.growth[-1])
     assert fall.fall[-1] > 2
-    # A large step is told at its eighth window.
+    # A large step is told within its first shift.
     step = evidence(np.array([0, 0, 0, 0.1])).growth
-    assert np.isfinite(step[-1])
-    assert np.isneginf(step[-2])
+    assert np.isfinite(step[-8 + STEP_WINDOWS - 1])
+    assert np.isneginf(step[-8 + STEP_WINDOWS - 2])
 
 
 def test_one_worn_axis_is_no_shared_error():
