@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear.monitor.decision import shift_evidence
-from jointwear.monitor.dispersion import FLOOR, START, ShiftMeans, between_shifts
+from jointwear.monitor.dispersion import FLOOR, START, Dispersion, ShiftMeans, between_shifts, updated_between
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_threshold
 from jointwear.monitor.regimes import find_regimes
@@ -29,6 +29,10 @@ def test_pauses_end_shifts_and_a_robot_that_never_stops_is_cut_into_parts():
     start = HOUR * np.arange(240.0)
     label = shift_labels(start, start + HOUR, start < 48 * HOUR)
     assert (np.bincount(label) == 8).all()
+    # A day where programs change, a working shift where one runs alone.
+    for steady, hours in ((False, 24), (True, 8)):
+        label = shift_labels(start, start + HOUR, start < 168 * HOUR, steady)
+        assert (np.bincount(label) == hours).all()
 
 
 @settings(max_examples=20, deadline=None)
@@ -86,6 +90,25 @@ def test_scatter_between_shifts_has_a_floor_and_is_found():
     assert all(0.03 < b < 0.09 for b, _ in between_shifts(wide))
 
 
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.0, 0.008))
+def test_later_shifts_widen_the_scatter_and_slow_growth_hardly_does(growth):
+    first, none = Dispersion(0.0, 0.0, 0.007, 0.4), np.full(16, 1e-6)
+    random = np.random.default_rng(6)
+    quiet = 0.005 * random.standard_normal(16)
+    same = np.zeros(16, dtype=int)
+    steady = updated_between(first, quiet, none, same)
+    worn = updated_between(first, quiet + growth * np.arange(16), none, same)
+    assert steady[0] == pytest.approx(0.007, rel=0.2)
+    assert worn[-1] < 0.012
+    assert updated_between(first, 6 * quiet, none, same)[-1] > 0.018
+    # One step of a service says little, and none where the axis was learnt anew.
+    service = np.where(np.arange(16) >= 8, -0.1, 0.0)
+    assert updated_between(first, quiet + service, none, same)[-1] < 2.5 * steady[-1]
+    anew = updated_between(first, quiet + service, none, (np.arange(16) >= 8).astype(int))
+    assert anew[-1] < 1.2 * steady[-1]
+
+
 def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
     axis = Axis(0.006, 0.2, 0.003, 0.002, 8)
     assert null_threshold(axis, 1e-4) > null_threshold(axis, 1e-3)
@@ -102,7 +125,8 @@ def evidence(level: np.ndarray):
         [Posterior(np.zeros(1), np.full((1, 1), 1e-6))],
         np.zeros(w, dtype=int),
         shift,
-        START,
+        START.memory,
+        np.full(w, START.between),
         np.zeros(w),
     )
 
@@ -110,7 +134,8 @@ def evidence(level: np.ndarray):
 def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     assert evidence(np.array([0, 0, 0.04, 0.04])).growth[-1] > 2
     assert np.isneginf(evidence(np.array([0, 0, 0, 0.025])).growth[-1])
-    fall = evidence(np.array([0, 0, -0.04, -0.04]))
+    assert np.isneginf(evidence(np.array([0, 0, -0.04, -0.04])).fall[-1])
+    fall = evidence(np.array([0, 0, -0.04, -0.04, -0.04]))
     assert np.isneginf(fall.growth[-1])
     assert fall.fall[-1] > 2
     # A large step is told at its eighth window.

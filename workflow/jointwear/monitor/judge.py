@@ -25,6 +25,7 @@ from jointwear.monitor.backlash import (
 from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import findings_of
+from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.programs import labelled_regimes, program_findings
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
@@ -32,7 +33,7 @@ from jointwear.monitor.regimes import find_regimes, signatures
 from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
 from jointwear.monitor.series import Series, friction_series, sums_of, usual_speed
 from jointwear.monitor.shifts import shift_labels
-from jointwear.monitor.watching import Watch, watch
+from jointwear.monitor.watching import Watch, before_events, watch
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 
@@ -98,13 +99,20 @@ class Judgement:
     findings: list[dict[str, Any]] = field(default_factory=list)
 
 
-def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: JudgeSettings) -> Judgement:
+def judge(
+    statistics: WindowStatistics,
+    baseline: int | np.ndarray,
+    settings: JudgeSettings,
+    known: dict[str, list[AxisNormal | None]] | None = None,
+) -> Judgement:
     """Judge all windows.
 
     Parameters
     ----------
     baseline : number of windows, from the first, that show the robot healthy, or which ones, (w,) bool.
+    known : normal states by name of the series, of a call that differs in the stated rate alone; filled where empty.
     """
+    known = {} if known is None else known
     first = np.arange(statistics.windows) < baseline if np.ndim(baseline) == 0 else np.asarray(baseline, dtype=bool)
     coulomb = np.asarray(settings.coulomb, dtype=float)
     series = friction_series(statistics, coulomb, settings.viscous, first)
@@ -118,45 +126,43 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
         regime = find_regimes(signatures(statistics), first)
     warmth = statistics.temperature
     conditions = Conditions(statistics.start, statistics.end, warmth, features, speed, load, regime, named)
-    shift = shift_labels(statistics.start, statistics.end, first)
+    steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
+    shift = shift_labels(statistics.start, statistics.end, first, steady)
     hours = statistics.length / 3600 if statistics.windows else 1.0
     rate = settings.false_alarms_per_1000_h / 1000 * hours
     events = event_windows(settings.events, statistics.start, statistics.axes)
     levels = ("coulomb", "friction")
-    candidates = [series[name] for name in levels]
-    level = watch(candidates, levels, conditions, first, shift, LEVEL_SHARE * rate, events)
     scale_of = scale_series(sums, noise)
-    scaled = watch([scale_of], ["scale"], conditions, first, shift, rate, events, services=False, common=False)
+    hidden = hidden_because(statistics, coulomb, first)
+    for name, candidates in (
+        ("level", [series[n] for n in levels]),
+        ("scale", [scale_of]),
+        ("viscous", [series["viscous"]]),
+        ("backlash", [backlash_series(statistics, np.array([not reason for reason in hidden]))]),
+    ):
+        if name not in known:
+            known[name] = learn_axes(
+                candidates, levels[: len(candidates)], conditions, before_events(first, events, statistics.axes), shift
+            )
     steps: list[ScaleStep] = []
     found: list[list[int]] = [[] for _ in range(statistics.axes)]
-    for _ in range(MOST_STEPS):
-        fresh = [
-            s
-            for s in scale_steps(level, scaled, shift)
-            if (s.axis, s.window) not in {(t.axis, t.window) for t in steps}
-        ]
+
+    def watched(name: str, share: float, **more: bool) -> Watch:
+        return watch(known[name], conditions, first, shift, share * rate, events, found, **more)
+
+    for turn in range(MOST_STEPS + 1):
+        level = watched("level", LEVEL_SHARE)
+        if turn == MOST_STEPS:
+            break
+        scaled = watched("scale", 1.0, services=False, common=False)
+        told = {(s.axis, s.window) for s in steps}
+        fresh = [s for s in scale_steps(level, scaled, shift) if (s.axis, s.window) not in told]
         if not fresh:
             break
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
-        level = watch(candidates, levels, conditions, first, shift, LEVEL_SHARE * rate, events, found, level.axes)
-        scaled = watch(
-            [scale_of],
-            ["scale"],
-            conditions,
-            first,
-            shift,
-            rate,
-            events,
-            found,
-            scaled.axes,
-            services=False,
-            common=False,
-        )
-    viscous = watch([series["viscous"]], ["viscous"], conditions, first, shift, VISCOUS_SHARE * rate, events, found)
-    hidden = hidden_because(statistics, coulomb, first)
-    play = backlash_series(statistics, np.array([not reason for reason in hidden]))
-    backlash = watch([play], [BACKLASH], conditions, first, shift, BACKLASH_SHARE * rate, events, found, services=False)
+    viscous = watched("viscous", VISCOUS_SHARE)
+    backlash = watched("backlash", BACKLASH_SHARE, services=False)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
@@ -166,7 +172,7 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     status = raised_status(teller.status, backlash, CHANGED)
-    findings = findings_of(statistics, shift, first, level, steps, status == CHANGED)
+    findings = findings_of(statistics, shift, first, level, steps, status == CHANGED, conditions)
     findings += backlash_findings(hidden, float(statistics.start[0]))
     findings += program_findings(statistics, first)
     return Judgement(

@@ -10,15 +10,16 @@ import numpy as np
 
 from jointwear.monitor.conditions import Conditions, Design
 from jointwear.monitor.decision import Evidence, shift_evidence
-from jointwear.monitor.dispersion import inflated
-from jointwear.monitor.learning import AxisNormal, enough, learn_axes, relearnt, widened
+from jointwear.monitor.dispersion import inflated, updated_between
+from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
 from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import BUDGET, Axis, null_threshold
-from jointwear.monitor.series import Series
 from jointwear.monitor.shared_error import SharedError, shared_error
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
+#: Standard deviation of leaving the baseline's range beyond which a window teaches no level, for so many shifts.
+FAR, LATEST_SHIFTS = 0.01, 8
 #: Standard deviation of a prediction beyond which the conditions count as unseen.
 UNSEEN = 0.06
 #: Share of the allowance that falls may use: they only propose a service.
@@ -61,15 +62,13 @@ class Watch:
 
 
 def watch(
-    series: Sequence[Series],
-    names: Sequence[str],
+    axes: list[AxisNormal | None],
     conditions: Conditions,
     baseline: np.ndarray,
     shift: np.ndarray,
     rate: float,
     events: Sequence[Sequence[int]] = (),
     proposed: Sequence[Sequence[int]] = (),
-    learnt: list[AxisNormal | None] | None = None,
     services: bool = True,
     common: bool = True,
 ) -> Watch:
@@ -77,15 +76,14 @@ def watch(
 
     Parameters
     ----------
-    series, names : candidates for it, :func:`jointwear.monitor.learning.learn_axes`. baseline : (w,) bool.
-    shift : (w,) labels. rate : false alarms a window that all axes together may have.
+    axes : normal states, :func:`jointwear.monitor.learning.learn_axes`. baseline : (w,) bool. shift : (w,) labels.
+    rate : false alarms a window that all axes together may have.
     events : per axis, windows at which the config says that something was done to it.
-    proposed : the same, found in the logs themselves. learnt : normal states that are known already.
+    proposed : the same, found in the logs themselves.
     services : whether falls propose services. common : whether what all axes have in common is taken out.
     """
-    w, n = series[0].value.shape
+    w, n = len(shift), len(axes)
     events, proposed = events or [[]] * n, proposed or [[]] * n
-    axes = learnt or learn_axes(series, names, conditions, _first_part(baseline, events, n), shift)
     judged = [j for j in range(n) if axes[j] is not None]
     first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
     fields = {name: np.full((w, n), np.nan) for name in ("residual", "std", "noise", "mean", "mean_std")}
@@ -177,9 +175,8 @@ class _Axis:
             if k > 0:
                 learnt = self._after(a, b)
                 posterior = relearnt(normal, learnt, shift, widened(normal, posterior)).posterior
-                self.learning[part] |= learnt[part] | (
-                    np.cumsum(learnt)[part] < min(RELEARNT_WINDOWS, learnt.sum() + 1)
-                )
+                last = int(np.flatnonzero(learnt)[-1]) + 1 if learnt.any() else b
+                self.learning[a:last] = True
             for s in np.unique(shift[part]):
                 rows = a + np.flatnonzero(shift[part] == s)
                 expected, spread = posterior.predict(np.nan_to_num(matrix[rows]))
@@ -210,19 +207,44 @@ class _Axis:
         return self.normal.noise + self.normal.dispersion.between**2 + self.predicted
 
     def _after(self, a: int, b: int) -> np.ndarray:
-        """Return the windows (w,) from which the axis is learnt anew: three shifts, and more until there are enough."""
+        """Return the windows (w,) from which the axis is learnt anew: three shifts, and more until there are enough.
+
+        What lies outside the temperatures of the baseline teaches no level, unless nothing else comes for long.
+        """
         learnt = np.zeros(len(self.shift), dtype=bool)
+        place = np.arange(len(self.shift))
+        part = (place >= a) & (place < b)
         seen = np.isfinite(self.normal.series_value)
+        usual = seen & (self.normal.design.beyond < FAR**2)
         for count, s in enumerate(np.unique(self.shift[a:b]), start=1):
-            rows = (self.shift == s) & (np.arange(len(self.shift)) >= a) & (np.arange(len(self.shift)) < b)
-            learnt |= rows
-            if count >= RELEARNT_SHIFTS and (learnt & seen).sum() >= RELEARNT_WINDOWS:
+            learnt |= part & (self.shift == s)
+            known = learnt & (usual if count < LATEST_SHIFTS else seen)
+            if len(np.unique(self.shift[known])) >= RELEARNT_SHIFTS and known.sum() >= RELEARNT_WINDOWS:
                 break
-        return learnt
+        return learnt & usual if (learnt & usual).sum() >= RELEARNT_WINDOWS else learnt
+
+    def _between(self, residual: np.ndarray) -> np.ndarray:
+        """Return the standard deviation between shifts (w,) as known at each window; `residual` (w,) where judged."""
+        dispersion = self.normal.dispersion
+        names, place = np.unique(self.shift, return_inverse=True)
+        rows = np.isfinite(residual)
+        weight = np.where(rows, 1.0 / np.where(rows, self.normal.noise, 1.0), 0.0)
+        total, count = np.bincount(place, weight, len(names)), np.bincount(place, rows, len(names))
+        some = np.where(count > 1, total, np.nan)
+        mean = np.bincount(place, weight * np.nan_to_num(residual), len(names)) / some
+        own = inflated(count, dispersion.memory) / some
+        segment = np.zeros(len(residual), dtype=int)
+        for part in self.segments[1:]:
+            segment[part.start :] += 1
+        last = np.zeros(len(names), dtype=int)
+        last[place] = segment
+        return updated_between(dispersion, mean, own, last)[place]
 
     def judge(self, shared: np.ndarray, shared_variance: np.ndarray) -> Evidence:
         """Return the evidence of all windows; each segment stands for itself."""
         parts = []
+        residual = np.where(self.judged, self.residual - shared, np.nan)
+        between = self._between(residual)
         value = np.where(self.judged, self.normal.series_value - shared, np.nan)
         for part in self.segments:
             parts.append(
@@ -233,7 +255,8 @@ class _Axis:
                     self.states,
                     self.which[part],
                     self.shift[part],
-                    self.normal.dispersion,
+                    self.normal.dispersion.memory,
+                    between[part],
                     (shared_variance + self.normal.design.beyond)[part],
                 )
             )
@@ -247,7 +270,7 @@ def _new_program(design: Design, posterior: Posterior, rows: np.ndarray) -> np.n
     return (design.matrix[np.ix_(rows, unknown)] > 0).any(axis=1)
 
 
-def _first_part(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:
+def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:
     """Return the windows (w, n) of the baseline before the first event of each axis."""
     place = np.arange(len(baseline))
     return np.stack([baseline & (place < min(events[j], default=len(baseline))) for j in range(n)], axis=1)
@@ -272,4 +295,4 @@ def _begin_of_change(window: int, shifts: int, shift: np.ndarray) -> int:
     return int(np.argmax(shift == names[max(place - max(shifts, 1) + 1, 0)]))
 
 
-__all__ = ["Start", "Watch", "enough", "watch"]
+__all__ = ["Start", "Watch", "before_events", "enough", "watch"]
