@@ -17,7 +17,8 @@ from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import whiten
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
-from jointwear.measurement.motion import low_pass, measure
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
