@@ -21,7 +21,7 @@ from jointwear.publishing.report.page import write_report
 from jointwear.reproduction.commanded_motion import write_trajectory
 from jointwear.reproduction.detection import write_detection
 from jointwear.reproduction.features import write_features, write_reference
-from jointwear.reproduction.grid import cell_of
+from jointwear.reproduction.grid import Cell
 from jointwear.reproduction.location import write_location
 from jointwear.reproduction.normal_model import write_normal_model
 from jointwear.reproduction.simulation import simulate_run
@@ -45,6 +45,11 @@ class Experiment:
 
     def path(self, *parts: str) -> str:
         return str(self.folder.joinpath("results", *parts))
+
+    @property
+    def figure_task(self) -> str:
+        """Task of the run that the figures show."""
+        return self.figure_run.partition("/")[0]
 
     @property
     def results(self) -> Results:
@@ -73,7 +78,7 @@ class Experiment:
                 "simulation": self.path("simulation", self.figure_run),
                 "features": self.path("features", self.figure_run),
                 "detection": self.path("detection", self.figure_run),
-                "task": str(ROOT / "config/tasks" / f"{cell_of(self.figure_run).task}.yaml"),
+                "task": str(ROOT / "config/tasks" / f"{self.figure_task}.yaml"),
             },
         )
 
@@ -103,7 +108,12 @@ def small_config(**change) -> dict:
 def compute(folder: Path, config: dict) -> Experiment:
     """Run every stage of the workflow for a configuration, in order, and write figures and report."""
     wear, robot = config["wear"], str(ROOT / config["robot"])
-    names = [f"axis{a}_{p:g}percent.nc" for a in wear["axes"] for p in wear["increase_percent"]]
+    cells = {
+        f"axis{axis}_{increase:g}percent.nc": (increase, axis)
+        for axis in wear["axes"]
+        for increase in wear["increase_percent"]
+    }
+    names = list(cells)
     runs = tuple(f"{task}/{name}" for task in config["tasks"] for name in names)
     wanted = "T1/axis1_10percent.nc"
     done = Experiment(folder, config, runs, wanted if wanted in runs else runs[0])
@@ -127,7 +137,7 @@ def compute(folder: Path, config: dict) -> Experiment:
                 robot,
                 file,
                 done.path("simulation", task, name),
-                cell=cell_of(f"{task}/{name}"),
+                cell=Cell(task, *cells[name]),
                 settings={**base, "shape": wear["shape"], "wear_hours": wear["hours"]},
             )
         reference = done.path("features", task, "reference.nc")
@@ -161,7 +171,7 @@ def draw(done: Experiment) -> None:
     """Draw all figures of an experiment."""
     published, replicate = ROOT / PUBLISHED, done.config["report"]["replicate"]
     run = done.results.figure_run
-    task = cell_of(done.figure_run).task
+    task = done.figure_task
 
     def svg(name: str) -> str:
         return done.path("figures", f"{name}.svg")

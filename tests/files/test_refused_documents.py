@@ -9,7 +9,7 @@ import yaml
 
 from jointwear.files.documents import check, read_yaml
 from jointwear.files.errors import InputError, shown
-from jointwear.files.json_documents import read_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.numbers import LARGEST
 from jointwear.reproduction.features import histograms
 from jointwear.robots.robot_file import read_robot_file
@@ -126,7 +126,7 @@ def bomb(levels=9):
         ("a0: &a0 [1]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 2000)), ["levels deep, aliases"]),
         ("? [a, b]\n: 1\n", ["line 1", "a key must be text"]),
         ("a: 2026-13-45\n", ["not valid YAML"]),
-        ("a: !!int text\n", ["not valid YAML"]),
+        ("a: !!int text\n", ["line 1", "'text'"]),
         ("a: !!python/object/apply:os.system [true]\n", ["line 1"]),
         ("a: 1" + "0" * 5000, ["not valid YAML"]),
         ("a: '\x00'\n", ["x.yaml"]),
@@ -141,6 +141,22 @@ def test_a_yaml_file_out_of_proportion_is_refused_at_once(tmp_path, text, words)
     assert str(error.value).isprintable()
     for word in words:
         assert word in str(error.value)
+
+
+@pytest.mark.parametrize("number", ["010", "1:30", "-1:30:05.5", "1_000", "0x1F", "0b11", "1_0.5", "007"])
+def test_a_number_that_readers_of_yaml_disagree_on_is_refused(tmp_path, number):
+    (tmp_path / "x.yaml").write_text(f"b: 1\na: {number}\n")
+    with pytest.raises(InputError, match=r"line 2: .* decimal digits"):
+        read_yaml(tmp_path / "x.yaml")
+    (tmp_path / "x.yaml").write_text(f"a: '{number}'\nb: [0, -0.5, +3, 1., 1e-4, 2.5E+3]\n")
+    assert read_yaml(tmp_path / "x.yaml") == {"a": number, "b": [0, -0.5, 3, 1.0, 1e-4, 2500.0]}
+
+
+def test_digits_of_other_scripts_are_text(root):
+    config = yaml.safe_load((root / "config/config.yaml").read_text())
+    for text in ("٣", "3\n", "³"):
+        with pytest.raises(InputError, match="'seed' is"):
+            prepare({**config, "seed": text})
 
 
 def test_only_regular_files_are_opened(tmp_path):
@@ -176,6 +192,41 @@ def test_json_is_read_by_one_reader_with_one_line(tmp_path, text, words):
     assert "x.json" in str(error.value)
     (tmp_path / "x.json").write_text(json.dumps({"a": [1, 2.5, None]}))
     assert read_json(tmp_path / "x.json") == {"a": [1, 2.5, None]}
+
+
+CONTENT = {"a": [1, 2.5, None, float("nan"), np.float32(0.1)], "b": {"c": "Bühne <1>", 2: True}, "n": np.arange(2)}
+
+
+def test_what_was_written_is_read_and_is_json(tmp_path):
+    write_json(tmp_path / "x.json", CONTENT)
+    assert "NaN" not in (tmp_path / "x.json").read_text()
+    found = read_json(tmp_path / "x.json")
+    assert found == {"a": [1, 2.5, None, None, float(np.float32(0.1))], "b": {"c": "Bühne <1>", "2": True}, "n": [0, 1]}
+    # The layout of the file is no part of its content.
+    (tmp_path / "x.json").write_text(json.dumps(json.loads((tmp_path / "x.json").read_text())))
+    assert read_json(tmp_path / "x.json") == found
+
+
+def test_no_flipped_bit_of_a_json_file_is_believed(tmp_path):
+    path = tmp_path / "x.json"
+    write_json(path, CONTENT)
+    whole, found = path.read_bytes(), read_json(path)
+    for place in range(len(whole)):
+        for bit in range(8):
+            path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+            try:
+                read = read_json(path)
+            except InputError:
+                continue
+            # Blanks between the values, or the name of the checksum itself.
+            assert {key: read[key] for key in found} == found
+
+
+def test_a_number_changed_by_hand_is_found(tmp_path):
+    write_json(tmp_path / "x.json", CONTENT)
+    (tmp_path / "x.json").write_text((tmp_path / "x.json").read_text().replace("2.5", "2.6"))
+    with pytest.raises(InputError, match=r"x\.json: was changed or damaged since it was written; delete it and run"):
+        read_json(tmp_path / "x.json")
 
 
 def test_values_are_cut_and_stay_on_one_line(root):

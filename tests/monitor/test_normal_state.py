@@ -1,15 +1,18 @@
 """The parts of the decision: shifts, normal state, dispersion, threshold, forecast, baseline, programs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.decision import shift_evidence
+from jointwear.monitor.decision import STEP_WINDOWS, shift_evidence
 from jointwear.monitor.dispersion import FLOOR, START, Dispersion, ShiftMeans, between_shifts, updated_between
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_threshold
 from jointwear.monitor.regimes import find_regimes
+from jointwear.monitor.scale import scale_steps
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.shift_forecast import forecast_shifts
 from jointwear.monitor.shifts import shift_labels
@@ -138,10 +141,10 @@ def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     fall = evidence(np.array([0, 0, -0.04, -0.04, -0.04]))
     assert np.isneginf(fall.growth[-1])
     assert fall.fall[-1] > 2
-    # A large step is told at its eighth window.
+    # A large step is told within its first shift.
     step = evidence(np.array([0, 0, 0, 0.1])).growth
-    assert np.isfinite(step[-1])
-    assert np.isneginf(step[-2])
+    assert np.isfinite(step[-8 + STEP_WINDOWS - 1])
+    assert np.isneginf(step[-8 + STEP_WINDOWS - 2])
 
 
 def test_one_worn_axis_is_no_shared_error():
@@ -183,3 +186,35 @@ def test_forecasts_of_steady_growth_hold_and_do_not_promise_an_end_too_soon(dail
     true = (0.2 / daily - days) * 24
     assert told.low <= true <= told.high
     assert told.low <= told.hours <= told.high
+
+
+def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, ...] = ()):
+    """Six axes over ten shifts of eight windows; steps from window 40 on, alarms at a window."""
+    residual, alarm = np.zeros((80, 6)), np.zeros((80, 6), dtype=bool)
+    for axis, size in steps.items():
+        residual[40:, axis] = size
+    for axis, window in alarms.items():
+        alarm[window, axis] = True
+    normal = [
+        SimpleNamespace(
+            fit=SimpleNamespace(left_out_variance=np.array([0.04**2 if j in weak else 1e-6])),
+            dispersion=SimpleNamespace(between=0.005),
+        )
+        for j in range(6)
+    ]
+    return SimpleNamespace(
+        residual=residual, noise=np.full((80, 6), 1e-6), mean=residual, shifts=np.full((80, 6), 2), alarm=alarm,
+        axes=normal, starts=[[] for _ in range(6)],
+    )  # fmt: skip
+
+
+def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_with_it():
+    shift = np.repeat(np.arange(10), 8)
+    wear = quantity({2: 0.06}, {2: 50})
+    assert scale_steps(wear, quantity({}, {}), shift) == []
+    (step,) = scale_steps(wear, quantity({2: 0.06}, {}), shift)
+    assert (step.axis, step.window, step.factor) == (2, 40, pytest.approx(np.exp(0.06)))
+    # A cabinet scales all axes; the last two hardly move a body.
+    level = quantity(dict.fromkeys(range(6), 0.06), {0: 50, 4: 50, 5: 55})
+    scale = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5))
+    assert {s.axis for s in scale_steps(level, scale, shift)} == set(range(6))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from small_experiment import FIGURES, PUBLISHED, ROOT, cell_of, draw, small_experiment
+from small_experiment import FIGURES, PUBLISHED, ROOT, draw, small_experiment
 
 from jointwear.files.storage import Variable, read_variables, write_dataset
 from jointwear.publishing.figures import figure_3, palette
@@ -92,7 +92,7 @@ def test_labels_of_figure_3_stay_apart(experiment, tmp_path, monkeypatch, ours):
     monkeypatch.setattr(
         figure_3, "direct_label", lambda axes, x, y, text, colour, **how: placed.update({text.split()[0]: (x, y, how)})
     )
-    model = experiment.results.models[cell_of(experiment.figure_run).task]
+    model = experiment.results.models[experiment.figure_task]
     run = experiment.results.figure_run["detection"]
     figure_3.draw_figure_3(model, run, ROOT / PUBLISHED, tmp_path / "figure_3.svg", 1, 0.95)
     (our_hour, our_height, our_side), (hour, height, side) = placed["our"], placed["paper"]

@@ -5,7 +5,7 @@ import pytest
 
 from jointwear.files.storage import read_variables
 from jointwear.reproduction import readings
-from jointwear.reproduction.grid import Cell, by_cell, cell_of
+from jointwear.reproduction.grid import Cell
 from jointwear.reproduction.simulation import Noise, RepeatedTask
 from jointwear.reproduction.wear import Wear
 from jointwear.reproduction.worn_run import coulomb_levels, simulate_worn_run
@@ -150,14 +150,6 @@ def test_an_axis_that_the_robot_lacks_is_refused(root, tmp_path, settings):
             settings={**settings, "shape": 1.0, "wear_hours": 12},
         )
     assert not list(tmp_path.iterdir())
-
-
-def test_cells_are_ordered_as_in_the_paper():
-    paths = [f"results/x/{t}/axis{a}_{p}percent.nc" for p in ("20", "10") for a in (2, 1) for t in ("T2", "T1")]
-    assert list(by_cell(paths))[:3] == [Cell("T1", 10.0, 1), Cell("T1", 10.0, 2), Cell("T1", 20.0, 1)]
-    assert cell_of("a/T1/axis3_12.5percent.nc") == Cell("T1", 12.5, 3)
-    with pytest.raises(ValueError, match="not the file"):
-        cell_of("a/T1/normal.nc")
 
 
 def test_effects_of_the_robot_file_act_in_the_simulation(puma, root, default_reading):

@@ -26,7 +26,7 @@ from jointwear.studies.challenge.motion import fourier_path, transfer_paths
 from jointwear.studies.challenge.plan import Case, batches, cases
 from jointwear.studies.challenge.scene import scene_of
 from jointwear.studies.challenge.sensors import felt_noise, torque_noise
-from jointwear.studies.challenge.separability import build_sieve, energy_left_by
+from jointwear.studies.challenge.separability import sieve_world
 from jointwear.studies.challenge.surroundings import Temperatures, start_times, temperatures
 from jointwear.studies.challenge.tiers import BATCH, COUNTS, EFFECTS, FULL, OUTSIDE, SEED, TIERS
 from jointwear.studies.challenge.tracking import track
@@ -246,7 +246,7 @@ def test_noise_has_the_deviation_and_colour_that_are_asked_for():
 
 def test_sieve_removes_what_the_model_can_retune_and_keeps_the_rest(robot, world):
     train = world.state.recording != 2
-    sieve = build_sieve(world, robot, train, np.full(6, 0.1), 0.0, 0.05)
+    sieve = sieve_world(world, robot, train, np.full(6, 0.1), 0.0, 0.05)
     s = world.state
     retuned = Arm(with_one_wrong_number(robot, "coulomb_friction", 0, 0.3))
     change = retuned.torque(s.position, s.velocity, s.acceleration) - s.torque
@@ -255,7 +255,7 @@ def test_sieve_removes_what_the_model_can_retune_and_keeps_the_rest(robot, world
     wave[:, 3] = np.sin(40 * s.time)
     raw = np.sum((wave[train & (np.abs(s.velocity[:, 3]) > 0.01)] / 0.1) ** 2)
     assert sieve.energy(wave) == pytest.approx(raw, rel=0.1)
-    assert energy_left_by(sieve, wave, [2 * wave]) < 1e-6 * raw
+    assert sieve.energy(wave, [2 * wave]) < 1e-6 * raw
 
 
 def test_batch_files_keep_the_truth_apart(tmp_path, monkeypatch):

@@ -28,8 +28,11 @@ from jointwear.studies.joint_fit.noise_bank import draw_bank
 from jointwear.studies.joint_fit.paper import Prior, read_paper, shuffled_paper, synthetic_paper
 from jointwear.studies.joint_fit.paper_fit import JointExperiment, PaperFit, Plan, choose_reading
 from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch, improve
-from jointwear.studies.joint_fit.posterior import nearest, score
+from jointwear.studies.joint_fit.posterior import closest, nearest
 from jointwear.studies.joint_fit.records import read_experiments, write_experiments
+from jointwear.studies.joint_fit.scores import Scores, score
+from jointwear.studies.joint_fit.summary import pairs
+from jointwear.studies.joint_fit.trade import Emphasis, bases, search_on
 from jointwear.studies.multiverse.evaluation import Analysis, evaluate
 from jointwear.studies.multiverse.shared_torque import SharedExperiment
 
@@ -303,6 +306,38 @@ def test_scores_of_the_paper_itself(paper):
     assert scores.cells[0] == 36
     assert scores.hour_error[0] == scores.torque_worst[0] == scores.variation_worst[0] == 0.0
     assert nearest(np.array([3.0, 1.0, 2.0]), 2).tolist() == [1, 2]
+
+
+def test_the_closest_experiment_meets_most_aims():
+    fields = {name: np.zeros(3) for name in Scores.__dataclass_fields__}
+    fields |= {"cells": np.array([36, 33, 33]), "kl": np.array([10.0, 10.0, 10.0]), "signs": np.array([7, 11, 11])}
+    assert closest(Scores(**fields), np.array([1.0, 5.0, 4.0])) == 2
+
+
+def test_experiments_are_searched_on_from_the_nearest_arms(experiment):
+    heavier = replace(experiment, arm=replace(experiment.arm, mass=9.0))
+    found = bases([experiment, heavier, experiment, heavier], np.array([4.0, 1.0, 2.0, 3.0]), 2)
+    assert found == [[1, 3], [2, 0]]
+
+
+def test_a_table_weighs_what_its_emphasis_says(unloaded, paper):
+    plan = replace(SMALL, local=LocalSearch(rounds=2))
+    fit = PaperFit(unloaded, paper, 1, "paper", plan)
+    screened = fit.screen(Arm(2.5, 0.12, 0.8), 0)
+    members = fit.search(screened, READINGS[0], 0, 0)
+    usual, more = search_on(
+        unloaded, paper, 1, plan, fit.grid, fit.noise, members, [Emphasis(), Emphasis(signs=50.0)], 0
+    )
+    # From where the search ended, under the same weights and noise, no task gets worse; Table II is of T1 alone.
+    assert (usual.cost <= np.min([m.cost for m in members], axis=0) * (1 + 1e-6)).all()
+    assert np.array_equal(usual.start[1:], more.start[1:])
+    assert more.cost[0] > usual.cost[0]
+
+
+def test_kinds_of_pairs_are_those_of_table_two(paper):
+    found = pairs(np.ones(15), paper)
+    assert {name: kind["count"] for name, kind in found.items()} == {"worn": 5, "tied": 4, "apart": 6}
+    assert sum(kind["right"] for kind in found.values()) == pytest.approx(15.0)
 
 
 # What is stored

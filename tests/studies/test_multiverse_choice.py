@@ -317,3 +317,11 @@ def test_the_raw_rule_names_the_rising_axis_and_never_the_falling_one():
     assert (source == 3).mean() > 0.8
     _, source = named_axis(series[:, ::-1], "raw", reading)
     assert (source != 3).all()
+
+
+@given(st.lists(st.sampled_from([b"a", b"b", b"c", b"d"]), max_size=12), st.integers(0, 5))
+def test_of_readings_that_detect_the_same_the_first_goes_on(keys, count):
+    places = choice.first_of_each(keys, count)
+    assert places == sorted(places)
+    assert [keys[k] for k in places] == list(dict.fromkeys(keys))[:count]
+    assert all(keys.index(keys[k]) == k for k in places)

@@ -9,9 +9,10 @@ from jointwear.files.errors import InputError
 from jointwear.studies.challenge.judge import gap_closed, worse_axes
 from jointwear.studies.challenge.reliability import reliability
 from jointwear.studies.challenge.stored import write_stored_page
+from jointwear.studies.tallies import QUESTIONS
 from jointwear.studies.world import answers, packages
 from jointwear.studies.world.plan import BATCH, COUNTS, EFFECTS, OUTSIDE, batches, cases, part_batches
-from jointwear.studies.world.scores import SHARES, TARGETS, WORDS, score
+from jointwear.studies.world.scores import TARGETS, WORDS, score
 from jointwear.studies.world.stages import summary
 
 
@@ -59,7 +60,7 @@ def test_choosing_and_report_cases_have_other_seeds():
 
 def test_every_score_with_a_target_has_words():
     assert set(TARGETS) <= set(WORDS)
-    assert set(SHARES) <= set(WORDS)
+    assert set(QUESTIONS) <= set(WORDS)
 
 
 def test_false_names_and_what_got_worse_are_counted():

@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 from jointwear.robots.dynamics import Dynamics
+from jointwear.studies.sieve import REST
 from jointwear.studies.world.arms import ARMS, chain_of
 from jointwear.studies.world.case import generate
 from jointwear.studies.world.chains import urdf_text
@@ -16,7 +17,6 @@ from jointwear.studies.world.plant import DriveNumbers, compile_plant, draft
 from jointwear.studies.world.robot_files import write_robot
 from jointwear.studies.world.scores import score
 from jointwear.studies.world.truth import Judge
-from jointwear.studies.world.visibility import REST
 
 pytestmark = pytest.mark.plants
 

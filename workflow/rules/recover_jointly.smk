@@ -12,7 +12,7 @@ JOINT_SHARED = {
     "variance_share": config["detection"]["variance_share"],
 }
 JOINT_KEPT = 30  # experiments that make the posterior
-JOINT_FIGURES = ["cells", "frontier"]
+JOINT_FIGURES = ["cells", "frontier", "trade"]
 STUDY_PICTURES["joint_fit"] = JOINT_FIGURES
 STUDY_PICTURES["joint_fit_controls"] = ["controls"]
 
@@ -94,6 +94,29 @@ rule confirm_joint_fit:
         "../scripts/confirm_joint_fit.py"
 
 
+rule trade_joint_aims:
+    input:
+        robot=UNLOADED,
+        published=RECOVER_TABLES,
+        confirmed="results/joint_fit/confirmed.nc",
+        modules=modules_of("trade_joint_aims"),
+    output:
+        "results/joint_fit/traded.nc",
+    log:
+        "results/logs/trade_joint_aims.log",
+    params:
+        settings={
+            **JOINT_SHARED,
+            "plan": {"members": 3},
+            "arms": 3,
+            # Factors on the weights of Tables V and VI, and of the signs of Table II.
+            "emphases": [[1, 1], [1.5, 1], [2.5, 1], [1.5, 3], [1, 3], [1, 10]],
+            "confirm_replicates": 100,
+        },
+    script:
+        "../scripts/trade_joint_aims.py"
+
+
 rule control_joint_fit:
     input:
         robot=UNLOADED,
@@ -127,6 +150,7 @@ rule write_joint_posterior:
         robot=UNLOADED,
         published=RECOVER_TABLES,
         confirmed="results/joint_fit/confirmed.nc",
+        traded="results/joint_fit/traded.nc",
         modules=modules_of("write_joint_posterior"),
     output:
         table="results/joint_fit/posterior.csv",
@@ -152,6 +176,7 @@ rule summarise_joint_fit:
         published=RECOVER_TABLES,
         screened="results/joint_fit/readings.nc",
         confirmed="results/joint_fit/confirmed.nc",
+        traded="results/joint_fit/traded.nc",
         checked="results/joint_fit/checked.nc",
         modules=modules_of("summarise_joint_fit"),
     output:

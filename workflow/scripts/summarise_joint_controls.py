@@ -1,7 +1,7 @@
 """Put the controls of the joint fit together for the report."""
 
 from jointwear.running.script import reported
-from jointwear.studies.joint_fit.summary import write_controls
+from jointwear.studies.joint_fit.control_summary import write_controls
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,4 +1,4 @@
-"""Keep the nearest joint experiments and check the nearest one on new random numbers."""
+"""Keep the nearest joint experiments and check the closest one on new random numbers."""
 
 from jointwear.running.script import reported
 from jointwear.studies.joint_fit.posterior import write_posterior
@@ -8,7 +8,8 @@ if __name__ == "__main__":
         write_posterior(
             snakemake.input.robot,
             snakemake.input.published,
-            [snakemake.input.confirmed],
+            snakemake.input.confirmed,
+            snakemake.input.traded,
             snakemake.output.table,
             snakemake.output.checked,
             snakemake.output.robot,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -19,8 +18,7 @@ from jointwear.discovery.drawing import (
 from jointwear.discovery.page import body_in_words, lead
 from jointwear.discovery.regimes import read_motion, residual_by_regime
 from jointwear.effects import library
-from jointwear.files.json_documents import read_json
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import read_json, write_json
 
 #: Figures of the chapter, in the order of their files.
 PICTURES = ("regimes", "effect", "gap", "where")
@@ -79,4 +77,4 @@ def write_chapter(
         "named_rightly": right,
         "exactly": right and len(found) == 1,
     }
-    replace_text(output, json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_json(output, data)

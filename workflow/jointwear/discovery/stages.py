@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from jointwear.discovery.verdict import NextExperiment, Verdict
 from jointwear.effects import check_effects
 from jointwear.files import provenance
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import write_json
 from jointwear.files.json_values import six_digits
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.files.text_files import replace_text
@@ -60,7 +60,7 @@ def discover_dataset(
             "reason": str(error),
             "suggestion": getattr(error, "suggestion", "mend the entry or the file that the reason names"),
         }
-        replace_text(refused, json.dumps(content, indent=1) + "\n")
+        write_json(refused, content)
         raise
     settings = {"dataset": name, **entry}
     write_recording(found.recording, folder / RECORDING, {"dataset": name, "entry": dict(entry)})
@@ -72,7 +72,7 @@ def discover_dataset(
     (folder / NEXT).unlink(missing_ok=True)
     if found.experiment is not None:
         _write_trajectory(folder / NEXT, found.experiment.time, found.experiment.position)
-    replace_text(folder / VERDICT, complete_verdict(found, folder / NEXT).to_json())
+    write_json(folder / VERDICT, complete_verdict(found, folder / NEXT).to_data())
     if log is not None:
         lines = [f"{name}: {words}" for words in found.content.misfits]
         lines += [

@@ -50,6 +50,28 @@ _StrictLoader.add_implicit_resolver(
     "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9][0-9_]*(\.[0-9_]*)?[eE][-+]?[0-9]+$"), list("-+0123456789")
 )
 
+# YAML 1.1 reads 010 as 8, 1:30 as 90, 1_0 as 10 and 0x1F as 31; YAML 1.2, and people, read most of them otherwise.
+_PLAIN = {
+    "tag:yaml.org,2002:int": re.compile(r"[-+]?(0|[1-9][0-9]*)"),
+    "tag:yaml.org,2002:float": re.compile(
+        r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)"
+    ),
+}
+
+
+def _number(loader: _StrictLoader, node: yaml.ScalarNode) -> float:
+    if not _PLAIN[node.tag].fullmatch(loader.construct_scalar(node)):
+        raise InputError(
+            f"line {node.start_mark.line + 1}: {shown(node.value)} is not read as the same number by all readers of "
+            "YAML; write decimal digits without colon, underscore or leading zero, or put text between quotation marks"
+        )
+    whole = node.tag.endswith("int")
+    return loader.construct_yaml_int(node) if whole else loader.construct_yaml_float(node)
+
+
+for _tag in _PLAIN:
+    _StrictLoader.add_constructor(_tag, _number)
+
 
 def _check_size(node: yaml.Node, seen: dict[int, tuple[int, int] | None]) -> tuple[int, int]:
     """Return how many values and levels a node stands for when every alias is written out; `seen` remembers nodes.
@@ -100,6 +122,29 @@ def _load(text: str) -> Any:
         return loader.construct_document(node)
     finally:
         loader.dispose()
+
+
+def check_written_out(text: str, name: str) -> None:
+    """Check that a value given as YAML text is one, and that its aliases stand for no more than a document may hold.
+
+    Text that is no YAML counts as a word.
+
+    Raises
+    ------
+    InputError : one line naming the value.
+    """
+    try:
+        _check_depth(text)
+        node = yaml.compose(text, Loader=_StrictLoader)
+        if node is None:
+            raise InputError("holds no value")
+        _check_size(node, {})
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+    except (yaml.YAMLError, ValueError):
+        return
+    except RecursionError:
+        raise InputError(f"{name}: is nested too deeply") from None
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:

@@ -1,20 +1,49 @@
-"""Read JSON files: one reader, with errors of one line."""
+"""Write and read JSON files: one writer, one reader, with errors of one line.
+
+What the writer wrote carries a checksum of its content, so that a damaged digit is found like a damaged brace. Read by
+the Snakefile at every call: nothing heavy is imported here.
+"""
 
 from __future__ import annotations
 
 import json
+import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
 from jointwear.files.regular_files import read_text
+from jointwear.files.text_files import replace_text
 
 #: Largest JSON file; the largest that the workflow writes, the chapter of a long study, has a hundredth of it. Bytes.
 LARGEST_JSON = 256 << 20
 
+#: Key of the checksum, the last of a file.
+CHECKSUM = "checksum"
+
+
+def write_json(path: str | Path, content: Mapping[str, Any]) -> None:
+    """Write a mapping as JSON for :func:`read_json`: numbers that are not finite as null, and a checksum of the rest.
+
+    Raises
+    ------
+    InputError : if it cannot be written.
+    """
+    # Imports numpy, which a reader has no use for.
+    from jointwear.files.json_values import as_json
+
+    data = as_json(content)
+    replace_text(path, json.dumps({**data, CHECKSUM: _checksum(data)}, indent=1, ensure_ascii=False) + "\n")
+
+
+def _checksum(data: Mapping[str, Any]) -> str:
+    """Return the CRC-32 of content, whatever the layout of the file; it is there to find damage, not forgery."""
+    return f"{zlib.crc32(json.dumps(data, allow_nan=False).encode()):08x}"
+
 
 def read_json(path: str | Path, kind: type = dict) -> Any:
-    """Read a JSON file that this workflow wrote.
+    """Read a JSON file; of one that :func:`write_json` wrote the checksum is held to the content and left out.
 
     Parameters
     ----------
@@ -24,9 +53,12 @@ def read_json(path: str | Path, kind: type = dict) -> Any:
     Raises
     ------
     InputError : naming the file, if it is missing, truncated, not JSON, holds another kind of value, or NaN or
-        infinity, which JSON does not have.
+        infinity, which JSON does not have, or was changed since it was written.
     """
-    return parse_json(read_text(path, LARGEST_JSON), path, kind)
+    data = parse_json(read_text(path, LARGEST_JSON), path, kind)
+    if isinstance(data, dict) and CHECKSUM in data and data.pop(CHECKSUM) != _checksum(data):
+        raise InputError(f"{path}: was changed or damaged since it was written; delete it and run again")
+    return data
 
 
 def parse_json(text: str, name: object, kind: type = dict) -> Any:

@@ -24,7 +24,7 @@ from jointwear.monitor.normal_state import Posterior
 from jointwear.monitor.shifts import places_of_shifts
 
 #: Shifts looked back at; growth that is tolerated; growth and windows of a large step.
-SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.01, 0.03, 8
+SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.01, 0.03, 6
 #: Last shifts that must all lie below for a fall.
 FALLEN = 3
 

@@ -61,26 +61,33 @@ def fit_normal_state(
 
     Parameters
     ----------
-    design : (w, p). value : (w,) log levels. noise : of the windows. shift : (w,) labels. prior : of the coefficients.
+    design : (w, p). value : (w,) log levels. noise : of the windows. shift : (w,) labels, rising.
+    prior : of the coefficients.
     """
     used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(noise.within)
     x, y, label = design[used], value[used], shift[used]
+    left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
+    if not used.any():
+        return NormalFit(prior, left, left_variance, np.zeros(0, dtype=int), np.zeros((0, *prior.covariance.shape)))
     # Neighbouring windows that remember each other tell less than as many independent ones.
     variance = noise.within[used] * (1 + noise.memory) / (1 - noise.memory)
     names, place = np.unique(label, return_inverse=True)
     precision0 = np.linalg.inv(prior.covariance)
-    p = x.shape[1]
     window_weight, shift_weight = np.ones(len(y)), np.ones(len(names))
+    # Shifts are runs of windows, so that sums over them are sums between their first windows.
+    first = np.flatnonzero(np.concatenate([[True], np.diff(place) != 0]))
+
+    def sums(values: np.ndarray) -> np.ndarray:
+        return np.add.reduceat(values, first, axis=0)
+
     for turn in range(ROUNDS):
-        grams, moments = np.zeros((len(names), p, p)), np.zeros((len(names), p))
         between = noise.between / shift_weight
-        for s in range(len(names)):
-            rows = place == s
-            weight = window_weight[rows] / variance[rows]
-            wx, wy = weight @ x[rows], float(weight @ y[rows])
-            share = between[s] / (1 + between[s] * weight.sum())
-            grams[s] = (x[rows].T * weight) @ x[rows] - share * np.outer(wx, wx)
-            moments[s] = x[rows].T @ (weight * y[rows]) - share * wx * wy
+        weight = window_weight / variance
+        weighted = weight[:, None] * x
+        total, wx, wy = sums(weight), sums(weighted), sums(weight * y)
+        share = between / (1 + between * total)
+        grams = sums(weighted[:, :, None] * x[:, None, :]) - share[:, None, None] * wx[:, :, None] * wx[:, None, :]
+        moments = sums(weighted * y[:, None]) - (share * wy)[:, None] * wx
         precision = precision0 + grams.sum(axis=0)
         information = precision0 @ prior.mean + moments.sum(axis=0)
         covariance = _inverse(precision)
@@ -88,18 +95,13 @@ def fit_normal_state(
         if turn == ROUNDS - 1:
             break
         error = y - x @ mean
-        for s in range(len(names)):
-            rows = place == s
-            weight = window_weight[rows] / variance[rows]
-            total = weight.sum()
-            level = between[s] * (weight @ error[rows]) / (1 + between[s] * total)
-            inner = error[rows] - level
-            window_weight[rows] = (FREEDOM + 1) / (FREEDOM + inner**2 / variance[rows])
-            size = (weight @ error[rows] / total) ** 2 / (noise.between + 1 / total)
-            shift_weight[s] = (FREEDOM + 1) / (FREEDOM + size)
-    left_covariance = np.stack([_inverse(precision - g) for g in grams]) if len(names) else np.zeros((0, p, p))
+        pulled = sums(weight * error)
+        inner = error - (between * pulled / (1 + between * total))[place]
+        window_weight = (FREEDOM + 1) / (FREEDOM + inner**2 / variance)
+        size = (pulled / total) ** 2 / (noise.between + 1 / total)
+        shift_weight = (FREEDOM + 1) / (FREEDOM + size)
+    left_covariance = np.stack([_inverse(precision - g) for g in grams])
     left_mean = np.einsum("spq,sq->sp", left_covariance, information - moments)
-    left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
     left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
     left_variance[used] = np.einsum("wp,wpq,wq->w", x, left_covariance[place], x)
     return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)

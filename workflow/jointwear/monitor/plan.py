@@ -6,7 +6,6 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import re
 import zlib
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.json_documents import read_json
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.events import events_of
@@ -221,7 +221,7 @@ def surveyed_log(survey: str | Path, logs: Sequence[str]) -> str:
     A log that sorts before all others, or one that is no longer kept, changes nothing of what was worked out before.
     """
     try:
-        kept = json.loads(Path(survey).read_text(encoding="utf-8")).get("log")
+        kept = read_json(survey).get("log")
     except (OSError, ValueError):
         kept = None
     return kept or logs[0]

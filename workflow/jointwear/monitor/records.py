@@ -133,7 +133,9 @@ class Teller:
         part, spread = viscous.mean[k, j], viscous.mean_std[k, j]
         total = np.expm1(mean) * (1.0 if level.axes[j].source == "friction" else self._series["friction"].share[j])
         clear = np.isfinite(part) and part > VISCOUS_CLEAR * spread and part > VISCOUS_PART * total
-        return (VISCOUS if clear and level.axes[j].source == "friction" else COULOMB), float(mean), float(error)
+        if clear and level.axes[j].source == "coulomb":
+            return VISCOUS, float(part), float(spread)
+        return (VISCOUS if clear else COULOMB), float(mean), float(error)
 
     def reasons(self) -> np.ndarray:
         """Return why each window (w, n) is not judged, of :class:`Reason`."""
@@ -156,7 +158,8 @@ class Teller:
         for k, j in np.argwhere(self._told):
             name, mean, error = self._parts(k, j)
             values = [mean, mean - _Q80 * error, mean + _Q80 * error]
-            if self._level.alarm[k, j]:
+            by_level = self._level.alarm[k, j] and (name == COULOMB or self._level.axes[j].source == "friction")
+            if by_level:
                 changes = [self._level.axes[j].unit * float(np.expm1(v)) for v in values]
             else:
                 changes = [float(self._series["viscous"].unit[j]) * v for v in values]

@@ -18,7 +18,7 @@ from jointwear.monitor.watching import Watch
 
 #: A scale explains growth where the growth is likelier as its step than as no step of it by this log likelihood ratio;
 #: smallest step. Of a second axis the factors are alike within this share, a third contradicts that many errors off.
-CLEAR, LEAST, ALIKE, AGAINST = 1.5, 0.01, 0.5, 2.5
+CLEAR, LEAST, ALIKE, AGAINST = 1.0, 0.01, 0.5, 2.5
 _GRAVITY, _INERTIAL = COLUMNS.index("gravity"), COLUMNS.index("inertial")
 #: Standard deviation of a window's scale above which it shows nothing.
 COARSEST = 0.25

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import provenance
+from jointwear.files.json_documents import parse_json
 from jointwear.files.json_values import as_json
-from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.files.text_files import replace_text
 from jointwear.monitor.assembly import History
 from jointwear.monitor.friction import window_friction
@@ -185,12 +186,12 @@ def read_state(path: str | Path) -> RobotState:
             if f"{name}_std" in dataset.variables:
                 estimates[name] = (get(name), get(f"{name}_std"), str(dataset.variables[name].units))
         return RobotState(
-            name=str(dataset.monitored),
-            robot=str(dataset.robot),
+            name=str(read_attribute(dataset, path, "monitored")),
+            robot=str(read_attribute(dataset, path, "robot")),
             joints=tuple(str(j) for j in get("joint")),
-            dated=bool(dataset.dated),
-            baseline=int(dataset.baseline_windows),
-            laid_end_to_end=bool(dataset.laid_end_to_end),
+            dated=bool(read_attribute(dataset, path, "dated")),
+            baseline=int(read_attribute(dataset, path, "baseline_windows")),
+            laid_end_to_end=bool(read_attribute(dataset, path, "laid_end_to_end")),
             start=get("start"),
             end=get("end"),
             status=get("status"),
@@ -200,13 +201,13 @@ def read_state(path: str | Path) -> RobotState:
             count=get("count"),
             friction_speed=get("friction_speed"),
             estimates=estimates,
-            alarms=json.loads(dataset.alarms),
-            findings=json.loads(dataset.findings),
+            alarms=parse_json(read_attribute(dataset, path, "alarms"), path, list),
+            findings=parse_json(read_attribute(dataset, path, "findings"), path, list),
             reason=get("unjudged_reason"),
             hours_to_limit=np.stack([get(f"hours_to_limit{end}") for end in ("", "_low", "_high")], axis=1),
             logs=tuple(str(x) for x in get("log")),
             refused=tuple(str(x) for x in get("log_refused")),
             first=get("log_first"),
             last=get("log_last"),
-            entry=json.loads(dataset.config),
+            entry=parse_json(read_attribute(dataset, path, "config"), path),
         )

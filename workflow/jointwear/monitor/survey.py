@@ -6,7 +6,6 @@ Only the first log decides, so that a log that arrives later changes nothing of 
 from __future__ import annotations
 
 import itertools
-import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.clock import Clock, Ordered
 from jointwear.measurement.formats import Chunk, Layout, read_log
@@ -57,7 +56,7 @@ class Survey:
 
     def write(self, path: str | Path) -> None:
         """Keep the survey as JSON."""
-        replace_text(path, json.dumps(asdict(self), indent=1, allow_nan=False) + "\n")
+        write_json(path, asdict(self))
 
 
 def guard_of(rate: float) -> int:
@@ -68,9 +67,9 @@ def guard_of(rate: float) -> int:
 def read_survey(path: str | Path) -> Survey:
     """Read what :meth:`Survey.write` wrote."""
     try:
-        return Survey(**json.loads(Path(path).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); delete it and run again") from None
+        return Survey(**read_json(path))
+    except TypeError as error:
+        raise InputError(f"{path}: is no survey ({error}); delete it and run again") from None
 
 
 def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dead_band: Any = None) -> Survey:

@@ -14,6 +14,7 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.reproduction.grid import run_attributes
 from jointwear.reproduction.readings import onset_rule, pca_input, select
 
 INPUTS = ("kl_divergence", "mean_absolute_torque", "histogram")
@@ -118,5 +119,8 @@ def write_detection(features: str | Path, model: str | Path, output: str | Path,
             "onset_t2": Variable(each, onset(above_t2, rule, count), "hour of detection by T2, NaN if none", "h"),
             "alarms": Variable(each, alarms(above, rule, count), "alarms of the run by Q", "1"),
         },
-        provenance.attributes("Q-statistic, T2 and onset of wear", settings, [features, model]),
+        {
+            **provenance.attributes("Q-statistic, T2 and onset of wear", settings, [features, model]),
+            **run_attributes(features),
+        },
     )

@@ -12,6 +12,7 @@ import numpy as np
 from jointwear.files import provenance
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
+from jointwear.reproduction.grid import run_attributes
 from jointwear.reproduction.readings import (
     empty_bin_floor,
     kl_direction,
@@ -197,5 +198,8 @@ def write_features(torque: str | Path, reference: str | Path, output: str | Path
             "mean_absolute_torque": Variable(by_hour, joined["mean_absolute_torque"], "mean |torque|", "N m"),
             "variation": Variable(by_hour, joined["variation"], "coefficient of variation of |torque|", "1"),
         },
-        provenance.attributes("hourly features of the torque", settings, [torque, reference]),
+        {
+            **provenance.attributes("hourly features of the torque", settings, [torque, reference]),
+            **run_attributes(torque),
+        },
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, open_dataset, read_variable, read_variables, write_dataset
+from jointwear.reproduction.grid import run_attributes
 from jointwear.reproduction.readings import (
     correlated_hours,
     correlated_series,
@@ -156,4 +157,4 @@ def write_location(
     )
     made_from = [path for path in (features, training, detection) if path is not None]
     described = provenance.attributes("lags between axes and source of the wear", settings, made_from)
-    write_dataset(output, variables, described)
+    write_dataset(output, variables, {**described, **run_attributes(features)})

@@ -141,6 +141,7 @@ def simulate_run(
     settings: Mapping[str, Any],
     levels: Callable[[Dynamics, np.ndarray], tuple[np.ndarray, np.ndarray]] = unworn_levels,
     what: str = "normal operation",
+    named: Mapping[str, Any] | None = None,
     threads: int = 1,
 ) -> None:
     """Simulate all replicates of one run and write their torque samples.
@@ -154,6 +155,7 @@ def simulate_run(
     settings : `seed`, `replicates`, `sampling`, `noise`, `reading`.
     levels : Coulomb levels [N m] at the hours of the run, for positive and negative velocity, each (hours, n).
     what : what the run shows, for the title of the file.
+    named : further global attributes, by which later stages know the run.
 
     Raises
     ------
@@ -188,7 +190,8 @@ def simulate_run(
     sizes = {"replicate": replicates, "hour": hours, "sample": samples, "axis": n}
     title = f"torque of {the_task.name}, {what}"
     own = {"key": list(key), "hours": hours}
-    with create_dataset(output, sizes, variables, provenance.attributes(title, settings, own=own)) as dataset:
+    described = {**provenance.attributes(title, settings, own=own), **(named or {})}
+    with create_dataset(output, sizes, variables, described) as dataset:
         share = np.zeros(n)
         for replicate in range(replicates):
             torque = repeated.measure(generator(settings["seed"], *key, replicate=replicate), threads)

@@ -65,9 +65,9 @@ def table_iv(detections: list[str], locations: list[str], published: Published) 
     for cell, path in by_cell(detections).items():
         (onset,) = read_variables(path, "onset")
         (source,) = read_variables(located[cell], "source")
-        found = np.isfinite(onset)
-        probability = float(found.mean())
-        low, high = wilson_interval(int(found.sum()), len(found))
+        detected = np.isfinite(onset)
+        probability = float(detected.mean())
+        low, high = wilson_interval(int(detected.sum()), len(detected))
         hour, hour_low, hour_high = spread_over_replicates(onset)
         hour_published = published.detection_hour(cell)
         rows.append(
@@ -80,7 +80,7 @@ def table_iv(detections: list[str], locations: list[str], published: Published) 
                 "hour_median": hour,
                 "hour_low": hour_low,
                 "hour_high": hour_high,
-                "located_probability": float((source[found] == cell.axis).mean()) if found.any() else np.nan,
+                "located_probability": float((source[detected] == cell.axis).mean()) if detected.any() else np.nan,
                 "verdict": detection_verdict(
                     published.has(cell), hour_published, probability, hour, hour_low, hour_high
                 ),
@@ -95,13 +95,13 @@ def _at_hours(values: np.ndarray, hours: np.ndarray) -> np.ndarray:
 
 
 def _torque_table(features: list[str], detections: list[str], published: Published, name: str) -> list[Row]:
-    found = by_cell(detections)
+    onset_files = by_cell(detections)
     printed = published.maximum_torque if name == "maximum_torque" else published.variation
     rows = []
     for cell, path in by_cell(features).items():
         values = read_variables(path, name)[0][:, :, cell.axis - 1]
         last = values.shape[1]
-        (onset,) = read_variables(found[cell], "onset")
+        (onset,) = read_variables(onset_files[cell], "onset")
         own = _at_hours(values, np.where(np.isnan(onset), last, onset))
         at_published = values[:, int(min(published.evaluation_hour(cell, last), last)) - 1]
         median, low, high = spread_over_replicates(own)

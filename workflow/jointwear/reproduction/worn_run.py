@@ -71,5 +71,6 @@ def simulate_worn_run(
         settings=settings,
         levels=levels,
         what=f"wear of axis {cell.axis}",
+        named=cell.attributes,
         threads=threads,
     )

@@ -5,8 +5,9 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
+
+from jointwear.files.json_documents import read_json
 
 REPORT = Path("results/report/index.html")
 #: Pages that other targets build.
@@ -16,10 +17,10 @@ PAGES = ("results/*/index.html", "results/*/*.html", "results/*/*/*.html")
 def score_lines(summary: Path) -> list[str]:
     """Return one line per claim of the paper, from the numbers of a report; none where there is no such file."""
     try:
-        statements = json.loads(summary.read_text(encoding="utf-8"))["summary"]["statements"]
-    except (OSError, ValueError, KeyError, TypeError):
+        statements = read_json(summary)["summary"]["statements"]
+        return [f"{s['title']}: {s['verdict']}. {s['text'].split('. ')[0].rstrip('.')}." for s in statements[:5]]
+    except (ValueError, KeyError, TypeError, AttributeError):
         return []
-    return [f"{s['title']}: {s['verdict']}. {s['text'].split('. ')[0].rstrip('.')}." for s in statements[:5]]
 
 
 def closing_lines(root: Path, since: float) -> list[str]:

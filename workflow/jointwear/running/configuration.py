@@ -25,7 +25,7 @@ from jointwear.running.shipped import ROOT, shipped, shipped_glob
 MONITOR_DEFAULTS: dict[str, Any] = {"robots": {}, "time_zone": "UTC", "stale_after": "72h", "notify": []}
 #: The experiment that comes with the workflow, and the user's own in the working directory.
 CONFIG = "config/config.yaml"
-_NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 def config_schema() -> dict[str, Any]:
@@ -45,7 +45,7 @@ def _plain(value: Any) -> Any:
         return {str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(v) for v in value]
-    if isinstance(value, str) and _NUMBER.match(value):
+    if isinstance(value, str) and _NUMBER.fullmatch(value):
         return float(value)
     # YAML turns a date without quotes into one of its own.
     return value.isoformat() if isinstance(value, date) else value

@@ -7,13 +7,12 @@ kept: a store that deletes old logs does not take the baseline away.
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.monitor.assembly import Piece
 from jointwear.monitor.fleet.plan import digest, stamp_of
 from jointwear.monitor.piece_files import read_pieces, write_pieces
@@ -51,7 +50,7 @@ class Readings:
         self.own = own
         self._record = own / "read.json"
         try:
-            known = json.loads(self._record.read_text(encoding="utf-8"))
+            known = read_json(self._record)
         except (OSError, ValueError):
             known = {}
         self.settings: str = known.get("settings", "")
@@ -62,7 +61,7 @@ class Readings:
     def save(self) -> None:
         """Keep the record."""
         names = ("settings", "code", "judged", "logs")
-        replace_text(self._record, json.dumps({name: getattr(self, name) for name in names}, indent=1) + "\n")
+        write_json(self._record, {name: getattr(self, name) for name in names})
 
     def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str) -> int:
         """Read what is new or has changed among `logs`; return how many logs were read.

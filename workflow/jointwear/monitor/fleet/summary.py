@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from jointwear.files.errors import InputError
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.monitor.fleet.history import join_histories
 from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import write_fleet_page
@@ -28,9 +27,9 @@ def read_rows(batches: Sequence[str | Path]) -> list[dict]:
     rows = []
     for path in batches:
         try:
-            rows += json.loads(Path(path).read_text(encoding="utf-8"))["robots"]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(f"{path}: cannot be read ({error}); delete it and run again") from None
+            rows += read_json(path)["robots"]
+        except (KeyError, TypeError) as error:
+            raise InputError(f"{path}: has no rows of robots ({error}); delete it and run again") from None
     return rows
 
 
@@ -64,7 +63,7 @@ def summarise_fleet(
     write_metrics(found, now, metrics)
     parts = [Path(folder) / row["folder"] / "history.parquet" for row in found if row["result"] == "judged"]
     join_histories([part for part in parts if part.is_file()], history)
-    replace_text(rows, json.dumps({"now": now, "robots": found}, indent=1) + "\n")
+    write_json(rows, {"now": now, "robots": found})
     link = Path(folder).relative_to(Path(page).parent).as_posix()
     waiting = Outbox.open(outbox).waiting if outbox else []
     write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 import traceback
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import write_json
 from jointwear.files.text_files import replace_text
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
 from jointwear.monitor.fleet.history import write_history
@@ -130,4 +130,4 @@ def watch_robots(
             watch_robot(name, entry, logs[name], Path(folder), unreachable=told, time_zone=time_zone, page=page)
         )
     spent = time.process_time() - begin
-    replace_text(output, json.dumps({"robots": rows, "process_seconds": round(spent, 3)}, indent=1) + "\n")
+    write_json(output, {"robots": rows, "process_seconds": round(spent, 3)})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +13,8 @@ from jointwear.discovery.pipeline import discover
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
-from jointwear.files.json_values import as_json, six_digits
+from jointwear.files.json_documents import write_json
+from jointwear.files.json_values import six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.formats import layout_of
 from jointwear.measurement.motion import Measured, measure
@@ -115,7 +115,7 @@ def learn_normal(
         | {kind: [[six_digits(e) for e in row] for row in rows] for kind, rows in errors.items()},
         "refused": refused,
     }
-    replace_text(folder / "learned.json", json.dumps(as_json(told), indent=1) + "\n")
+    write_json(folder / "learned.json", told)
     return told
 
 

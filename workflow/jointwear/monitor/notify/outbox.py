@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.monitor.notify.notices import Notice
 
 #: Lines of a message beyond which the rest is only counted: services refuse long messages.
@@ -36,17 +35,18 @@ class Outbox:
         if not path.exists():
             return cls(path)
         try:
-            known = json.loads(path.read_text(encoding="utf-8"))
+            known = read_json(path)
             return cls(path, dict(known["told"]), list(known["waiting"]))
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError):
             raise InputError(
-                f"{path}: cannot be read ({error}); messages may wait in it: mend it, or delete it to begin anew"
+                f"{path}: is damaged or was changed; messages may wait in it: mend it and take out its line "
+                "'checksum', or delete it to begin anew"
             ) from None
 
     def save(self) -> None:
         """Keep the outbox."""
         content = {"told": self.told, "waiting": self.waiting}
-        replace_text(self.path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+        write_json(self.path, content)
 
     def note(self, channel: str, found: Sequence[Notice], folders: set[str], now: float) -> None:
         """Put what a channel has not been told yet into the outbox: what is new, what came back, what ended.

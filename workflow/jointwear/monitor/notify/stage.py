@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 from prometheus_client import CollectorRegistry, Gauge, write_to_textfile
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.channels import send as send_through
 from jointwear.monitor.notify.notices import notices
@@ -43,9 +43,9 @@ def notify(
     InputError : if the rows or the outbox cannot be read.
     """
     try:
-        found = json.loads(Path(rows).read_text(encoding="utf-8"))["robots"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{rows}: cannot be read ({error}); delete it and run again") from None
+        found = read_json(rows)["robots"]
+    except KeyError:
+        raise InputError(f"{rows}: has no rows of robots; delete it and run again") from None
     now = time.time() if now is None else now
     box = Outbox.open(outbox)
     told = notices(found, zone_of(time_zone))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import base64
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _records(folder: Path) -> dict[str, Made]:
             # A long name is split over folders that start with @.
             coded = "".join(part.removeprefix("@") for part in path.relative_to(folder).parts)
             name = base64.b64decode(coded).decode()
-            entry = json.loads(path.read_text(encoding="utf-8"))
+            entry = read_json(path)
             times = float(entry["starttime"]), float(entry["endtime"])
             read = {n: c.removeprefix("sha256:") for n, c in (entry.get("input_checksums") or {}).items()}
             made = Made(entry["rule"], tuple(entry["input"]), *times, tuple(entry.get("log") or ()), read)

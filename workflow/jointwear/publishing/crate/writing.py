@@ -22,6 +22,7 @@ from rocrate.model.creativework import CreativeWork
 from rocrate.rocrate import ROCrate
 
 from jointwear import __version__
+from jointwear.files.json_documents import read_json
 from jointwear.publishing.crate.layout import COMMIT, CONFIG, FILES, METADATA, PROJECT, PROJECT_FILES, files_of
 from jointwear.publishing.crate.records import Run, trace
 from jointwear.publishing.crate.software import software
@@ -301,7 +302,7 @@ def _date(seconds: float) -> str:
 
 def _settle(path: Path) -> None:
     """Write the metadata with entities and keys in one order."""
-    document = json.loads(path.read_text(encoding="utf-8"))
+    document = read_json(path)
     document["@graph"].sort(key=lambda entity: entity["@id"])
     for entity in document["@graph"]:
         for key, value in entity.items():

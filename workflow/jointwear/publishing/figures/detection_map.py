@@ -62,12 +62,12 @@ def draw_detection_map(table: str | Path, output: str | Path) -> None:
         axes.tick_params(length=0)
         for spine in axes.spines.values():
             spine.set_visible(False)
-    found = sum(float(r["detection_probability"]) >= 0.5 for r in rows)
+    detected = sum(float(r["detection_probability"]) >= 0.5 for r in rows)
     name = "Detection probability and median hour of every run"
     save(
         figure,
         output,
         name,
-        f"{name}; {found} of {len(rows)} runs are detected in at least half of the replicates. A cross marks runs that "
-        "the paper did not detect. The numbers stand in the table beside the picture.",
+        f"{name}; {detected} of {len(rows)} runs are detected in at least half of the replicates. A cross marks runs "
+        "that the paper did not detect. The numbers stand in the table beside the picture.",
     )

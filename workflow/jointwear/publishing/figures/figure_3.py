@@ -68,8 +68,8 @@ def draw_figure_3(
     )
     axes.axvline(0, color=palette.MUTED, linewidth=1.0)
     median, low, high = spread_over_replicates(curves.onset)
-    found = np.isfinite(curves.onset).mean()
-    told = f"Detected in {100 * found:.0f} % of {len(curves.onset)} replicates"
+    detected = np.isfinite(curves.onset).mean()
+    told = f"Detected in {100 * detected:.0f} % of {len(curves.onset)} replicates"
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top * (top / bottom) ** 0.2)
     # One label above the other, each on the side away from the other line: they stay apart wherever the lines are.

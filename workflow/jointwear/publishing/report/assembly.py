@@ -113,14 +113,14 @@ def _detection(results: Results, config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _drivers(results: Results, printed: Published, seed: int) -> dict[str, Any]:
-    found = drivers.predictors(dict(results.training_features), list(results.simulations))
+    by_cell_predictors = drivers.predictors(dict(results.training_features), list(results.simulations))
     onsets = {cell: read_variables(path, "onset")[0] for cell, path in by_cell(list(results.detections)).items()}
     return {
-        "measured": drivers.measured_drivers(found, onsets, seed),
+        "measured": drivers.measured_drivers(by_cell_predictors, onsets, seed),
         "published": drivers.published_drivers(printed, seed),
         "cells": [
             {"task": c.task, "axis": c.axis, "increase_percent": c.increase_percent, **values}
-            for c, values in found.items()
+            for c, values in by_cell_predictors.items()
         ],
     }
 
@@ -214,6 +214,8 @@ def assemble(results: Results, config: Mapping[str, Any]) -> dict[str, Any]:
             "payload": robot.get("payload"),
             "limits": [j["torque_limit"] for j in robot["joints"]],
             "provenance": robot.get("provenance", {}),
+            # Captions say so; the file of the recovered arm names its source in these words.
+            "fitted": "Tables V and VI" in str(robot.get("provenance", {}).get("source", "")),
         },
         "assumptions": assumptions(config["reading"]),
         "paper": paper_facts(printed),

@@ -57,12 +57,12 @@ def models_without_residual(models: Mapping[str, str | Path]) -> dict[str, dict[
     ----------
     models : task -> file of its normal models.
     """
-    found = {}
+    shares = {}
     for task, path in models.items():
         variance, kept = read_variables(path, "eigenvalues", "kept")
         left = np.where(np.arange(variance.shape[1]) < kept[:, None], 0.0, variance).sum(axis=1)
-        found[task] = proportion(left <= NO_VARIANCE * variance.sum(axis=1))
-    return found
+        shares[task] = proportion(left <= NO_VARIANCE * variance.sum(axis=1))
+    return shares
 
 
 def false_alarms(path: str | Path, rule: str, consecutive: int) -> dict[str, Any]:
@@ -113,10 +113,10 @@ def _named_axes(path: str | Path, onset: np.ndarray) -> list[np.ndarray]:
 
 def locations(files: list[str], detections: list[str]) -> list[dict[str, Any]]:
     """Return, for every worn run, in how many of its detected replicates each rule names the worn axis."""
-    found = by_cell(detections)
+    detection_files = by_cell(detections)
     rows = []
     for cell, path in by_cell(files).items():
-        (onset,) = read_variables(found[cell], "onset")
+        (onset,) = read_variables(detection_files[cell], "onset")
         detected = np.isfinite(onset)
         sources = _named_axes(path, onset)
         row: dict[str, Any] = {"task": cell.task, "axis": cell.axis, "increase_percent": cell.increase_percent}

@@ -28,7 +28,7 @@ def _findings(data: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     idle = data["location"]["without_wear"]["chosen"]["share"]
     hours, peak = four["median_error_h"], data["figures"]["divergence"]
     apart = f", hours {number(hours, 2)} h apart in the median" if hours is not None else ""
-    found = {
+    findings = {
         "table_iv": (
             f"Wear shows in {data['paper']['detected_total']} of {scores['table_iii']['published_runs']} runs",
             f"same outcome in {four['same_pattern']} of {four['compared']} runs{apart}",
@@ -51,13 +51,13 @@ def _findings(data: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     if five["median_error"] is not None:
         off = f"{percent(five['median_error_at_published_hour'], 1)} off in the median"
         most = f"{percent(five['largest_error_at_published_hour'], 1)} at most"
-        found["table_v"] = ("The largest torques of Table V", f"{off}, {most}, at the paper's hours")
+        findings["table_v"] = ("The largest torques of Table V", f"{off}, {most}, at the paper's hours")
     if six["median_error"] is not None:
-        found["table_vi"] = (
+        findings["table_vi"] = (
             "The variation of the torque in Table VI",
             f"{number(six['median_error_at_published_hour'], 2)} off in the median at the paper's hours",
         )
-    return found
+    return findings
 
 
 def _within_a_sentence(text: str) -> str:
@@ -73,12 +73,12 @@ def claims(data: Mapping[str, Any], statements: Sequence[Mapping[str, str]]) -> 
     data : of the report.
     statements : the long form, with the verdict of each; what cannot be compared keeps its short reason.
     """
-    found, lines = _findings(data), []
+    findings, lines = _findings(data), []
     for statement in statements:
         key = statement["key"]
         if key not in ANCHORS:
             continue
-        claim, finding = found.get(key, (statement["title"], statement.get("conclusion", statement["text"])))
+        claim, finding = findings.get(key, (statement["title"], statement.get("conclusion", statement["text"])))
         if statement["verdict"] == NOT_COMPARABLE:
             finding = statement["text"].split(". ")[0].rstrip(".")
         lines.append(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import subprocess
 from collections import defaultdict
@@ -57,7 +56,7 @@ def rule_times(records: str | Path) -> list[dict[str, Any]]:
     seconds: dict[str, dict[tuple, float]] = defaultdict(dict)
     for path in Path(records).rglob("*") if Path(records).is_dir() else ():
         try:
-            record = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+            record = read_json(path) if path.is_file() else {}
             begin, end, rule = float(record["starttime"]), float(record["endtime"]), record["rule"]
             job = tuple(record.get("log") or [path.name])
             seconds[rule][job] = max(end - begin, seconds[rule].get(job, 0.0))

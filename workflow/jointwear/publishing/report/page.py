@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear import __version__
-from jointwear.files.json_documents import read_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.json_values import as_json
 from jointwear.files.provenance import check_lineage
 from jointwear.files.text_files import replace_text
@@ -23,13 +23,13 @@ from jointwear.publishing.report.wording import summary
 
 def other_pages(results: Path) -> list[dict[str, str]]:
     """Return the pages that other targets have built beside the report, as links relative to it."""
-    found = [path.relative_to(results) for level in ("*", "*/*") for path in results.glob(f"{level}/*.html")]
+    paths = [path.relative_to(results) for level in ("*", "*/*") for path in results.glob(f"{level}/*.html")]
     return [
         {
             "name": " ".join([*path.parts[:-1], *([] if path.stem in ("index", path.parts[0]) else [path.stem])]),
             "link": f"../{path.as_posix()}",
         }
-        for path in sorted(found)
+        for path in sorted(paths)
         if path.parts[0] != "report"
     ]
 
@@ -101,5 +101,5 @@ def write_report(
         **further,
     }
     context["chapters"] = render_chapters(context)
-    replace_text(numbers, json.dumps(as_json(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_json(numbers, content)
     replace_text(output, render_page("index.html.j2", context))

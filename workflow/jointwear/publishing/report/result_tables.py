@@ -29,8 +29,8 @@ def read_table(path: str | Path) -> list[Row]:
 
 def count_verdicts(verdicts: Iterable[str]) -> dict[str, int]:
     """Return how often each verdict occurs, all four always present."""
-    found = Counter(verdicts)
-    return {v: found[v] for v in VERDICTS}
+    counted = Counter(verdicts)
+    return {v: counted[v] for v in VERDICTS}
 
 
 def median_of(values: Iterable[float]) -> float | None:

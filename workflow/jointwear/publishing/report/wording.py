@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from jointwear.publishing.report.numbers import count, number, percent
@@ -51,33 +51,32 @@ def _detection(data: Mapping[str, Any]) -> Statement:
 
 
 def _torque(data: Mapping[str, Any]) -> Statement:
-    score = data["scores"]["table_v"]
-    verdict, title = _overall(score["verdicts"]), "Maximum torque (Table V)"
-    if score["median_error"] is None:
-        return {"key": "table_v", "title": title, "verdict": verdict, "text": NOTHING}
-    return {
-        "key": "table_v",
-        "title": title,
-        "verdict": verdict,
-        "text": f"{_counted(score['verdicts'])}. The error is {percent(score['median_error'], 1)} in the median and "
-        f"{percent(score['largest_error'], 1)} at most; at the paper's own hours "
-        f"{percent(score['median_error_at_published_hour'], 1)} and "
-        f"{percent(score['largest_error_at_published_hour'], 1)}.",
-    }
+    def says(score: Mapping[str, Any]) -> str:
+        return (
+            f"The error is {percent(score['median_error'], 1)} in the median and "
+            f"{percent(score['largest_error'], 1)} at most; at the paper's own hours "
+            f"{percent(score['median_error_at_published_hour'], 1)} and "
+            f"{percent(score['largest_error_at_published_hour'], 1)}."
+        )
+
+    return _values(data, "table_v", "Maximum torque (Table V)", says)
 
 
 def _variation(data: Mapping[str, Any]) -> Statement:
-    score = data["scores"]["table_vi"]
-    verdict, title = _overall(score["verdicts"]), "Variation of the torque (Table VI)"
-    if score["median_error"] is None:
-        return {"key": "table_vi", "title": title, "verdict": verdict, "text": NOTHING}
-    return {
-        "key": "table_vi",
-        "title": title,
-        "verdict": verdict,
-        "text": f"{_counted(score['verdicts'])}. The coefficient of variation is off by "
-        f"{number(score['median_error'], 2)} in the median and {number(score['largest_error'], 2)} at most.",
-    }
+    def says(score: Mapping[str, Any]) -> str:
+        return (
+            f"The coefficient of variation is off by {number(score['median_error'], 2)} in the median and "
+            f"{number(score['largest_error'], 2)} at most."
+        )
+
+    return _values(data, "table_vi", "Variation of the torque (Table VI)", says)
+
+
+def _values(data: Mapping[str, Any], key: str, title: str, says: Callable[[Mapping[str, Any]], str]) -> Statement:
+    """Table V or VI: counts of the verdicts, then what `says` makes of the errors."""
+    score = data["scores"][key]
+    text = NOTHING if score["median_error"] is None else f"{_counted(score['verdicts'])}. {says(score)}"
+    return {"key": key, "title": title, "verdict": _overall(score["verdicts"]), "text": text}
 
 
 def _lags(data: Mapping[str, Any]) -> Statement:

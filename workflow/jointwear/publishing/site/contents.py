@@ -54,28 +54,28 @@ class Page:
 def data_files(results: Path) -> list[DataFile]:
     """Return every file of the results but logs, in the order of STAGES."""
     order = {stage: index for index, stage in enumerate(STAGES)}
-    found = []
+    files = []
     for path in sorted(p for p in results.rglob("*") if p.is_file() and p.suffix != ".part"):
         name = path.relative_to(results)
         if name.parts[0] in LEFT_OUT and name.parts[0] != SAMPLES:
             continue
         published = name.parts[0] not in LEFT_OUT
-        found.append(DataFile(name.as_posix(), path.stat().st_size, checksum(path), published))
-    return sorted(found, key=lambda f: (order.get(f.path.split("/")[0], len(order)), f.path))
+        files.append(DataFile(name.as_posix(), path.stat().st_size, checksum(path), published))
+    return sorted(files, key=lambda f: (order.get(f.path.split("/")[0], len(order)), f.path))
 
 
 def pages(results: Path) -> list[Page]:
     """Return the pages that have been built: the report first, then one for every study, robot and data set."""
-    found = []
+    links = []
     for path in sorted([*results.glob("*/*.html"), *results.glob("*/*/*.html")]):
         name = path.relative_to(results)
         kind = name.parts[0]
         if kind in LEFT_OUT:
             continue
         words = name.parts[1].replace("_", " ") if len(name.parts) > 2 else STAGES.get(kind, kind)
-        found.append(Page(name.as_posix(), kind, words))
+        links.append(Page(name.as_posix(), kind, words))
     order = {stage: index for index, stage in enumerate(("report", *STAGES))}
-    return sorted(found, key=lambda p: (order.get(p.kind, len(order)), p.path))
+    return sorted(links, key=lambda p: (order.get(p.kind, len(order)), p.path))
 
 
 def without_dead_links(page: str, published: Iterable[str], folder: str) -> str:

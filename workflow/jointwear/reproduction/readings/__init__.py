@@ -64,8 +64,9 @@ def select(module: ModuleType, value: str) -> Callable:
     ------
     InputError : if there is no such alternative; the message lists those that exist.
     """
-    found = _describe(module).alternatives
-    if value not in found:
+    alternatives = _describe(module).alternatives
+    if value not in alternatives:
         name = module.__name__.rpartition(".")[2]
-        raise InputError(f"reading.{name} is '{value}'; allowed: {', '.join(found)}{nearest(value, found)}")
-    return found[value]
+        allowed = f"{', '.join(alternatives)}{nearest(value, alternatives)}"
+        raise InputError(f"reading.{name} is '{value}'; allowed: {allowed}")
+    return alternatives[value]

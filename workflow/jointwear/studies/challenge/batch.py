@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import write_json
 from jointwear.robots.robot import load_robot
 from jointwear.studies.challenge.arms import ARMS, arm_of, arm_path
 from jointwear.studies.challenge.case_files import write_case_data, write_truth
@@ -48,4 +47,4 @@ def generate_batch(
         truths.append(truth)
     write_truth(truth_json, truth_netcdf, truths, {"seed": seed})
     content = {"inertial_prior": INERTIAL_PRIOR, "cases": listed}
-    replace_text(folder / "cases.json", json.dumps(content, indent=1) + "\n")
+    write_json(folder / "cases.json", content)

@@ -6,17 +6,15 @@ into one JSON and one netCDF file a batch, elsewhere.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.provenance import attributes
 from jointwear.files.storage import Variable, read_variables, write_dataset
-from jointwear.files.text_files import replace_text
 from jointwear.studies.challenge.generate import TRUTH_STRIDE, CaseData, Truth
 
 
@@ -59,7 +57,7 @@ def write_truth(
     Cases have their own numbers of samples and joints: arrays are filled up with NaN. Effects of all cases lie end to
     end along `effect`; `first_effect` (case) says where those of a case begin.
     """
-    replace_text(json_path, json.dumps({"cases": [t.facts for t in truths]}, indent=1) + "\n")
+    write_json(json_path, {"cases": [t.facts for t in truths]})
     counts = [len(t.effects) for t in truths]
     torque = padded([t.torque for t in truths])
     variables = {
@@ -106,18 +104,3 @@ def read_truth(json_path: str | Path, netcdf_path: str | Path) -> list[Truth]:
     )
     ends = [*first[1:], len(effects)]
     return [Truth(f, torque[k], effects[first[k] : ends[k]], measured[k], given[k]) for k, f in enumerate(facts)]
-
-
-def read_json(path: str | Path) -> dict[str, Any]:
-    """Read a JSON file of the test.
-
-    Raises
-    ------
-    InputError : naming the file, if it is missing or broken.
-    """
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except ValueError as error:
-        raise InputError(f"{path}: is not JSON ({error}); delete it and run again") from None

@@ -17,11 +17,12 @@ from jointwear.studies.challenge.motion import Path, fourier_path, transfer_path
 from jointwear.studies.challenge.plan import Case
 from jointwear.studies.challenge.scene import Scene, scene_of
 from jointwear.studies.challenge.sensors import felt_noise, quantise, torque_noise
-from jointwear.studies.challenge.separability import IDENTIFIABLE, Sieve, build_sieve, energy_left_by
+from jointwear.studies.challenge.separability import IDENTIFIABLE, sieve_world
 from jointwear.studies.challenge.surroundings import start_times, temperatures
 from jointwear.studies.challenge.tiers import EFFECTS, TIERS, WHOLE_ARM, Tier
 from jointwear.studies.challenge.tracking import track
 from jointwear.studies.challenge.world import Hidden, World, build_world, total_torque
+from jointwear.studies.sieve import Sieve
 
 #: The recording that is held out; never the first or last, so that nothing has to be foretold.
 TEST = 2
@@ -168,8 +169,8 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
     held = np.flatnonzero(~train)
     facts["effects"] = []
     if hidden:
-        sieve = build_sieve(world, nominal, train, felt, tier.colour, INERTIAL_PRIOR)
-        plain = build_sieve(world, nominal, train, felt, 0.0, INERTIAL_PRIOR) if tier.colour else sieve
+        sieve = sieve_world(world, nominal, train, felt, tier.colour, INERTIAL_PRIOR)
+        plain = sieve_world(world, nominal, train, felt, 0.0, INERTIAL_PRIOR) if tier.colour else sieve
         for k, (item, term) in enumerate(zip(hidden, terms, strict=True)):
             # The second effect must stand out beside the first one.
             other = [t for j, t in enumerate(terms) if j != k]
@@ -229,7 +230,6 @@ def _describe(
     item: Hidden, term: np.ndarray, other: list[np.ndarray], sieve: Sieve, plain: Sieve, world: World
 ) -> dict[str, Any]:
     held = _judged(world) & (world.state.recording == TEST)[:, None]
-    energy = energy_left_by(sieve, term, other) if other else sieve.energy(term)
     return {
         "effect": item.name,
         "axis": None if item.axis is None else item.axis + 1,
@@ -239,7 +239,7 @@ def _describe(
         "size": item.size,
         "unit": item.unit,
         "parameters": item.parameters,
-        "energy": energy,
+        "energy": sieve.energy(term, other),
         "energy_unwhitened": plain.energy(term),
         "peak": np.abs(np.where(held, term, 0.0)).max(axis=0).tolist(),
     }
@@ -256,7 +256,7 @@ def _rivals(item: Hidden, term: np.ndarray, world: World, sieve: Sieve, rng: np.
         if name not in WHOLE_ARM and axis not in allowed_axes(name, scene):
             continue
         draws = [draw_hidden(name, scene, rng, axis).term(world) for _ in range(_RIVAL_DRAWS)]
-        left[name] = energy_left_by(sieve, term, draws)
+        left[name] = sieve.energy(term, draws)
     return left
 
 
@@ -265,10 +265,7 @@ def _energy_of_number(
 ) -> float:
     """Return the energy of a wrong parameter of the model itself: what the model's other numbers cannot take over."""
     axis, number = wrong["axis"] - 1, wrong["number"]
-    column = {"coulomb_friction": 0, "viscous_friction": 2, "motor_inertia": 3}.get(number)
-    without = () if column is None else (4 * axis + column,)
-    mass = axis if column is None else None
-    sieve = build_sieve(world, nominal, train, deviation, colour, INERTIAL_PRIOR, without, mass)
+    sieve = sieve_world(world, nominal, train, deviation, colour, INERTIAL_PRIOR, (number, axis))
     right = with_one_wrong_number(world.arm.robot, number, axis, 1 / (1 + wrong["share"]) - 1)
     s = world.state
     change = world.arm.torque(s.position, s.velocity, s.acceleration) - Arm(right).torque(

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report.rendering import render_page
 from jointwear.studies.challenge.arms import ARMS
-from jointwear.studies.challenge.case_files import read_json
 from jointwear.studies.challenge.circumstances import CLOSED_LOOP, RATES
 from jointwear.studies.challenge.plan import part_batches
 from jointwear.studies.challenge.scores import SHARES, UPPER_LIMITS, reached

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.text_files import replace_text
-from jointwear.studies.challenge.case_files import read_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.studies.challenge.judge import judge
 from jointwear.studies.challenge.tiers import TIERS
 
@@ -96,4 +94,4 @@ def write_peer_scores(
                 *entries,
                 _summary("jointwear discover", "as shipped", [r for r in own if r["tier"] == tier]),
             ]
-    replace_text(output, json.dumps({"tiers": tiers}, indent=1) + "\n")
+    write_json(output, {"tiers": tiers})

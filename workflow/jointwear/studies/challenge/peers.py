@@ -6,7 +6,6 @@ requirements/peers.in.
 
 from __future__ import annotations
 
-import json
 import time
 import warnings
 from collections.abc import Callable
@@ -16,10 +15,9 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.storage import open_dataset
-from jointwear.files.text_files import replace_text
 from jointwear.studies.challenge.arms import given_robot
-from jointwear.studies.challenge.case_files import read_json
 from jointwear.studies.challenge.peer_terms import AxisProblem, build_problems
 
 #: Settings tried: threshold in residual standard deviations, limit of abs(t), multiple of the BIC's price.
@@ -147,4 +145,4 @@ def solve_batch_with_peers(folder: str | Path, output: str | Path) -> None:
                 seconds = prepared + time.perf_counter() - start
                 answers.append({"method": method, "setting": setting, "named": named, "seconds": round(seconds, 3)})
         entries.append({"case": case["case"], "answers": answers})
-    replace_text(output, json.dumps({"cases": entries}) + "\n")
+    write_json(output, {"cases": entries})

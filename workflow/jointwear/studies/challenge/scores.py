@@ -12,18 +12,12 @@ import numpy as np
 from jointwear.statistics.intervals import wilson_interval
 from jointwear.studies.challenge.reliability import calibration_error
 from jointwear.studies.challenge.tiers import EFFECTS, TARGETS, TIERS
+from jointwear.studies.tallies import QUESTIONS, meets, share, single_value
 
 Row = Mapping[str, Any]
 
-#: Score, what it counts (kind of case), and the field of a row. Rows that are None do not count.
-SHARES = {
-    "name_first": ("single", "name_first", "right name first"),
-    "axis": ("single", "axis_right", "right axis"),
-    "exact_set": ("single", "exact_set", "exact set of names, single effects"),
-    "retuned": ("retuned", "retuned", "one wrong parameter called retuned, no effect named"),
-    "unknown": ("outside", "unknown_only", "outside the library: unknown, no effect named (suspects may be)"),
-    "two_found": ("two", "both_found", "two effects, both found"),
-    "two_exact": ("two", "two_exact", "two effects, exact"),
+#: Score -> kind of case, field of a row, words.
+SHARES = QUESTIONS | {
     "tie_holds": ("single", "tie_holds", "tie set holds the truth"),
     "coverage": ("single", "covered", "95 % interval covers the true peak torque"),
 }
@@ -36,13 +30,7 @@ def _of(rows: Sequence[Row], kind: str, identifiable: bool) -> list[Row]:
 
 
 def _share(rows: Sequence[Row], field: str) -> dict[str, Any]:
-    answers = [bool(r[field]) for r in rows if r.get(field) is not None]
-    low, high = wilson_interval(sum(answers), len(answers))
-    return {"value": sum(answers) / len(answers) if answers else None, "count": len(answers), "low": low, "high": high}
-
-
-def _number(values: Sequence[float], value: float | None) -> dict[str, Any]:
-    return {"value": value, "count": len(values), "low": None, "high": None}
+    return share([bool(r[field]) for r in rows if r.get(field) is not None])
 
 
 def score_tier(rows: Sequence[Row], identifiable: bool = True) -> dict[str, dict[str, Any]]:
@@ -63,27 +51,23 @@ def score_tier(rows: Sequence[Row], identifiable: bool = True) -> dict[str, dict
     scores["false_names"] = _share(nothing, "false_name")
     scores["worse"] = _share(rows, "worse")
     error, names = calibration_error(rows)
-    scores["calibration_error"] = _number(range(names), error)
+    scores["calibration_error"] = single_value(error, names)
     seconds = [r["seconds"] for r in rows if r.get("seconds") is not None]
-    scores["seconds"] = _number(seconds, float(np.median(seconds)) if seconds else None)
+    scores["seconds"] = single_value(float(np.median(seconds)) if seconds else None, len(seconds))
     gaps = [r["gap_closed"] for r in singles if r.get("gap_closed") is not None]
-    scores["gap_median"] = _number(gaps, float(np.median(gaps)) if gaps else None)
-    scores["gap_tenth"] = _number(gaps, float(np.percentile(gaps, 10)) if gaps else None)
+    scores["gap_median"] = single_value(float(np.median(gaps)) if gaps else None, len(gaps))
+    scores["gap_tenth"] = single_value(float(np.percentile(gaps, 10)) if gaps else None, len(gaps))
     scores["not_worse"] = _share([r for r in rows if r.get("not_worse") is not None], "not_worse")
     scores["not_worse_named"] = _share([r for r in rows if r["named"] and r.get("not_worse") is not None], "not_worse")
     sizes = [r["tie_size"] for r in singles if r.get("tie_size")]
-    scores["tie_size"] = _number(sizes, float(np.mean(sizes)) if sizes else None)
+    scores["tie_size"] = single_value(float(np.mean(sizes)) if sizes else None, len(sizes))
     return scores
 
 
 def reached(name: str, tier: str, score: Mapping[str, Any]) -> bool | None:
     """Whether a score reaches its target; None where it has none or nothing was counted."""
-    if name not in TARGETS or score["value"] is None:
-        return None
-    target = TARGETS[name][list(TIERS).index(tier)]
-    if isinstance(target, tuple):
-        return target[0] <= score["value"] <= target[1]
-    return score["value"] <= target if name in UPPER_LIMITS else score["value"] >= target
+    target = TARGETS[name][list(TIERS).index(tier)] if name in TARGETS else None
+    return meets(score["value"], target, name in UPPER_LIMITS)
 
 
 def confusion(rows: Sequence[Row]) -> dict[str, dict[str, int]]:

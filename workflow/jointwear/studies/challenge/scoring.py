@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.storage import read_variables
-from jointwear.files.text_files import replace_text
-from jointwear.studies.challenge.case_files import read_json, read_truth
+from jointwear.studies.challenge.case_files import read_truth
 from jointwear.studies.challenge.generate import Truth
 from jointwear.studies.challenge.judge import error_norm, judge, worse_axes
 from jointwear.studies.challenge.scores import calibration, confusion, detection_limits, reached, score_tier
@@ -103,8 +102,8 @@ def write_scores(
     """
     rows = [row for t, v in zip(truths, verdicts, strict=True) for row in judge_batch(*t, *v)]
     rows.sort(key=lambda r: r["case"])
-    replace_text(rows_path, json.dumps({"cases": rows}, indent=1, default=_plain) + "\n")
-    replace_text(scores_path, json.dumps(summarise(rows), indent=1, default=_plain) + "\n")
+    write_json(rows_path, {"cases": rows})
+    write_json(scores_path, summarise(rows))
 
 
 def _plain(value: Any) -> Any:

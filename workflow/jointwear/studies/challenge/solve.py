@@ -14,13 +14,13 @@ import numpy as np
 from jointwear.discovery.pipeline import MODELS, Discovery, discover
 from jointwear.discovery.settings import Settings
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.provenance import attributes
 from jointwear.files.storage import Variable, open_dataset, write_dataset
-from jointwear.files.text_files import replace_text
 from jointwear.measurement.recording import Recording
 from jointwear.robots.robot import Robot
 from jointwear.studies.challenge.arms import given_robot
-from jointwear.studies.challenge.case_files import padded, read_json
+from jointwear.studies.challenge.case_files import padded
 
 #: Held-out predictions are kept for every so many samples, as in the truth files.
 STRIDE = 5
@@ -93,7 +93,7 @@ def solve_batch(folder: str | Path, json_path: str | Path, netcdf_path: str | Pa
         said, torque, seconds = solve(recording, robot, Settings(inertial_prior=listed["inertial_prior"], **settings))
         entries.append({"case": case["case"], "seconds": round(seconds, 3), "verdict": said})
         torques.append(torque)
-    replace_text(json_path, json.dumps({"cases": entries}, indent=1) + "\n")
+    write_json(json_path, {"cases": entries})
     variables = {
         "case": Variable(("case",), np.array([e["case"] for e in entries], dtype=object), "name of the case"),
         "model": Variable(("model",), np.array(MODELS, dtype=object), "model that predicts the torque"),

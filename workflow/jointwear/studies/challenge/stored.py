@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.text_files import replace_text
-from jointwear.studies.challenge.case_files import read_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.studies.challenge.page import write_page
 from jointwear.studies.challenge.plan import part_batches
 from jointwear.studies.challenge.tiers import COUNTS, DRAWINGS, TIERS
@@ -36,7 +35,7 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
         "settings_digest": digest,
         "command": f"snakemake --cores 2 results/challenge/{part}/stored.json",
     }
-    replace_text(output, json.dumps({**head, "tiers": content["tiers"]}, indent=1) + "\n")
+    write_json(output, {**head, "tiers": content["tiers"]})
 
 
 def write_stored_page(stored: str | Path, peers: str | None, output: str | Path, world: str | None = None) -> None:

@@ -70,9 +70,9 @@ def walk(
         scale = np.exp(size * random.standard_normal(3))
         shape = float(np.clip(arm.shape * scale[2], *shape_range))
         trial = Arm(float(arm.mass * scale[0]), float(arm.offset * scale[1]), shape)
-        found = evidence(trial)
-        if np.log(random.random()) < found - value:
-            arm, value = trial, found
+        proposed = evidence(trial)
+        if np.log(random.random()) < proposed - value:
+            arm, value = trial, proposed
         arms.append(arm)
         values.append(value)
     return arms, np.array(values)

@@ -12,7 +12,7 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 from jointwear.robots.trajectory import Task
 from jointwear.studies.joint_fit.detection import Grid, TaskOutcome, detect
-from jointwear.studies.joint_fit.distance import Weights, detection_cost, lags, same_signs, table_cost
+from jointwear.studies.joint_fit.distance import Weights, detection_cost, lags, right_pairs, table_cost
 from jointwear.studies.joint_fit.divergence import HISTOGRAM_READING
 from jointwear.studies.joint_fit.levels import Noise, task_levels
 from jointwear.studies.joint_fit.noise_bank import draw_bank
@@ -34,8 +34,9 @@ class Confirmed:
 
     `probability`, `hour` (t, c, n): share of replicates that detect, median hour, NaN below half; `maximum`,
     `variation` (2, t, c, n): Tables V and VI at the printed hours and at our own; `signs` (r,): pairs of axes with
-    the sign of Table II; `kl_maximum` (r,) [nat]; `kept` (t, r); `located` share of the detected runs and
-    `alarms` of the normal runs, NaN from the fast engine; `distance` from the paper.
+    the sign of Table II; `right_pairs` (pairs,): share of replicates in which each pair i < j has it; `kl_maximum`
+    (r,) [nat]; `kept` (t, r); `located` share of the detected runs and `alarms` of the normal runs, NaN from the
+    fast engine; `distance` from the paper.
     """
 
     probability: np.ndarray
@@ -43,6 +44,7 @@ class Confirmed:
     maximum: np.ndarray
     variation: np.ndarray
     signs: np.ndarray
+    right_pairs: np.ndarray
     kl_maximum: np.ndarray
     kept: np.ndarray
     located: float
@@ -104,9 +106,9 @@ def torque_tables(
             arm.shape,
             np.array([arm.mass, 0.0, 0.0, arm.offset]),
         )
-        found = problem.predict(u[None])
-        maximum.append(found.maximum[0].swapaxes(1, 2))
-        variation.append(found.variation[0].swapaxes(1, 2))
+        predicted = problem.predict(u[None])
+        maximum.append(predicted.maximum[0].swapaxes(1, 2))
+        variation.append(predicted.variation[0].swapaxes(1, 2))
     return np.array(maximum), np.array(variation)
 
 
@@ -139,11 +141,23 @@ def judged(
         distance += float(table_cost(torque[moving[t]].reshape(1, -1), spread[moving[t]].reshape(1, -1), weights)[0])
         outcome = TaskOutcome({reading: onset[t]}, {reading: kept[t]})
         distance += detection_cost(outcome, paper.target(t), weights)[reading]
-    signs = same_signs(lag, paper.lag_sign)
-    pairs = len(paper.lag_sign) * (len(paper.lag_sign) - 1) // 2
+    right = right_pairs(lag, paper.lag_sign)
+    signs, pairs = right.sum(axis=1), right.shape[1]
     distance += weights.lag * (pairs - float(signs.mean()))
     probability = np.isfinite(onset).mean(axis=-1)
-    return Confirmed(probability, hour, maximum, variation, signs, kl_maximum, kept, located, alarms, distance)
+    return Confirmed(
+        probability,
+        hour,
+        maximum,
+        variation,
+        signs,
+        right.mean(axis=0),
+        kl_maximum,
+        kept,
+        located,
+        alarms,
+        distance,
+    )
 
 
 def confirm_fast(
@@ -166,24 +180,24 @@ def confirm_fast(
     dynamics = pose_set(robot, experiment, paper.tables.tasks, name).dynamics
     levels = task_levels(dynamics, experiment.start, experiment.stop, experiment.phase, noise)
     reading = experiment.reading
-    found = [
+    outcomes = [
         detect(
-            one,
+            task,
             draw_bank(seed, f"{name} {t}", robot.joints, replicates),
             experiment.arm.shape,
             grid,
             [reading],
             LAG_RUN if t == LAG_TASK else None,
         )
-        for t, one in enumerate(levels)
+        for t, task in enumerate(levels)
     ]
-    series = found[LAG_TASK].series
+    series = outcomes[LAG_TASK].series
     return judged(
         robot,
         experiment,
         paper,
-        np.stack([f.onset[reading] for f in found]),
-        np.stack([f.kept[reading] for f in found]),
+        np.stack([f.onset[reading] for f in outcomes]),
+        np.stack([f.kept[reading] for f in outcomes]),
         lags(series),
         series.max(axis=(1, 2)),
         Weights(),
@@ -211,7 +225,7 @@ def confirm(
         [full_reading(experiment, base)], pose_set(robot, experiment, paper.tables.tasks, name), settings, analysis
     )
     onset = outcomes.onset[0]
-    found = np.isfinite(onset)
+    detects = np.isfinite(onset)
     axes = np.array(analysis.axes)[:, None]
     return judged(
         robot,
@@ -222,6 +236,6 @@ def confirm(
         outcomes.lag[0],
         outcomes.kl_maximum[0],
         Weights(),
-        float((found & (outcomes.source[0] == axes)).sum() / max(found.sum(), 1)),
+        float((detects & (outcomes.source[0] == axes)).sum() / max(detects.sum(), 1)),
         float(outcomes.alarms[0].mean()),
     )

@@ -66,8 +66,8 @@ def detection_cost(outcome: TaskOutcome, target: TaskTarget, weights: Weights) -
     wanted = np.isfinite(target.hours)
     result = {}
     for reading, onset in outcome.onset.items():
-        found = np.isfinite(onset)
-        share = found.mean(axis=-1)
+        detects = np.isfinite(onset)
+        share = detects.mean(axis=-1)
         right = np.where(wanted, share, 1 - share)
         miss = np.maximum(weights.margin - right, 0.0) / weights.margin
         with np.errstate(all="ignore"):
@@ -93,10 +93,15 @@ def lags(series: np.ndarray) -> np.ndarray:
     return lag_matrix(series, np.ones(series.shape[:2], dtype=bool), "raw")
 
 
+def right_pairs(lag: np.ndarray, lag_sign: np.ndarray) -> np.ndarray:
+    """Return (r, pairs) which pairs of axes i < j have the sign (n, n) of Table II, of lags (r, n, n)."""
+    upper = np.triu_indices(len(lag_sign), 1)
+    return np.sign(lag[:, upper[0], upper[1]]) == lag_sign[upper]
+
+
 def same_signs(lag: np.ndarray, lag_sign: np.ndarray) -> np.ndarray:
     """Return how many pairs of axes have the sign (n, n) of Table II in each replicate, (r,), of lags (r, n, n)."""
-    upper = np.triu_indices(len(lag_sign), 1)
-    return (np.sign(lag[:, upper[0], upper[1]]) == lag_sign[upper]).sum(axis=1)
+    return right_pairs(lag, lag_sign).sum(axis=1)
 
 
 def series_cost(outcome: TaskOutcome, target: TaskTarget, weights: Weights) -> float:

@@ -80,9 +80,9 @@ class Divergence:
         top = self._level[:, None] + self._spread * bank.top[axis]
         bottom = self._level[:, None] + self._spread * bank.bottom[axis]
         self.maximum = np.maximum(top, -bottom).max(axis=0)
-        one = np.array([self._spread])
+        spread = np.array([self._spread])
         training = np.diff(
-            cumulative_counts(self._level[:, None], one, self.maximum, bins, bank.training[axis]), axis=0
+            cumulative_counts(self._level[:, None], spread, self.maximum, bins, bank.training[axis]), axis=0
         )
         reference = training[:, :, 0].astype(float)
         # An hour of which nothing is left counts as evenly spread.
@@ -91,7 +91,7 @@ class Divergence:
         self._used = np.flatnonzero((self._reference > 0).any(axis=1))
         self.training = self._divergence(training)
         self.normal = self._divergence(
-            np.diff(cumulative_counts(self._level[:, None], one, self.maximum, bins, self._samples), axis=0)
+            np.diff(cumulative_counts(self._level[:, None], spread, self.maximum, bins, self._samples), axis=0)
         )
 
     def worn(self, growth: np.ndarray, hours: np.ndarray) -> np.ndarray:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.patches import Rectangle
 
+from jointwear.files.json_documents import read_json
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import direct_label, new_figure, save
 
-PICTURES = ("cells", "frontier")
+PICTURES = ("cells", "frontier", "trade")
 
 
 def draw_cells(chapter: dict[str, Any], output: str | Path) -> None:
@@ -108,6 +108,54 @@ def draw_frontier(chapter: dict[str, Any], output: str | Path) -> None:
     )
 
 
+def draw_trade(chapter: dict[str, Any], output: str | Path) -> None:
+    """Draw what one aim costs: cells against the error of Table V, and against the signs of Table II."""
+    first, more = chapter["frontier"], chapter["searched_on"]
+    signed = [p for p in more if p["signs_weight"] > 1]
+    fitted = [p for p in more if p["signs_weight"] <= 1]
+    groups = [
+        (first, palette.MUTED, "o", "search"),
+        (fitted, palette.SERIES[0], "s", "Tables V and VI weigh 1 to 2.5 as much"),
+        (signed, palette.SERIES[1], "^", "signs weigh 3 to 10 as much"),
+    ]
+    aims = {c["name"]: c for c in chapter["checks"]}
+    figure = new_figure(3.5)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, key, scale in ((panels[0], "torque_median", 100.0), (panels[1], "signs", 1.0)):
+        for points, colour, marker, label in groups:
+            spread = (np.arange(len(points)) * 0.618034 % 1 - 0.5) * 0.35
+            axes.scatter(
+                [scale * p[key] for p in points],
+                [p["cells"] + s for p, s in zip(points, spread, strict=True)],
+                s=20,
+                marker=marker,
+                color=colour,
+                alpha=0.85,
+                linewidths=0,
+                label=label,
+            )
+        axes.axhline(aims["cells"]["low"] - 0.5, color=palette.PUBLISHED, lw=1, ls=palette.DASHES[1])
+    panels[0].axvline(100 * aims["torque_median"]["high"], color=palette.PUBLISHED, lw=1, ls=palette.DASHES[1])
+    panels[0].set_xlabel("Table V, median error [%]")
+    panels[0].set_xscale("log")
+    panels[0].set_xticks([0.5, 1, 2, 4], ["0.5", "1", "2", "4"])
+    panels[0].minorticks_off()
+    panels[0].set_ylabel("Cells of Table IV, of 36")
+    panels[0].set_title("Cells against Table V")
+    panels[1].axvline(aims["signs"]["low"], color=palette.PUBLISHED, lw=1, ls=palette.DASHES[1])
+    panels[1].set_xlabel("Signs of Table II, of 15, mean run")
+    panels[1].set_title("Cells against Table II")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
+    save(
+        figure,
+        output,
+        "What one aim costs in the others",
+        f"Cells of Table IV against the median error of Table V and against the signs of Table II, for {len(first)} "
+        f"experiments of the search and {len(more)} that were searched on under other weights. Dashed: the aims. "
+        f"The most signs in the mean run are {max(p['signs'] for p in (*first, *more)):.1f} of 15.",
+    )
+
+
 def draw_controls(chapter: dict[str, Any], output: str | Path) -> None:
     """Draw the distance that the same small effort leaves for our paper, papers of known origin and shuffled ones."""
     found = chapter
@@ -144,5 +192,6 @@ def draw_controls(chapter: dict[str, Any], output: str | Path) -> None:
 
 def draw(picture: str, chapter: str | Path, output: str | Path) -> None:
     """Draw the figure named `picture`, of :data:`PICTURES` or "controls", from its chapter's JSON file."""
-    content = json.loads(Path(chapter).read_text(encoding="utf-8"))
-    {"cells": draw_cells, "frontier": draw_frontier, "controls": draw_controls}[picture](content, output)
+    content = read_json(chapter)
+    drawings = {"cells": draw_cells, "frontier": draw_frontier, "trade": draw_trade, "controls": draw_controls}
+    drawings[picture](content, output)

@@ -126,11 +126,12 @@ class PaperFit:
         )
         first = [Arm(float(m / z), float(z), plan.first_shape) for m, z in zip(moments, offsets, strict=True)]
         count = len(self._banks)
-        found = [
+        solutions = [
             [self.task(t, arm).table_solutions(random, plan.first_starts, plan.first_keep) for t in range(count)]
             for arm in first
         ]
-        evidence = ArmEvidence(self.task, [np.concatenate([u[t] for u in found]) for t in range(count)], plan.descent)
+        pools = [np.concatenate([u[t] for u in solutions]) for t in range(count)]
+        evidence = ArmEvidence(self.task, pools, plan.descent)
         start = max(first, key=evidence)
         arms, value = walk(evidence, start, random, plan.walk, plan.step, TableSettings().shape_range)
         order = np.argsort(-value, kind="stable")
@@ -193,11 +194,11 @@ class PaperFit:
             order = np.argsort(cost)
             start, stop, phase = fit.poses(u[order])
             ranked.append((start, stop, phase, cost[order]))
-        found = []
+        experiments = []
         for k in range(min(len(r[3]) for r in ranked)):
             start, stop, phase, cost = (np.array([r[i][k] for r in ranked]) for i in range(4))
-            found.append(JointExperiment(screened.arm, reading, start, stop, phase, cost))
-        return found
+            experiments.append(JointExperiment(screened.arm, reading, start, stop, phase, cost))
+        return experiments
 
 
 def choose_reading(screened: Sequence[ScreenedArm], readings: Sequence[PcaReading] = READINGS) -> int:

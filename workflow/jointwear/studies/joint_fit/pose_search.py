@@ -79,6 +79,10 @@ class TaskFit:
         start, stop, phase, _, _ = self.problem.split(self.problem.physical(u))
         return start[:, 0], stop[:, 0], phase[:, 0]
 
+    def free(self, start: np.ndarray, stop: np.ndarray, phase: float) -> np.ndarray:
+        """Return the free vector (p,) of poses start, stop (n,) [rad] and phase [s]: the inverse of `poses`."""
+        return self.problem.join(start[None], stop[None], np.array([phase]), self.arm.shape, np.empty(0))
+
     def table_errors(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return relative errors of Table V and errors of Table VI at the published hours, each (S, cells)."""
         predicted, tables = self.problem.predict(u), self.problem.tables
@@ -92,8 +96,8 @@ class TaskFit:
 
     def outcomes(self, u: np.ndarray, readings: Sequence[PcaReading]) -> list[TaskOutcome]:
         """Return the detections of free vectors u (S, p)."""
-        found = task_levels(self.dynamics, *self.poses(u), self.noise)
-        return [detect(levels, self.bank, self.arm.shape, self.grid, readings, self.shown) for levels in found]
+        tasks = task_levels(self.dynamics, *self.poses(u), self.noise)
+        return [detect(levels, self.bank, self.arm.shape, self.grid, readings, self.shown) for levels in tasks]
 
     def costs(self, u: np.ndarray, readings: Sequence[PcaReading]) -> tuple[np.ndarray, np.ndarray]:
         """Return the whole cost of free vectors u (S, p) and the cells of Table IV that agree, each (S, readings)."""
@@ -101,9 +105,9 @@ class TaskFit:
         costs, cells = np.empty((len(u), len(readings))), np.empty((len(u), len(readings)), dtype=int)
         for k, outcome in enumerate(self.outcomes(u, readings)):
             extra = fixed[k] + series_cost(outcome, self.target, self.weights)
-            found = detection_cost(outcome, self.target, self.weights)
+            of_detection = detection_cost(outcome, self.target, self.weights)
             agreed = agreeing_cells(outcome, self.target)
-            costs[k] = [extra + found[r] for r in readings]
+            costs[k] = [extra + of_detection[r] for r in readings]
             cells[k] = [agreed[r] for r in readings]
         return costs, cells
 

@@ -82,8 +82,14 @@ def write_confirmed(
     places: Sequence[int],
     title: str,
     settings: Mapping[str, Any],
+    more: Mapping[str, Variable] | None = None,
 ) -> None:
-    """Write experiments with what they gave on new random numbers; `places` are their numbers in the search."""
+    """Write experiments with what they gave on new random numbers; `places` are their numbers in the search.
+
+    Parameters
+    ----------
+    more : further variables along "experiment".
+    """
     cell, at = ("experiment", "task", "increase", "axis"), ("experiment", "reading_hour", "task", "increase", "axis")
     each = ("experiment",)
 
@@ -99,6 +105,9 @@ def write_confirmed(
         "maximum": Variable(at, stacked("maximum"), "expected largest |torque|", "N m"),
         "variation": Variable(at, stacked("variation"), "expected coefficient of variation of |torque|", "1"),
         "signs": Variable(("experiment", "replicate"), stacked("signs"), "pairs with the sign of Table II", "1"),
+        "right_pairs": Variable(
+            ("experiment", "pair"), stacked("right_pairs"), "share of replicates with the sign of Table II", "1"
+        ),
         "kl_maximum": Variable(
             ("experiment", "replicate"), stacked("kl_maximum"), "largest divergence of Figure 2", "1"
         ),
@@ -107,4 +116,4 @@ def write_confirmed(
         "alarms": Variable(each, stacked("alarms"), "alarms of a normal run", "1"),
         "distance": Variable(each, stacked("distance"), "distance from the paper", "1"),
     }
-    write_dataset(path, variables, provenance.attributes(title, settings))
+    write_dataset(path, {**variables, **(more or {})}, provenance.attributes(title, settings))

@@ -17,9 +17,11 @@ from jointwear.studies.joint_fit.confirmation import confirm_fast
 from jointwear.studies.joint_fit.detection import READINGS, Grid
 from jointwear.studies.joint_fit.levels import Noise
 from jointwear.studies.joint_fit.paper import Prior, read_paper, shuffled_paper, synthetic_paper
-from jointwear.studies.joint_fit.paper_fit import PaperFit, Plan, choose_reading
+from jointwear.studies.joint_fit.paper_fit import JointExperiment, PaperFit, Plan, choose_reading
 from jointwear.studies.joint_fit.pose_search import Arm, LocalSearch
+from jointwear.studies.joint_fit.posterior import read_confirmed
 from jointwear.studies.joint_fit.records import read_experiments, write_confirmed, write_experiments
+from jointwear.studies.joint_fit.trade import Emphasis, bases, search_on
 
 KINDS = ("ours", "known", "shuffled")
 
@@ -44,6 +46,15 @@ def _noise(settings: Mapping[str, Any]) -> Noise:
     return Noise(noise["disturbance_share"], noise["encoder"], noise["time_step"])
 
 
+def _paper_fit(robot: str | Path, published: str | Path, settings: Mapping[str, Any]) -> PaperFit:
+    """The fit of the paper itself."""
+    paper = read_paper(published)
+    grid = _grid(settings, paper.tables.increase_percent)
+    return PaperFit(
+        load_robot(robot), paper, settings["seed"], "paper", plan_of(settings["plan"]), grid, _noise(settings)
+    )
+
+
 def _reading_variables() -> dict[str, Variable]:
     return {
         f"reading_{name}": Variable(("reading",), np.array([str(getattr(r, name)) for r in READINGS]), words)
@@ -62,16 +73,7 @@ def screen_joint_readings(robot: str | Path, published: str | Path, output: str 
     ----------
     settings : of the experiment; `plan` as :func:`plan_of`; `arms` how many are drawn, `screened` how many choose.
     """
-    paper = read_paper(published)
-    fit = PaperFit(
-        load_robot(robot),
-        paper,
-        settings["seed"],
-        "paper",
-        plan_of(settings["plan"]),
-        _grid(settings, paper.tables.increase_percent),
-        _noise(settings),
-    )
+    fit = _paper_fit(robot, published, settings)
     fitted, evidence = fit.fitted_arms()
     arms = fit.drawn_arms(fitted[: settings["fitted"]], settings["arms"])
     screened = [fit.screen(arm, k) for k, arm in enumerate(arms[: settings["screened"]])]
@@ -101,24 +103,15 @@ def search_joint_poses(
     ----------
     settings : as of :func:`screen_joint_readings`; `parts` of the arms, `kept` experiments of an arm.
     """
-    paper = read_paper(published)
-    fit = PaperFit(
-        load_robot(robot),
-        paper,
-        settings["seed"],
-        "paper",
-        plan_of(settings["plan"]),
-        _grid(settings, paper.tables.increase_percent),
-        _noise(settings),
-    )
+    fit = _paper_fit(robot, published, settings)
     with open_dataset(chosen) as data:
         reading = READINGS[int(data.chosen_reading)]
         values = [read_variable(data, chosen, name) for name in ("mass", "offset", "shape")]
-    found = []
+    experiments = []
     for k in range(len(values[0]))[part :: settings["parts"]]:
         screened = fit.screen(Arm(*(float(v[k]) for v in values)), k, [reading])
-        found += fit.search(screened, reading, 0, k)[: settings["kept"]]
-    write_experiments(output, found, "joint experiments", settings)
+        experiments += fit.search(screened, reading, 0, k)[: settings["kept"]]
+    write_experiments(output, experiments, "joint experiments", settings)
 
 
 def confirm_joint_fit(
@@ -138,11 +131,43 @@ def confirm_joint_fit(
     experiments = [e for path in searched for e in read_experiments(path)]
     places = range(len(experiments))
     grid, noise = _grid(settings, paper.tables.increase_percent), _noise(settings)
-    found = [
+    confirmed = [
         confirm_fast(arm, e, paper, settings["seed"], f"confirmation {k}", settings["confirm_replicates"], grid, noise)
         for k, e in enumerate(experiments)
     ]
-    write_confirmed(output, experiments, found, places, "joint experiments on new random numbers", settings)
+    write_confirmed(output, experiments, confirmed, places, "joint experiments on new random numbers", settings)
+
+
+def trade_joint_aims(
+    robot: str | Path, published: str | Path, confirmed: str | Path, output: str | Path, settings: dict
+) -> None:
+    """Search the nearest experiments on under other weights, and run what comes out on new random numbers.
+
+    Parameters
+    ----------
+    settings : of the experiment; `plan` as :func:`plan_of`, `arms` that are searched on, `emphases` as pairs of the
+        factors of :class:`Emphasis`, `confirm_replicates`.
+    """
+    arm, paper = load_robot(robot), read_paper(published)
+    grid, noise = _grid(settings, paper.tables.increase_percent), _noise(settings)
+    experiments, fields = read_confirmed([confirmed])
+    emphases = [Emphasis(*pair) for pair in settings["emphases"]]
+    searched: list[JointExperiment] = []
+    for k, places in enumerate(bases(experiments, fields["distance"], settings["arms"])):
+        members = [experiments[place] for place in places]
+        plan = plan_of(settings["plan"])
+        searched += search_on(arm, paper, settings["seed"], plan, grid, noise, members, emphases, k)
+    again = [
+        confirm_fast(arm, e, paper, settings["seed"], f"trade {k}", settings["confirm_replicates"], grid, noise)
+        for k, e in enumerate(searched)
+    ]
+    places = range(len(experiments), len(experiments) + len(searched))
+    factors = np.array([[e.tables, e.signs] for e in emphases] * (len(searched) // len(emphases)))
+    more = {
+        "emphasis_tables": Variable(("experiment",), factors[:, 0], "factor on the weights of Tables V and VI", "1"),
+        "emphasis_signs": Variable(("experiment",), factors[:, 1], "factor on the weight of Table II", "1"),
+    }
+    write_confirmed(output, searched, again, places, "joint experiments under other weights", settings, more)
 
 
 def control_joint_fit(
@@ -167,8 +192,8 @@ def control_joint_fit(
     fitted, evidence = fit.fitted_arms()
     screened = [fit.screen(a, k) for k, a in enumerate(fitted[: settings["fitted"]])]
     place = choose_reading(screened)
-    found = [fit.search(s, READINGS[place], place, k)[0] for k, s in enumerate(screened)]
-    best = min(found, key=lambda e: e.cost.sum())
+    searched = [fit.search(s, READINGS[place], place, k)[0] for k, s in enumerate(screened)]
+    best = min(searched, key=lambda e: e.cost.sum())
     name = f"control {kind} {number} again"
     checked = confirm_fast(arm, best, paper, settings["seed"], name, settings["confirm_replicates"], grid, noise)
     wanted = np.isfinite(paper.tables.hours).swapaxes(1, 2)
@@ -194,7 +219,7 @@ def control_joint_fit(
     variables = {
         "moment": Variable(("fit",), np.array([a.moment for a in fitted]), "moment fitted to Tables V and VI", "kg m"),
         "evidence": Variable(("fit",), evidence, "log evidence of Tables V and VI", "1"),
-        "searched_cost": Variable(("arm",), np.array([e.cost.sum() for e in found]), "cost of all tables", "1"),
+        "searched_cost": Variable(("arm",), np.array([e.cost.sum() for e in searched]), "cost of all tables", "1"),
         "probability": Variable(("task", "increase", "axis"), checked.probability, "share that detects", "1"),
     }
     write_dataset(output, variables, attributes)

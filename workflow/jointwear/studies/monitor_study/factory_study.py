@@ -7,7 +7,6 @@ third tells what the longer period alone would do.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +17,7 @@ import yaml
 
 from jointwear.discovery.stages import discover_dataset
 from jointwear.files import provenance
+from jointwear.files.json_documents import write_json
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.files.text_files import replace_text
 from jointwear.reproduction.detection import score
@@ -154,7 +154,7 @@ def study_factory(
     steady = Factory(nominal, None, settings["seed"])
     factory = Factory(nominal, scenario, settings["seed"])
     said, augmented = discover_effects(factory, robot, folder)
-    replace_text(decision, json.dumps(said, indent=1) + "\n")
+    write_json(decision, {"rounds": said})
     uncorrected, corrected = {False: nominal, True: nominal}, models_of(nominal, augmented, folder)
     results = {
         "steady": _measure(steady, uncorrected, settings, NORMAL, residual=False),

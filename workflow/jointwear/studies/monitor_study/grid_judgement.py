@@ -5,19 +5,18 @@ One replicate of a run is one robot: its training hours are the baseline, the ho
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import write_json
 from jointwear.monitor.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.windows import WindowStatistics
-from jointwear.reproduction.grid import by_cell
+from jointwear.reproduction.grid import worn_runs
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.robots.trajectory import Motion, load_task
 from jointwear.studies.monitor_study.runs import DEAD_BAND, read_torque
@@ -81,7 +80,7 @@ def judge_grid(
         return alarm["time"] / HOUR - training.shape[1]
 
     cells = []
-    for cell, path in sorted(by_cell([p for p in runs if "/axis" in p]).items()):
+    for cell, path in sorted(worn_runs(runs).items()):
         told = [sorted(a, key=lambda x: x["time"]) for a in alarms(path)]
         right = [next((hour_of(x) for x in a if x["axis"] == cell.axis), None) for a in told]
         found = [h for h in right if h is not None]
@@ -99,4 +98,4 @@ def judge_grid(
     normal = alarms(named["normal"])
     hours = len(normal) * read_torque(named["normal"], slice(0, 1)).shape[1]
     result = {"cells": cells, "false": sum(len(a) for a in normal), "hours": hours, "rate": RATE}
-    replace_text(output, json.dumps(result, indent=1) + "\n")
+    write_json(output, result)

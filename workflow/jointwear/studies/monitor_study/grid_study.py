@@ -14,7 +14,7 @@ from jointwear.files.storage import Variable, read_variables, write_dataset
 from jointwear.monitor.charts import mean_variance
 from jointwear.monitor.estimate import Normal, Sums
 from jointwear.monitor.forecast import forecast
-from jointwear.reproduction.grid import Cell, by_cell
+from jointwear.reproduction.grid import Cell, by_cell, worn_runs
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
 from jointwear.statistics.randomness import generator
@@ -88,7 +88,7 @@ def study_task(
     arm, the_task = load_robot(robot), load_task(task)
     motion = the_task.samples(settings["interval"], settings["samples"])
     true = regression_of(arm, motion)
-    files: dict[Any, str] = dict(by_cell([p for p in runs if "/axis" in p]))
+    files: dict[Any, str] = dict(worn_runs(runs))
     for name in ("training", "normal"):
         files[name] = next(p for p in runs if Path(p).stem == name)
     exact = read_runs(files, [true], settings["replicates"])
@@ -100,7 +100,7 @@ def study_task(
     for k, case in enumerate((exact, wrong)):
         writer.grid(k, case)
     writer.curves(exact)
-    writer.paper(dict(by_cell([p for p in detection if "/axis" in p])), detection, settings["consecutive_hours"])
+    writer.paper(dict(worn_runs(detection)), detection, settings["consecutive_hours"])
     writer.paper_axis(by_cell(list(location)))
     writer.other_wear(exact, wear, settings["shape"])
     writer.pairs(exact)

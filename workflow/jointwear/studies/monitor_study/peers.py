@@ -16,7 +16,7 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, read_variables, write_dataset
-from jointwear.reproduction.grid import Cell, by_cell
+from jointwear.reproduction.grid import Cell, worn_runs
 from jointwear.studies.monitor_study.runs import read_torque
 from jointwear.studies.monitor_study.scores import factor_for, first_hour, reset_alarms
 
@@ -128,8 +128,8 @@ def study_peers(features: Sequence[str], runs: Sequence[str], output: str | Path
     count, seed = settings["peer_replicates"], settings["seed"]
 
     def by_run(paths: Sequence[str]) -> dict[Any, str]:
-        named = {Path(p).stem: p for p in paths if "/axis" not in p}
-        return named | dict(by_cell([p for p in paths if "/axis" in p]))
+        worn = worn_runs(paths)
+        return {**{Path(p).stem: p for p in paths if str(p) not in worn.values()}, **worn}
 
     of_features, of_torque = by_run(features), by_run(runs)
     cells = sorted(c for c in of_features if isinstance(c, Cell))

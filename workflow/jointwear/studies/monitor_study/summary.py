@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.json_values import finite
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.files.text_files import replace_text
 from jointwear.reproduction.grid import Cell
 from jointwear.reproduction.published import Published, load_published
 from jointwear.statistics.intervals import counted_share
@@ -329,7 +328,7 @@ def write_chapter(
     read = {name: read_all(path) for name, path in tasks.items()}
     known = load_published(published)
     held = coverage(seed, _HISTORIES, 0.8)
-    said = {name: json.loads(Path(path).read_text(encoding="utf-8")) for name, path in decisions.items()}
+    said = {name: read_json(path)["rounds"] for name, path in decisions.items()}
     first = next(iter(read.values()))
     chapter = {
         "rate": RATE,
@@ -345,4 +344,4 @@ def write_chapter(
         "peer_replicates": int(read_all(next(iter(peers.values())))["hour"].shape[2]),
         "factory": factory_of({name: read_all(path) for name, path in factory.items()}, said),
     }
-    replace_text(output, json.dumps(chapter, indent=1, allow_nan=False) + "\n")
+    write_json(output, chapter)

@@ -126,9 +126,9 @@ def best_mixture(outcomes: Outcomes, target: Target) -> Mixture:
     outcomes : arrays (s, k, ...) of s pose sets and k candidates.
     """
     onset = outcomes.onset  # (s, k, t, c, n, r)
-    found = np.isfinite(onset).mean(axis=-1) >= 0.5
-    right = (found == target.detected).sum(axis=(-2, -1))
-    error = np.where(found, np.minimum(np.abs(median_hour(onset) - target.hours), HOUR_CAP), HOUR_CAP)
+    detected = np.isfinite(onset).mean(axis=-1) >= 0.5
+    right = (detected == target.detected).sum(axis=(-2, -1))
+    error = np.where(detected, np.minimum(np.abs(median_hour(onset) - target.hours), HOUR_CAP), HOUR_CAP)
     error = np.where(target.detected, error, 0.0).sum(axis=(-2, -1)) / max(target.detected.sum(), 1)
     # Ten hours of mean error over all detected cells weigh as much as one cell.
     value = right - 0.1 * error
@@ -137,3 +137,9 @@ def best_mixture(outcomes: Outcomes, target: Target) -> Mixture:
     total = np.take_along_axis(value, best[None], axis=0)[0].sum(axis=1)
     reading = int(total.argmax())
     return Mixture(reading, best[reading], bound)
+
+
+def first_of_each(keys: Sequence[bytes], count: int) -> list[int]:
+    """Return the places of the first `count` different keys."""
+    first = {key: place for place, key in reversed(list(enumerate(keys)))}
+    return sorted(first.values())[:count]

@@ -51,7 +51,7 @@ def dimensions(defaults: Mapping[str, Value]) -> list[Dimension]:
     defaults : the reading of the config with `wear_shape` and `consecutive_hours`; see :func:`default_reading`.
     """
     order = ("simulation", "training", "features", "detection", "location")
-    found = [
+    ambiguous = [
         Dimension(a.name, a.stage, _default_first(tuple(a.alternatives), defaults[a.name]), a.question)
         for stage in order
         for a in readings.ambiguities().values()
@@ -64,7 +64,7 @@ def dimensions(defaults: Mapping[str, Value]) -> list[Dimension]:
             _default_first(WEAR_SHAPES, float(defaults["wear_shape"])),
             "How large is c2 x 120 h, the shape constant of equation (7)?",
         ),
-        *found,
+        *ambiguous,
         Dimension(
             "consecutive_hours",
             "detection",

@@ -72,13 +72,13 @@ def draw_readings(scored: str | Path, output: str | Path) -> None:
 
 def draw_influence(influence: str | Path, output: str | Path) -> None:
     """Draw what share of the variance of two scores each dimension explains."""
-    found = influences(influence)
+    effects = influences(influence)
     chosen = [("agreement", "Cells of Table IV that agree"), ("hour_error", "Error of the hours")]
-    order = [e["name"] for e in found["penalty"]["main"]][:12]
+    order = [e["name"] for e in effects["penalty"]["main"]][:12]
     figure = new_figure(0.9 + 0.27 * len(order))
     panels = figure.subplots(1, 2, sharey=True)
     for axes, (score, title), colour in zip(panels, chosen, palette.SERIES, strict=False):
-        share = {e["name"]: e["share"] for e in found[score]["main"]}
+        share = {e["name"]: e["share"] for e in effects[score]["main"]}
         values = [100 * share.get(name, 0.0) for name in order]
         axes.barh(range(len(order)), values, color=colour, height=0.65)
         for i, value in enumerate(values):
@@ -89,7 +89,7 @@ def draw_influence(influence: str | Path, output: str | Path) -> None:
         axes.grid(axis="y", visible=False)
     panels[0].set_yticks(range(len(order)), [_words(name) for name in order])
     panels[0].invert_yaxis()
-    strongest = found["agreement"]["main"][0]
+    strongest = effects["agreement"]["main"][0]
     save(
         figure,
         output,

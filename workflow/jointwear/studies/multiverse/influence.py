@@ -66,8 +66,8 @@ def influence(readings: Sequence[Reading], values: np.ndarray, pairs: int = 10) 
     names = [k for k in readings[0] if len({str(r[k]) for r in readings}) > 1]
     coded = {k: _columns(readings, k) for k in names}
     blocks = {k: _dummies(index, len(levels)) for k, (index, levels) in coded.items()}
-    one = np.ones((len(values), 1))
-    full = np.hstack([one, *blocks.values()])
+    constant = np.ones((len(values), 1))
+    full = np.hstack([constant, *blocks.values()])
     residual, rank = _rss(full, values)
     total = float(((values - values.mean()) ** 2).sum())
     free = max(len(values) - rank, 1)
@@ -80,14 +80,14 @@ def influence(readings: Sequence[Reading], values: np.ndarray, pairs: int = 10) 
 
     main = []
     for name, (index, levels) in coded.items():
-        without = np.hstack([one, *(b for k, b in blocks.items() if k != name)])
+        without = np.hstack([constant, *(b for k, b in blocks.items() if k != name)])
         rest, smaller = _rss(without, values)
         means = {level: float(values[index == i].mean()) for i, level in enumerate(levels)}
         share = _adjusted(rest - residual, rank - smaller, scale, total)
         main.append(Effect((name,), share, p_value(rest - residual, rank - smaller, residual, free), means))
     main.sort(key=lambda e: -e.share)
 
-    found = []
+    effects = []
     for a, b in combinations([e.names[0] for e in main[:8]], 2):
         product = (blocks[a][:, :, None] * blocks[b][:, None, :]).reshape(len(values), -1)
         rest, larger = _rss(np.hstack([full, product]), values)
@@ -100,6 +100,6 @@ def influence(readings: Sequence[Reading], values: np.ndarray, pairs: int = 10) 
             for m, y in enumerate(v)
             if ((i == k) & (j == m)).any()
         }
-        found.append(Effect((a, b), share, p_value(residual - rest, larger - rank, rest, rest_free), means))
-    found.sort(key=lambda e: -e.share)
-    return main, found[:pairs]
+        effects.append(Effect((a, b), share, p_value(residual - rest, larger - rank, rest, rest_free), means))
+    effects.sort(key=lambda e: -e.share)
+    return main, effects[:pairs]

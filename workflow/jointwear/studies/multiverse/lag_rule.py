@@ -129,8 +129,8 @@ def explain(poses: PoseSet, experiment: SharedExperiment, analysis: Analysis, re
                 wrong[v, k] += (source > 0).sum()
                 nothing[v, k] += (source == 0).sum()
             continue
-        found = np.isfinite(hour)
-        series, j = whole[found], axis - 1
+        detected = np.isfinite(hour)
+        series, j = whole[detected], axis - 1
         if not len(series):
             continue
         others = [i for i in range(n) if i != j]
@@ -154,7 +154,7 @@ def explain(poses: PoseSet, experiment: SharedExperiment, analysis: Analysis, re
                     toward = -np.sign(lag[:, j, others]) * (1 if reading["lag_sign"] == "equation_5" else -1)
                     signs[k] += [(toward >= 0).sum(), toward.size]
         last = series[:, -24:, j].mean(axis=1)
-        rises.append((last - mean[found, j]) / spread[found, j])
+        rises.append((last - mean[detected, j]) / spread[detected, j])
         hits.append(hit)
         both = (series, series - series.mean(axis=1, keepdims=True))
         both = [np.moveaxis(s, 1, 2) for s in both]
@@ -200,7 +200,7 @@ def write_lag_rule(
     """
     analysis = analysis_of(settings, load_published(published))
     reading = default_reading(settings["reading"], settings["wear_shape"], settings["consecutive_hours"])
-    found = explain(
+    explained = explain(
         configured_pose_set(robot, tasks), experiment_of(settings, settings["replicates"]), analysis, reading
     )
     by, of = ("version", "correlation"), ("correlation",)
@@ -210,19 +210,19 @@ def write_lag_rule(
             "version": Variable(("version",), np.array(list(VERSIONS)), "version of the runs"),
             "correlation": Variable(of, np.array(CORRELATIONS), "cross-correlation"),
             "axis": Variable(("axis",), np.array(analysis.axes), "axis of the robot", "1"),
-            "right": Variable(by, found.right, "runs in which the worn axis is named", "1"),
-            "wrong": Variable(by, found.wrong, "runs in which another axis is named", "1"),
-            "nothing": Variable(by, found.nothing, "runs in which no axis is named", "1"),
-            "runs": Variable(("version",), found.runs, "runs", "1"),
-            "named": Variable(("correlation", "axis"), found.named, "normal weeks in which the axis is named", "1"),
-            "rise_low": Variable(("rise",), found.rise_edges[:-1], "least rise, in deviations of training", "1"),
-            "rise_high": Variable(("rise",), found.rise_edges[1:], "largest rise, in deviations of training", "1"),
-            "rise_runs": Variable(("rise",), found.rise_runs, "detected runs with this rise", "1"),
-            "rise_right": Variable(("correlation", "rise"), found.rise_right, "of these, worn axis named", "1"),
-            "lag": Variable(("lag",), found.lags, "lag of the other axis", "h"),
-            "observed": Variable(("correlation", "lag"), found.observed, "mean correlation, over its maximum", "1"),
-            "expected": Variable(("lag",), found.expected, "raw correlation that rising alone predicts", "1"),
-            "sign_right": Variable(of, found.sign_right, "lags of the worn axis with the sign of leading", "1"),
+            "right": Variable(by, explained.right, "runs in which the worn axis is named", "1"),
+            "wrong": Variable(by, explained.wrong, "runs in which another axis is named", "1"),
+            "nothing": Variable(by, explained.nothing, "runs in which no axis is named", "1"),
+            "runs": Variable(("version",), explained.runs, "runs", "1"),
+            "named": Variable(("correlation", "axis"), explained.named, "normal weeks in which the axis is named", "1"),
+            "rise_low": Variable(("rise",), explained.rise_edges[:-1], "least rise, in deviations of training", "1"),
+            "rise_high": Variable(("rise",), explained.rise_edges[1:], "largest rise, in deviations of training", "1"),
+            "rise_runs": Variable(("rise",), explained.rise_runs, "detected runs with this rise", "1"),
+            "rise_right": Variable(("correlation", "rise"), explained.rise_right, "of these, worn axis named", "1"),
+            "lag": Variable(("lag",), explained.lags, "lag of the other axis", "h"),
+            "observed": Variable(("correlation", "lag"), explained.observed, "mean correlation, over its maximum", "1"),
+            "expected": Variable(("lag",), explained.expected, "raw correlation that rising alone predicts", "1"),
+            "sign_right": Variable(of, explained.sign_right, "lags of the worn axis with the sign of leading", "1"),
         },
         provenance.attributes("why the lag rule works, and when", settings),
     )

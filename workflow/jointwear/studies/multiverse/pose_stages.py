@@ -44,7 +44,7 @@ def search_readings(
         `generations`, `children`, `survivors`, `kept`.
     """
     points = read_design(design)
-    found = dimensions(points[0].reading)
+    ambiguous = dimensions(points[0].reading)
     printed = load_published(published)
     analysis = analysis_of(settings, printed)
     target = paper_target(printed, analysis)
@@ -52,29 +52,24 @@ def search_readings(
     # Other random numbers than those of the pose sets' own stage.
     sets = [PoseSet(f"search {island} {poses.name}", poses.dynamics, poses.tasks) for poses in sets]
     experiment = experiment_of(settings, settings["search_replicates"])
-    onsets: dict[tuple, bytes] = {}
+    told: dict[tuple, bytes] = {}
     agreed: dict[tuple, float] = {}
 
     def penalties(readings: list[Reading]) -> np.ndarray:
         outcomes = records.pooled(_stacked([evaluate(readings, poses, experiment, analysis) for poses in sets]))
         scores = score(outcomes, target)
         for i, reading in enumerate(readings):
-            onsets[tuple(map(str, reading.values()))] = np.nan_to_num(outcomes.onset[i]).tobytes()
+            told[tuple(map(str, reading.values()))] = records.detections(outcomes, i)
             agreed[tuple(map(str, reading.values()))] = float(scores["agreement"][i])
         return scores["penalty"]
 
     random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(settings["seed"], spawn_key=(0x73, island))))
     beginning = [p.reading for p in read_design(start)]
     readings, penalty = search(
-        beginning, found, penalties, settings["generations"], settings["children"], settings["survivors"], random
+        beginning, ambiguous, penalties, settings["generations"], settings["children"], settings["survivors"], random
     )
-    kept, seen = [], set()
-    for reading in readings:
-        key = onsets[tuple(map(str, reading.values()))]
-        if key not in seen and len(kept) < settings["kept"]:
-            seen.add(key)
-            kept.append(DesignPoint("search", reading))
-    write_design(output, kept)
+    different = choice.first_of_each([told[tuple(map(str, r.values()))] for r in readings], settings["kept"])
+    write_design(output, [DesignPoint("search", readings[k]) for k in different])
     names = list(readings[0])
     lines = [",".join([*names, "penalty", "agreement"])]
     lines += [
@@ -137,8 +132,8 @@ def evaluate_pose_sets(
     sets = ensemble_pose_sets(ensemble, unloaded, range(count)[part :: settings["pose_parts"]])
     experiment = experiment_of(settings, settings["pose_replicates"])
     analysis = analysis_of(settings, load_published(published))
-    found = [evaluate(readings, poses, experiment, analysis) for poses in sets]
-    records.write_outcomes(output, _stacked(found), range(len(points)), settings, [p.name for p in sets])
+    outcomes = [evaluate(readings, poses, experiment, analysis) for poses in sets]
+    records.write_outcomes(output, _stacked(outcomes), range(len(points)), settings, [p.name for p in sets])
 
 
 def choose_reading(
@@ -174,7 +169,7 @@ def choose_reading(
     configured = configured_solution(ensemble_pose_sets(ensemble, unloaded, places), tasks)
     seen = {places.index(k) for k in range(settings["search_pose_sets"]) if k in places}
     seen = sorted(seen if configured is None else {*seen, configured})
-    found = choice.choose(outcomes, target, settings["seed"], seen)
+    chosen = choice.choose(outcomes, target, settings["seed"], seen)
     everything = records.pooled(outcomes)
     probability = np.isfinite(everything.onset).mean(axis=-1)
     plain, balanced = agreement(probability, target.detected)
@@ -182,14 +177,11 @@ def choose_reading(
     cell, by_pose = ("task", "increase", "axis"), ("reading", "pose_set")
     variables = {
         "reading": Variable(("reading",), np.arange(len(points)), "number of the candidate, best first", "1"),
-        **{
-            f"choice_{k}": Variable(("reading",), np.array([str(p.reading[k]) for p in points]), f"choice of {k}")
-            for k in points[0].reading
-        },
+        **records.choice_variables([p.reading for p in points]),
         "pose_set": Variable(("pose_set",), np.array([names[k] for k in order]), "pose set"),
-        "choosing": Variable(("pose_set",), found.choosing.astype("i1"), "1 where the reading was chosen on it", "1"),
-        "penalty": Variable(by_pose, found.penalty, "weighted shortfall from the paper", "1"),
-        "agreement": Variable(by_pose, found.agreement, "cells of Table IV that agree, of 36", "1"),
+        "choosing": Variable(("pose_set",), chosen.choosing.astype("i1"), "1 where the reading was chosen on it", "1"),
+        "penalty": Variable(by_pose, chosen.penalty, "weighted shortfall from the paper", "1"),
+        "agreement": Variable(by_pose, chosen.agreement, "cells of Table IV that agree, of 36", "1"),
         "pooled_agreement": Variable(("reading",), plain, "cells that agree over all pose sets together", "1"),
         "pooled_balanced_agreement": Variable(("reading",), balanced, "balanced share of the cells that agree", "1"),
         "pooled_probability": Variable(("reading", *cell), probability, "probability of detection", "1"),
@@ -199,11 +191,11 @@ def choose_reading(
         "mixture_pose_set": Variable(
             ("task",), np.array([names[order[k]] for k in mixture.pose_set]), "poses that Table IV would choose"
         ),
-        "score": Variable(("score",), np.array(list(found.chosen_score)), "score"),
-        "chosen_score": Variable(("score",), np.array(list(found.chosen_score.values())), "on the choosing half", "1"),
-        "honest_score": Variable(("score",), np.array(list(found.honest_score.values())), "on the other half", "1"),
-        "honest_probability": Variable(cell, found.probability, "detection on the other half", "1"),
-        "honest_hour": Variable(cell, found.hour, "median hour on the other half", "h"),
+        "score": Variable(("score",), np.array(list(chosen.chosen_score)), "score"),
+        "chosen_score": Variable(("score",), np.array(list(chosen.chosen_score.values())), "on the choosing half", "1"),
+        "honest_score": Variable(("score",), np.array(list(chosen.honest_score.values())), "on the other half", "1"),
+        "honest_probability": Variable(cell, chosen.probability, "detection on the other half", "1"),
+        "honest_hour": Variable(cell, chosen.hour, "median hour on the other half", "h"),
         "published_hour": Variable(cell, target.hours, "hour of Table IV, NaN if not detected", "h"),
         "wrong_share": Variable(
             cell, choice.wrong_everywhere(probability, target), "share of the candidates that disagree", "1"
@@ -211,7 +203,7 @@ def choose_reading(
     }
     attributes = provenance.attributes("choice of the reading, corrected for the search", settings)
     write_dataset(
-        output, variables, {**attributes, "chosen_reading": found.reading, "mixture_reading": mixture.reading}
+        output, variables, {**attributes, "chosen_reading": chosen.reading, "mixture_reading": mixture.reading}
     )
 
 
@@ -258,7 +250,7 @@ def confirm_mixture(
     cell = ("task", "increase", "axis")
     variables = {
         "pose_set": Variable(("task",), np.array(solutions), "poses that Table IV chose"),
-        **{f"choice_{k}": Variable(("reading",), np.array([str(v)]), f"choice of {k}") for k, v in reading.items()},
+        **records.choice_variables([reading]),
         **{k: Variable(("reading",), scores[k], *records.SCORES[k]) for k in records.SCORES},
         "detection_probability": Variable(cell, probability, "share of replicates that detect", "1"),
         "hour": Variable(cell, choice.median_hour(outcomes.onset[0]), "median hour, NaN below half", "h"),

@@ -73,16 +73,9 @@ def best_readings(outcomes: records.Outcomes, penalty: np.ndarray, count: int) -
     Readings that differ only in what does not reach the detector, such as the histogram where the PCA runs on
     mean torques, count once.
     """
-    chosen: list[int] = []
-    seen: set[bytes] = set()
-    for i in np.argsort(penalty, kind="stable"):
-        key = np.nan_to_num(outcomes.onset[i]).tobytes()
-        if key not in seen:
-            seen.add(key)
-            chosen.append(int(i))
-        if len(chosen) == count:
-            break
-    return chosen
+    order = np.argsort(penalty, kind="stable")
+    different = choice.first_of_each([records.detections(outcomes, i) for i in order], count)
+    return [int(order[k]) for k in different]
 
 
 def score_readings(
@@ -119,10 +112,7 @@ def score_readings(
         "kind": Variable(("reading",), np.array([p.kind for p in points]), "why the reading is in the design"),
         "dimension": Variable(("dimension",), np.array(names), "ambiguous point of the text"),
         "default": Variable(("dimension",), np.array([str(points[0].reading[k]) for k in names]), "default choice"),
-        **{
-            f"choice_{k}": Variable(("reading",), np.array([str(p.reading[k]) for p in points]), f"choice of {k}")
-            for k in names
-        },
+        **records.choice_variables([p.reading for p in points]),
         **{k: Variable(("reading",), scores[k], *records.SCORES[k]) for k in records.SCORES},
         **{
             f"claim_{k}": Variable(("reading",), supported[k].astype("i1"), f"supports: {text}", "1")

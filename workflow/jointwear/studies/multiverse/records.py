@@ -110,3 +110,16 @@ def pooled(outcomes: Outcomes) -> Outcomes:
         return moved.reshape(*shape[:place], shape[place] * shape[place + 1], *shape[place + 2 :])
 
     return Outcomes(*(merge(getattr(outcomes, f.name), f.name) for f in fields(Outcomes)))
+
+
+def detections(outcomes: Outcomes, reading: int) -> bytes:
+    """Return what a reading detects, as a key: equal for readings that differ only in what reaches no detector."""
+    return np.nan_to_num(outcomes.onset[reading]).tobytes()
+
+
+def choice_variables(readings: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
+    """Return what readings choose, one variable a point of the text along the dimension "reading"."""
+    return {
+        f"choice_{k}": Variable(("reading",), np.array([str(r[k]) for r in readings]), f"choice of {k}")
+        for k in readings[0]
+    }

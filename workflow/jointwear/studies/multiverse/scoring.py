@@ -105,13 +105,14 @@ def score(outcomes: Outcomes, target: Target) -> dict[str, np.ndarray]:
 
 def scores_and_shortfalls(outcomes: Outcomes, target: Target) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Return the scores of :func:`score` and the shortfalls behind the penalty, 0 to 1, by the names of WEIGHTS."""
-    found = np.isfinite(outcomes.onset)
-    probability = found.mean(axis=-1)
+    detects = np.isfinite(outcomes.onset)
+    probability = detects.mean(axis=-1)
     plain, balanced = agreement(probability, target.detected)
     cells = target.hours.size
-    single = (found == target.detected[..., None]).sum(axis=(1, 2, 3))
+    single = (detects == target.detected[..., None]).sum(axis=(1, 2, 3))
     axes = np.arange(1, outcomes.onset.shape[3] + 1)[:, None]
-    located = (found & (outcomes.source == axes)).sum(axis=(1, 2, 3, 4)) / np.maximum(found.sum(axis=(1, 2, 3, 4)), 1)
+    runs = (1, 2, 3, 4)
+    located = (detects & (outcomes.source == axes)).sum(axis=runs) / np.maximum(detects.sum(axis=runs), 1)
     low, high = target.components
     in_range = ((outcomes.kept >= low) & (outcomes.kept <= high)).mean(axis=(1, 2))
     off_diagonal = ~np.eye(len(target.lag_sign), dtype=bool)
@@ -164,10 +165,10 @@ def claims(outcomes: Outcomes) -> dict[str, np.ndarray]:
     named in all detected cells, or all but one. `all_located`: in all, as section V says. `three_days`: no
     detected cell has a median hour of 72 or less; `three_days_mostly`: the median over the cells is beyond 72.
     """
-    found = np.isfinite(outcomes.onset)
-    detected = found.mean(axis=-1) >= 0.5
+    detects = np.isfinite(outcomes.onset)
+    detected = detects.mean(axis=-1) >= 0.5
     axes = np.arange(1, outcomes.onset.shape[3] + 1)[:, None]
-    right = (found & (outcomes.source == axes)).sum(axis=-1) >= 0.5 * np.maximum(found.sum(axis=-1), 1)
+    right = (detects & (outcomes.source == axes)).sum(axis=-1) >= 0.5 * np.maximum(detects.sum(axis=-1), 1)
     missed = (detected & ~right).sum(axis=(1, 2, 3))
     counts = np.sort(detected.sum(axis=3), axis=1)
     pattern = np.array([2] * (counts.shape[1] - 1) + [5])[:, None]

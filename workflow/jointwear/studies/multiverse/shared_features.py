@@ -141,7 +141,7 @@ def divergences(counts: TaskCounts, reading: Mapping[str, str], leaks: bool) -> 
         if leaks or reading["reference_distribution"] == "first_hour_of_run":
             worn[axis, increase] = divergence(run)
         else:
-            one = slice(axis - 1, axis)
+            own = slice(axis - 1, axis)
             worn[axis, increase] = series = normal[:, counts.hours[axis, increase]]
-            series[:, :, one] = divergence(run, one)
+            series[:, :, own] = divergence(run, own)
     return TaskSeries(divergence(counts.training), normal, worn)

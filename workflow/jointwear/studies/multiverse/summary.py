@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from jointwear.files.json_documents import parse_json, write_json
 from jointwear.files.json_values import finite
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.files.text_files import replace_text
 from jointwear.reproduction import readings as ambiguities_of
 from jointwear.statistics.intervals import counted_share
 from jointwear.studies.multiverse.records import CLAIMS, SCORES
@@ -126,7 +125,7 @@ def influences(path: str | Path) -> dict[str, Any]:
                 "question": question(str(name)),
                 "share": finite(values["main_share"][s, i]),
                 "p_value": finite(values["main_p_value"][s, i]),
-                "levels": json.loads(str(values["main_levels"][s, i])),
+                "levels": parse_json(str(values["main_levels"][s, i]), "main_levels", object),
             }
             for i, name in enumerate(values["main_name"][s])
             if str(name)
@@ -136,7 +135,7 @@ def influences(path: str | Path) -> dict[str, Any]:
                 "names": [str(first), str(values["pair_second"][s, i])],
                 "share": finite(values["pair_share"][s, i]),
                 "p_value": finite(values["pair_p_value"][s, i]),
-                "levels": json.loads(str(values["pair_levels"][s, i])),
+                "levels": parse_json(str(values["pair_levels"][s, i]), "pair_levels", object),
             }
             for i, first in enumerate(values["pair_first"][s])
             if str(first)
@@ -280,4 +279,4 @@ def write_chapter(
         "mixture": mixture(mixed, choice),
         "lag_rule": lag_rule(lags),
     }
-    replace_text(output, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_json(output, content)

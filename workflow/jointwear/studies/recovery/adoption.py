@@ -30,9 +30,9 @@ def adopt_robot(recovered: str | Path, copy: str | Path) -> None:
     payload = read_robot_file(recovered)["payload"]
     text = Path(copy).read_text(encoding="utf-8")
     line = f"payload: {{mass: {payload['mass']}, com: {payload['com']}}}   # kg; m in the last link frame"
-    text, found = re.subn(r"(?m)^payload:.*$", line, text)
-    if found != 1:
-        raise InputError(f"{copy}: has {found} lines that start with 'payload:', one is needed")
+    text, replaced = re.subn(r"(?m)^payload:.*$", line, text)
+    if replaced != 1:
+        raise InputError(f"{copy}: has {replaced} lines that start with 'payload:', one is needed")
     head = text.partition("provenance:")[0]
     source = (
         f"mdl_puma560 of the MATLAB Robotics Toolbox 10.4; payload: results/recovery/robot.yaml, {_FROM}; "
@@ -55,10 +55,10 @@ def adopt_task(recovered: str | Path, copy: str | Path) -> None:
 def adopt_wear_shape(recovered: str | Path, config: str | Path) -> None:
     """Put the recovered wear shape into the configuration file."""
     shape = yaml.safe_load(Path(recovered).read_text(encoding="utf-8"))["wear"]["shape"]
-    text, found = re.subn(
+    text, replaced = re.subn(
         r"(?m)^(wear:\n(?:  .*\n)*?  shape: ).*$", rf"\g<1>{shape}", Path(config).read_text(encoding="utf-8")
     )
-    if found != 1:
+    if replaced != 1:
         raise InputError(f"{config}: has no key wear.shape to replace")
     replace_text(config, text)
 

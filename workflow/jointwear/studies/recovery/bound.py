@@ -204,20 +204,20 @@ def bound_published(
     limits[[0, -1]] = largest[[0, -1]]
     random = np.random.default_rng(settings["seed"])
     times = np.array([*settings["segment_times"], QUASI_STATIC])
-    found = dynamic_bound(robot, times, increase, limits, random)
+    bound = dynamic_bound(robot, times, increase, limits, random)
     allowed = 1 + settings["noise_allowance"]
     needed = np.moveaxis(tables.maximum, 1, -1) / allowed  # (t, c, n)
-    free = reachable_from(needed, found.segment_time, found.free)
-    held = reachable_from(needed, found.segment_time, found.held)
+    free = reachable_from(needed, bound.segment_time, bound.free)
+    held = reachable_from(needed, bound.segment_time, bound.held)
     cells = ("task", "increase", "axis")
     variables = {
-        "segment_time": Variable(("segment_time",), found.segment_time, "duration of one motion", "s"),
+        "segment_time": Variable(("segment_time",), bound.segment_time, "duration of one motion", "s"),
         "axis": Variable(("axis",), np.arange(1, robot.joints + 1), "axis of the robot", "1"),
         "task": Variable(("task",), np.array(tables.tasks), "task"),
         "increase": Variable(("increase",), tables.increase_percent, "growth of the friction", "percent"),
-        "largest_torque": Variable(("segment_time", "axis"), found.free, "largest |torque| over all poses", "N m"),
+        "largest_torque": Variable(("segment_time", "axis"), bound.free, "largest |torque| over all poses", "N m"),
         "largest_torque_held": Variable(
-            ("segment_time", "axis"), found.held, "the same with axes 1 and 6 within their published torque", "N m"
+            ("segment_time", "axis"), bound.held, "the same with axes 1 and 6 within their published torque", "N m"
         ),
         "static_bound": Variable(
             ("axis",),

@@ -293,7 +293,7 @@ def collect_solutions(
     ------
     RuntimeError : if fewer solutions were found than wanted.
     """
-    tables, found = read_tables(published), read_fit(fit)
+    tables, best_fit = read_tables(published), read_fit(fit)
     comparison = settings_of(settings["comparison"])
     growth: tuple = (None, None)
     if settings["hours"] == "unknown":
@@ -301,7 +301,7 @@ def collect_solutions(
     ensemble = build_ensemble(
         load_robot(robot),
         tables,
-        found,
+        best_fit,
         comparison,
         generator(settings["seed"], "ensemble", settings["hours"], replicate=0),
         settings["solutions"],
@@ -311,4 +311,4 @@ def collect_solutions(
     )
     if len(ensemble.cost) < settings["solutions"]:
         raise RuntimeError(f"only {len(ensemble.cost)} of {settings['solutions']} solutions were found")
-    write_ensemble(output, ensemble, tables, found, settings)
+    write_ensemble(output, ensemble, tables, best_fit, settings)

@@ -146,15 +146,16 @@ def draw_candidates(chapter: Mapping[str, Any], output: str | Path) -> None:
 
 def draw_ensemble(chapter: Mapping[str, Any], output: str | Path) -> None:
     """Draw payload mass against offset over the pose sets, and the wear shape."""
-    found = chapter["ensemble"]
-    mass, z, shape = (np.array(found[k], dtype=float) for k in ("mass", "com_z", "shape"))
+    ensemble = chapter["ensemble"]
+    mass, z, shape = (np.array(ensemble[k], dtype=float) for k in ("mass", "com_z", "shape"))
     figure = new_figure(3.0)
     left, right = figure.subplots(1, 2, width_ratios=[1.4, 1])
     left.plot(mass, z, "o", ms=4, color=palette.SERIES[0], alpha=0.8)
     grid = np.linspace(mass.min() * 0.9, mass.max() * 1.05, 50)
-    left.plot(grid, found["product"]["median"] / grid, color=palette.MUTED, lw=1.0, ls=(0, (3, 1)))
-    label = f"m z = {found['product']['median']:.2g} kg m"
-    direct_label(left, grid[0], found["product"]["median"] / grid[0], label, palette.MUTED, offset=(6, 0), va="bottom")
+    moment = ensemble["product"]["median"]
+    left.plot(grid, moment / grid, color=palette.MUTED, lw=1.0, ls=(0, (3, 1)))
+    label = f"m z = {moment:.2g} kg m"
+    direct_label(left, grid[0], moment / grid[0], label, palette.MUTED, offset=(6, 0), va="bottom")
     left.plot(2.5, 0.1, marker="*", ms=10, color=palette.PUBLISHED)
     direct_label(left, 2.5, 0.1, "rated 2.5 kg at 0.1 m", palette.PUBLISHED, offset=(7, -9))
     left.set_xlabel("Mass of the payload [kg]")
@@ -166,8 +167,9 @@ def draw_ensemble(chapter: Mapping[str, Any], output: str | Path) -> None:
         figure,
         output,
         "Payload and wear shape over the pose sets",
-        f"{found['solutions']} pose sets that reproduce Tables V and VI: mass {mass.min():.2g} to {mass.max():.2g} kg, "
-        f"product of mass and offset {found['product']['low']:.2g} to {found['product']['high']:.2g} kg m.",
+        f"{ensemble['solutions']} pose sets that reproduce Tables V and VI: mass {mass.min():.2g} to "
+        f"{mass.max():.2g} kg, product of mass and offset {ensemble['product']['low']:.2g} to "
+        f"{ensemble['product']['high']:.2g} kg m.",
     )
 
 

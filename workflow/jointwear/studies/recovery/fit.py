@@ -84,11 +84,11 @@ def fit_tables(
         segment times are not to be searched.
     """
     problem = TableProblem(robot, tables, chosen, settings, **known)
-    found = search(problem, random, effort)
+    solutions = search(problem, random, effort)
     if "outward" in known:
-        return describe(problem, found.point[0], found.first_cost)
-    problem, point = with_segment_times(problem, found.point[0], random, effort)
-    return describe(problem, point, found.first_cost)
+        return describe(problem, solutions.point[0], solutions.first_cost)
+    problem, point = with_segment_times(problem, solutions.point[0], random, effort)
+    return describe(problem, point, solutions.first_cost)
 
 
 def with_segment_times(

@@ -125,19 +125,19 @@ def predict_detection(
         names = [str(n) for n in data["parameter"][:]]
     count = len(start)
     low, high = settings["shape_range"]
-    found = np.empty((count, *tables.maximum.shape, settings["replicates"]))
+    onset = np.empty((count, *tables.maximum.shape, settings["replicates"]))
     for s in range(count):
         random = generator(settings["seed"], "predict", replicate=s)
         dynamics, shape = Dynamics(loaded(arm, names, effect[s])), float(random.uniform(low, high))
         for t, name in enumerate(tables.tasks):
             ways = np.array([outward[t], CYCLE - outward[t]])
             task = Task(name, np.stack([start[s, t], stop[s, t]]), ways, float(phase[s, t]))
-            found[s, t] = detect(dynamics, task, shape, random)
-    detected = np.isfinite(found)
+            onset[s, t] = detect(dynamics, task, shape, random)
+    detected = np.isfinite(onset)
     probability = detected.mean(axis=(0, -1))
     middle = np.full(probability.shape, np.nan)
     for place in np.ndindex(probability.shape):
-        own = found[:, *place, :]
+        own = onset[:, *place, :]
         if np.isfinite(own).any():
             middle[place] = np.nanmedian(own)
     by_set = detected.mean(axis=-1)

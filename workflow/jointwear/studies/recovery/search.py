@@ -108,10 +108,10 @@ def mutated(problem: TableProblem, random: np.random.Generator, point: np.ndarra
             kind = random.integers(4, size=len(point))
             start, stop = chosen[:, 0], chosen[:, 1]
             first, second = result[rows, start].copy(), result[rows, stop].copy()
-            swap, both, one = kind == 0, kind == 1, kind == 2
+            swap, both, single = kind == 0, kind == 1, kind == 2
             result[rows[swap], start[swap]], result[rows[swap], stop[swap]] = second[swap], first[swap]
             result[rows[both], start[both]] = drawn[rows[both], start[both]]
-            result[rows[both | one], stop[both | one]] = drawn[rows[both | one], stop[both | one]]
+            result[rows[both | single], stop[both | single]] = drawn[rows[both | single], stop[both | single]]
     return result
 
 

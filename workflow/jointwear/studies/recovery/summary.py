@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.json_values import six_digits
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.files.text_files import replace_text
 from jointwear.statistics.intervals import wilson_interval
 from jointwear.studies.recovery.plan import CAUSES
 
@@ -190,7 +189,7 @@ def summarise_recovery(
     output: str | Path,
 ) -> None:
     """Write the chapter's numbers as JSON; the arguments before `output` are the results of `recover`."""
-    found = json.loads(Path(verdict).read_text(encoding="utf-8"))
+    found = read_json(verdict)
     content = {
         "bound": bound_summary(bound),
         "verdict": {k: v for k, v in found.items() if k not in ("cells", "gap")},
@@ -200,7 +199,7 @@ def summarise_recovery(
         "ensemble": ensemble_summary(ensemble),
         "prediction": prediction_summary(prediction),
     }
-    replace_text(output, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_json(output, content)
 
 
 def summarise_validation_chapter(validation: str | Path, output: str | Path) -> None:
@@ -228,4 +227,4 @@ def summarise_validation_chapter(validation: str | Path, output: str | Path) -> 
             for name in CAUSES
         ],
     }
-    replace_text(output, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_json(output, content)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from jointwear.files.json_documents import write_json
 from jointwear.files.json_values import six_digits
 from jointwear.files.storage import open_dataset, read_variable
 from jointwear.robots.robot import load_robot
@@ -266,5 +266,5 @@ def judge(
         numbers = {str(n): values[:, k] for k, n in enumerate(data["parameter"][:])}
     coulomb = np.maximum(arm.coulomb_positive, -arm.coulomb_negative)
     result = build_verdict(tables, known, transferred, coulomb, numbers)
-    Path(verdict).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_json(verdict, result)
     write_comparison(comparison, known, transferred, tables)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.json_documents import read_json
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
 
@@ -14,7 +14,7 @@ NONE = 0.05
 
 
 def _read(chapter: str | Path) -> dict[str, Any]:
-    return json.loads(Path(chapter).read_text(encoding="utf-8"))
+    return read_json(chapter)
 
 
 def _bar(axes, x: float, rate: dict[str, Any], colour: str, mark: str, label: str | None = None) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.text_files import replace_text
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.statistics.intervals import counted_share
 from jointwear.studies.shop_floor.aims import aims
 from jointwear.studies.shop_floor.judging import outcomes
@@ -30,7 +29,7 @@ def judge_batch(seed_set: str, batch: str, windows: str | Path, output: str | Pa
     for index in robots_of(batch):
         cell, statistics, refused = kept_robot(seed_set, index, folder)
         facts += [fact | {"refused": refused} for fact in outcomes(cell, statistics, RATES)]
-    replace_text(output, json.dumps(facts, indent=1) + "\n")
+    write_json(output, {"facts": facts})
 
 
 def summarise(
@@ -44,7 +43,7 @@ def summarise(
         by ``sample --summary``. grid : task -> file of
         :func:`jointwear.studies.monitor_study.grid_judgement.judge_grid`.
     """
-    facts = [fact for path in outcomes for fact in json.loads(Path(path).read_text(encoding="utf-8"))]
+    facts = [fact for path in outcomes for fact in read_json(path)["facts"]]
     rates = sorted({f["rate"] for f in facts})
     scores = [summary([f for f in facts if f["rate"] == rate]) for rate in rates]
     chapter = {
@@ -52,10 +51,10 @@ def summarise(
         "aims": aims(scores),
         "curves": [{"rate": rate, **curve([f for f in facts if f["rate"] == rate])} for rate in rates],
         "refused": sum(bool(f["refused"]) for f in facts if f["rate"] == rates[0]),
-        "before": json.loads(Path(before).read_text(encoding="utf-8")),
-        "grid": _grid({task: json.loads(Path(path).read_text(encoding="utf-8")) for task, path in grid.items()}),
+        "before": read_json(before),
+        "grid": _grid({task: read_json(path) for task, path in grid.items()}),
     }
-    replace_text(output, json.dumps(chapter, indent=1) + "\n")
+    write_json(output, chapter)
 
 
 def _grid(tasks: Mapping[str, dict[str, Any]]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from jointwear.robots.robot import Robot
 from jointwear.statistics.randomness import generator
 from jointwear.studies.challenge.sensors import felt_noise, quantise, torque_noise
 from jointwear.studies.challenge.surroundings import start_times, temperatures
+from jointwear.studies.sieve import REST
 from jointwear.studies.world.arms import chain_of
 from jointwear.studies.world.draws import draw_hidden_things, real_arm, subjects_of
 from jointwear.studies.world.maker import Maker, controllers_of, scales_of, wanted_motion
@@ -22,7 +23,6 @@ from jointwear.studies.world.plant import DriveNumbers
 from jointwear.studies.world.robot_files import write_robot
 from jointwear.studies.world.setting import TEST, Setting, draw_setting
 from jointwear.studies.world.truth import Judge, describe
-from jointwear.studies.world.visibility import REST
 
 #: Every so many held-out samples keep their noise-free torque, as the predictions of discovery do.
 TRUTH_STRIDE = 5

@@ -14,7 +14,8 @@ from jointwear.studies.challenge.scene import scene_of
 from jointwear.studies.challenge.surroundings import Temperatures
 from jointwear.studies.challenge.tiers import EFFECTS
 from jointwear.studies.challenge.world import PlantState, World
-from jointwear.studies.world.visibility import Samples, Sieve
+from jointwear.studies.sieve import Sieve
+from jointwear.studies.world.visibility import Samples
 
 _DRAWS = 3
 

@@ -7,21 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.statistics.intervals import wilson_interval
 from jointwear.studies.challenge.reliability import calibration_error
+from jointwear.studies.tallies import QUESTIONS, meets, share, single_value
 
 Row = Mapping[str, Any]
-
-#: Score -> kind of case, field of a row, words.
-SHARES = {
-    "name_first": ("single", "name_first", "right name first"),
-    "axis": ("single", "axis_right", "right axis"),
-    "exact_set": ("single", "exact_set", "exact set of names, single effects"),
-    "retuned": ("retuned", "retuned", "one wrong parameter called retuned, no effect named"),
-    "unknown_only": ("outside", "unknown_only", "outside the library: unknown, or suspects only"),
-    "two_found": ("two", "both_found", "two effects, both found"),
-    "two_exact": ("two", "two_exact", "two effects, exact"),
-}
 
 #: Least share, or (least, largest); scores of `UPPER` are at most.
 TARGETS: dict[str, Any] = {
@@ -29,7 +18,7 @@ TARGETS: dict[str, Any] = {
     "axis": 0.95,
     "exact_set": 0.85,
     "false_names": 0.02,
-    "unknown_only": 0.90,
+    "unknown": 0.90,
     "two_found": 0.75,
     "two_exact": 0.60,
     "worse": 0.01,
@@ -41,7 +30,7 @@ TARGETS: dict[str, Any] = {
 }
 UPPER = {"false_names", "worse", "worse_than_truth", "refused", "calibration_error", "seconds"}
 
-WORDS = {name: words for name, (_, _, words) in SHARES.items()} | {
+WORDS = {name: words for name, (_, _, words) in QUESTIONS.items()} | {
     "identifiable": "identifiable share, single effects",
     "false_names": "names where nothing is hidden",
     "worse": "augmented worse than given on an axis by > 5 %, held-out measurement",
@@ -59,33 +48,24 @@ def _seen(rows: Sequence[Row], kind: str) -> list[Row]:
     return [r for r in rows if r["kind"] == kind and r["identifiable"]]
 
 
-def _share(answers: Sequence[bool]) -> dict[str, Any]:
-    low, high = wilson_interval(sum(answers), len(answers))
-    return {"value": sum(answers) / len(answers) if answers else None, "count": len(answers), "low": low, "high": high}
-
-
-def _value(value: float | None, count: int) -> dict[str, Any]:
-    return {"value": value, "count": count, "low": None, "high": None}
-
-
 def score(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
     """Return every score: value, count, 95 % interval of a share (Wilson), and whether the target is reached."""
     scores = {
-        name: _share([bool(r[field]) for r in _seen(rows, kind) if r.get(field) is not None])
-        for name, (kind, field, _) in SHARES.items()
+        name: share([bool(r[field]) for r in _seen(rows, kind) if r.get(field) is not None])
+        for name, (kind, field, _) in QUESTIONS.items()
     }
-    scores["identifiable"] = _share([bool(r["identifiable"]) for r in rows if r["kind"] == "single"])
-    scores["false_names"] = _share([bool(r["false_name"]) for r in rows if r["kind"] == "nothing"])
+    scores["identifiable"] = share([bool(r["identifiable"]) for r in rows if r["kind"] == "single"])
+    scores["false_names"] = share([bool(r["false_name"]) for r in rows if r["kind"] == "nothing"])
     for field in ("worse", "worse_than_truth"):
-        scores[field] = _share([bool(r[field]) for r in rows if r.get(field) is not None])
-    scores["refused"] = _share([r["verdict"] == "refused" for r in rows])
+        scores[field] = share([bool(r[field]) for r in rows if r.get(field) is not None])
+    scores["refused"] = share([r["verdict"] == "refused" for r in rows])
     gaps = [r["gap_closed"] for r in _seen(rows, "single") if r.get("gap_closed") is not None]
-    scores["gap_median"] = _value(float(np.median(gaps)) if gaps else None, len(gaps))
-    scores["gap_tenth"] = _value(float(np.percentile(gaps, 10)) if gaps else None, len(gaps))
-    scores["coverage"] = _share(intervals(rows))
-    scores["calibration_error"] = _value(*calibration_error(rows))
+    scores["gap_median"] = single_value(float(np.median(gaps)) if gaps else None, len(gaps))
+    scores["gap_tenth"] = single_value(float(np.percentile(gaps, 10)) if gaps else None, len(gaps))
+    scores["coverage"] = share(intervals(rows))
+    scores["calibration_error"] = single_value(*calibration_error(rows))
     seconds = [r["seconds"] for r in rows if r["seconds"] is not None]
-    scores["seconds"] = _value(float(np.median(seconds)) if seconds else None, len(seconds))
+    scores["seconds"] = single_value(float(np.median(seconds)) if seconds else None, len(seconds))
     return {name: {**s, "target": TARGETS.get(name), "reached": reached(name, s)} for name, s in scores.items()}
 
 
@@ -101,9 +81,4 @@ def intervals(rows: Sequence[Row]) -> list[bool]:
 
 def reached(name: str, found: Mapping[str, Any]) -> bool | None:
     """Whether a score reaches its target; None where it has none or nothing was counted."""
-    target = TARGETS.get(name)
-    if target is None or found["value"] is None:
-        return None
-    if isinstance(target, tuple):
-        return target[0] <= found["value"] <= target[1]
-    return found["value"] <= target if name in UPPER else found["value"] >= target
+    return meets(found["value"], TARGETS.get(name), name in UPPER)

@@ -15,8 +15,7 @@ import numpy as np
 
 from jointwear import __version__
 from jointwear.discovery import Settings
-from jointwear.files.text_files import replace_text
-from jointwear.studies.challenge.case_files import read_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.studies.challenge.reliability import reliability
 from jointwear.studies.world.answers import answer
 from jointwear.studies.world.case import generate
@@ -43,7 +42,7 @@ def answer_batch(seed_set: str, index: int, output: str | Path) -> None:
     """
     rows = [solve_case(case) for case in batches(seed_set)[index]]
     content = {"sources": sources_digest(), "cases": rows}
-    replace_text(output, json.dumps(content, indent=1, default=_plain) + "\n")
+    write_json(output, content)
 
 
 def sources_digest() -> str:
@@ -66,8 +65,8 @@ def write_scores(rows_paths: Sequence[str | Path], part: str, rows_path: str | P
     contents = [read_json(path) for path in rows_paths]
     rows = [row for content in contents for row in content["cases"]]
     sources = sorted({content["sources"] for content in contents})
-    replace_text(rows_path, json.dumps({"cases": rows}, indent=1) + "\n")
-    replace_text(scores_path, json.dumps(summary(rows, part, sources), indent=1, default=_plain) + "\n")
+    write_json(rows_path, {"cases": rows})
+    write_json(scores_path, summary(rows, part, sources))
 
 
 def summary(rows: Sequence[dict[str, Any]], part: str, sources: Sequence[str]) -> dict[str, Any]:

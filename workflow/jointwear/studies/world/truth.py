@@ -12,6 +12,7 @@ import numpy as np
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 from jointwear.studies.challenge.separability import IDENTIFIABLE
+from jointwear.studies.sieve import REST, Sieve
 from jointwear.studies.world.chains import Chain, with_body
 from jointwear.studies.world.hidden import Hidden
 from jointwear.studies.world.maker import Maker
@@ -20,7 +21,7 @@ from jointwear.studies.world.rivals import energies_left
 from jointwear.studies.world.robot_files import write_robot
 from jointwear.studies.world.run import Log
 from jointwear.studies.world.setting import INERTIAL_PRIOR, TEST, Setting
-from jointwear.studies.world.visibility import REST, Samples, Sieve, build_sieve
+from jointwear.studies.world.visibility import Samples, sieve_samples
 
 #: Rate [Hz] that the judgement of visibility looks at, at most.
 _LOOK = 125
@@ -63,7 +64,7 @@ class Judge:
         """Return the projection for the training recordings."""
         drives = self.setting.torque != "link_sensor"
         train = samples.recording != TEST
-        return build_sieve(samples, self.robot, train, self.noise, self.colour, INERTIAL_PRIOR, drives, without)
+        return sieve_samples(samples, self.robot, train, self.noise, self.colour, INERTIAL_PRIOR, drives, without)
 
     def wrong_number(
         self, wrong: dict[str, Any], logs: Sequence[Log], chain: Chain, drives: DriveNumbers, folder: Path

@@ -1,0 +1,83 @@
+"""Check what the command line hands to Snakemake before Snakemake itself reads it.
+
+Snakemake loads and merges the files of ``--configfile`` before it reads the Snakefile. It evaluates templates in them
+(YTE: any Python), expands aliases without a limit, waits for a named pipe, and answers what PyYAML cannot build with a
+traceback. The default profile is read earlier still, and calls this.
+
+Nothing heavy is imported here.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Sequence
+
+from jointwear.files.documents import check_written_out, read_yaml
+from jointwear.files.errors import InputError, shown
+from jointwear.running.script import message_of
+
+# The parser of Snakemake takes any unambiguous beginning of an option.
+_FILES = re.compile(r"--configf(?:i(?:l(?:es?)?)?)?(?:=(?P<value>.*))?", re.DOTALL)
+_VALUES = re.compile(r"--config(?:=(?P<value>.*))?|-C(?P<joined>.+)?", re.DOTALL)
+#: A value of the command line, as Snakemake takes it.
+_ENTRY = re.compile(r"(?P<key>[a-zA-Z_][\w-]*\w)=(?P<text>.*)", re.DOTALL)
+#: Key that turns a configuration file into a template.
+TEMPLATE = "__use_yte__"
+
+
+def check_command_line(arguments: Sequence[str]) -> None:
+    """Check the files of ``--configfile`` and the values of ``--config``; end the process with one line if one is bad.
+
+    Parameters
+    ----------
+    arguments : what follows the name of the program.
+
+    Raises
+    ------
+    SystemExit : with the line that says which file, and what is wrong with it.
+    """
+    try:
+        for path in _given(arguments, _FILES):
+            if TEMPLATE in read_yaml(path):
+                raise InputError(f"{path}: '{TEMPLATE}' makes a template of it, which runs code; only values are read")
+        for text in _given(arguments, _VALUES):
+            _check_entry(text)
+    except (InputError, OSError, MemoryError) as error:
+        sys.exit(message_of(error) or f"jointwear: {error}")
+
+
+def _check_entry(text: str) -> None:
+    """Check one value of ``--config``."""
+    entry = _ENTRY.fullmatch(text)
+    if entry is None:
+        raise InputError(f"--config {shown(text)}: must be key=value")
+    text = entry["text"]
+    if ("_" in text or not text.isascii()) and _counts_as_number(text):
+        raise InputError(f"--config {entry['key']}: {shown(text)} must be written in digits 0 to 9")
+    if text:
+        check_written_out(text, f"--config {entry['key']}")
+
+
+def _counts_as_number(text: str) -> bool:
+    """Whether Python, and so Snakemake, takes a text for a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _given(arguments: Sequence[str], option: re.Pattern[str]) -> Iterator[str]:
+    """Yield every value of an option: the one joined to it, else all that follow up to the next option."""
+    inside = False
+    for argument in arguments:
+        found = option.fullmatch(argument)
+        if found:
+            joined = [value for value in found.groups() if value is not None]
+            inside = not joined
+            yield from joined
+        elif argument.startswith("-"):
+            inside = False
+        elif inside:
+            yield argument
