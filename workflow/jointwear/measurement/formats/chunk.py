@@ -11,14 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from jointwear.files.errors import InputError, nearest
-<<<<<<< HEAD
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import with_log_name
-from jointwear.measurement.units import converted
-=======
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
-from jointwear.measurement.units import ROLES, converted
->>>>>>> main
+from jointwear.measurement.units import converted
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
@@ -173,16 +169,11 @@ def make_chunk(
         found[role] = array
     trajectory = found.pop("trajectory", None)
     if trajectory is not None:
-<<<<<<< HEAD
-        trajectory = np.where(np.isfinite(trajectory), trajectory, -1).astype(np.int64)
-    program = with_log_name(path, layout, values.get("program"), len(time))
-    return Chunk(**found, trajectory=trajectory, program=program, dated=dated)
-=======
         with np.errstate(invalid="ignore"):
             known = np.abs(trajectory) <= LARGEST_LABEL
         trajectory = np.where(known, trajectory, -1).astype(np.int64)
-    return Chunk(**found, trajectory=trajectory, dated=dated)
->>>>>>> main
+    program = with_log_name(path, layout, values.get("program"), len(time))
+    return Chunk(**found, trajectory=trajectory, program=program, dated=dated)
 
 
 #: Roles that turn round with an axis.
