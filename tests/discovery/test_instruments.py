@@ -18,7 +18,8 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_drives import STICKS, sticking
 from jointwear.discovery.whitening import whiten
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
-from jointwear.measurement.motion import low_pass, measure
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot

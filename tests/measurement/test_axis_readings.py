@@ -15,7 +15,7 @@ from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement.axis_readings import Reading, readings
 from jointwear.measurement.checks import Refused, check_recording
-from jointwear.measurement.motion import low_pass
+from jointwear.measurement.filtering import low_pass
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 

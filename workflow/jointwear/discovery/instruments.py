@@ -21,7 +21,8 @@ from jointwear.discovery.problem import Problem
 from jointwear.effects import State
 from jointwear.effects.order import first_derivative, second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise, zero_phase_gain
-from jointwear.measurement.motion import low_pass, runs
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import runs
 
 #: Evidence [nats] that noise which column and residual share may feign at most: what a parameter gains by chance on
 #: average, half of a chi-square of one degree of freedom.
@@ -32,7 +33,7 @@ FREQUENCIES, CUTOFFS = 512, 80
 CLOCK = 0.05
 #: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
 RIDGE = 1e-6
-#: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.motion.low_pass`.
+#: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.filtering.low_pass`.
 HIGHEST = 0.45
 
 

@@ -11,7 +11,8 @@ from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_drives import sticking
 from jointwear.effects import State, effect_torque, make_state
-from jointwear.measurement.motion import Measured, low_pass, measure, runs
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import Measured, measure, runs
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import gravity_regressor, inertial_regressor, prior_factor, to_joint_frame

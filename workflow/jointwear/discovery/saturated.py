@@ -12,7 +12,8 @@ from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whit
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import axis_bases
 from jointwear.effects import State, library
-from jointwear.measurement.motion import low_pass, runs
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import runs
 
 #: Samples for each column of the saturated fit from which it may hold still more columns.
 ROOM = 15

@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.signal import butter, sosfiltfilt
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
+from jointwear.measurement.filtering import SHORTEST, low_pass
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 
@@ -25,8 +25,6 @@ from jointwear.measurement.smoothing import END, smooth, widest_band
 HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 #: Samples below this share of the speed of the axis (95 % quantile), and below this speed [rad/s], count as rest.
 SLOW_SHARE, SLOW = 0.02, 0.02
-#: Shortest run of samples that a zero-phase filter is asked to handle.
-SHORTEST = 24
 #: Share of the rate at which a noise floor is read: the middle of the upper third of the band.
 FLOOR_AT = 5 / 12
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
@@ -105,19 +103,6 @@ def noise_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
     above = np.flatnonzero(smooth > 10 * floor)
     end = frequencies[above[-1]] if len(above) else frequencies[0]
     return floor, float(max(end, frequencies[1]))
-
-
-@lru_cache(maxsize=128)
-def _butterworth(cutoff: float, rate: float) -> np.ndarray:
-    return butter(4, cutoff, fs=rate, output="sos")
-
-
-def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
-    """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
-    if cutoff >= 0.45 * rate or len(values) < SHORTEST:
-        return values
-    pad = min(len(values) - 1, int(3 * rate / cutoff))
-    return sosfiltfilt(_butterworth(cutoff, rate), values, axis=0, padlen=pad)
 
 
 def _derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
