@@ -13,7 +13,7 @@ from mutations import NUMBERS, WORDS, broken_bytes, seeds
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.measurement.formats import read_log
-from jointwear.measurement.formats.chunk import ABSURD
+from jointwear.measurement.possible import ABSURD
 from jointwear.measurement.recording_files import load_recording
 
 pytestmark = pytest.mark.hostile

@@ -16,6 +16,7 @@ from jointwear.robots.task_file import read_task_file
 from jointwear.studies.recovery import figures
 from jointwear.studies.recovery.adoption import adopt_experiment, compare_copies
 from jointwear.studies.recovery.export import task_data, write_yaml
+from jointwear.studies.recovery.validation_figure import draw_validation
 
 ROOT = Path(__file__).resolve().parents[2]
 STORED = sorted(path.parent for path in (ROOT / "data/studies").glob("*/chapter.json"))
@@ -45,6 +46,12 @@ def test_figures_of_the_recovery_are_drawn_from_its_chapter(picture, tmp_path):
     stored = ROOT / "data/studies/recovery"
     figures.draw(picture, stored / "chapter.json", tmp_path / "figure.svg")
     assert (tmp_path / "figure.svg").read_bytes() == (stored / f"{picture}.svg").read_bytes()
+
+
+def test_the_figure_of_the_validation_is_drawn_from_its_chapter(tmp_path):
+    stored = ROOT / "data/studies/recovery_validation"
+    draw_validation(stored / "chapter.json", tmp_path / "figure.svg")
+    assert (tmp_path / "figure.svg").read_bytes() == (stored / "named.svg").read_bytes()
 
 
 def test_the_default_experiment_is_the_recovered_one():

@@ -25,7 +25,7 @@ ADOPTED_EXPERIMENT = [
     *[shipped(f"config/tasks/{name}.yaml") for name in RECOVER_TASKS],
 ]
 STUDY_PICTURES["recovery"] = RECOVER_PICTURES
-STUDY_PICTURES["recovery_validation"] = []
+STUDY_PICTURES["recovery_validation"] = ["named"]
 
 
 wildcard_constraints:
@@ -216,6 +216,18 @@ rule summarise_validation:
         "results/logs/summarise_validation.log",
     script:
         "../scripts/summarise_validation.py"
+
+
+rule draw_validation:
+    input:
+        chapter="results/recovery_validation/chapter.json",
+        modules=modules_of("draw_validation"),
+    output:
+        "results/recovery_validation/figures/named.svg",
+    log:
+        "results/logs/draw_validation.log",
+    script:
+        "../scripts/draw_validation.py"
 
 
 rule summarise_recovery:

@@ -2,7 +2,7 @@
 # stages of the reproduction in a working directory of its own, as a user's experiment would.
 BESIDE = {name: f"results/side_by_side/{name}" for name in ("literal", "closest")}
 BESIDE_TABLES = ["table_ii", "table_iv", "table_v", "table_vi"]
-STUDY_PICTURES["side_by_side"] = []
+STUDY_PICTURES["side_by_side"] = ["hours"]
 
 
 wildcard_constraints:
@@ -91,3 +91,15 @@ rule summarise_side_by_side:
         folders=BESIDE,
     script:
         "../scripts/summarise_side_by_side.py"
+
+
+rule draw_side_by_side:
+    input:
+        chapter="results/side_by_side/chapter.json",
+        modules=modules_of("draw_side_by_side"),
+    output:
+        "results/side_by_side/figures/hours.svg",
+    log:
+        "results/logs/draw_side_by_side.log",
+    script:
+        "../scripts/draw_side_by_side.py"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +13,11 @@ import numpy as np
 from jointwear.files.errors import InputError, nearest
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import with_log_name
+from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
 from jointwear.measurement.units import converted
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
-#: Sizes beyond which a number is none that an arm can have: it counts as missing.
-ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
 #: Numbers of time between these count as seconds since 1970 UTC: 2001 to 2286.
 UNIX_TIMES = (1e9, 1e10)
 _EPOCHS = (1e3, 1e6, 1e9)
@@ -77,9 +77,7 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
         elif name in there and role not in ("position", "velocity", "acceleration", "torque"):
             found[role] = [name]
         elif role in JOINT_ROLES:
-            numbered = sorted(
-                (int(m.group(1)), c) for c in there if (m := re.fullmatch(re.escape(name) + r"_(\d+)", c))
-            )
+            numbered = numbered_columns(there, name)
             numbers = [k for k, _ in numbered]
             if numbers and (numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers)))):
                 raise InputError(f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)})")
@@ -100,10 +98,20 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
                 f"{path}: has no {role} (looked for '{shown}'){nearest(shown, there)}; name it under 'variables' "
                 f"(it has: {_few(there)})"
             )
+    wanted = {name for names in found.values() for name in names}
+    twice = next((name for name, count in Counter(there).items() if count > 1 and name in wanted), None)
+    if twice is not None:
+        raise InputError(f"{path}: names the column '{twice}' twice")
     for role, names in found.items():
         if role in JOINT_ROLES and len(names) != layout.axes and not (role == "temperature" and len(names) == 1):
             raise InputError(f"{path}: has {len(names)} columns of {role}, the robot has {layout.axes} joints")
     return found
+
+
+def numbered_columns(columns: Iterable[str], name: str) -> list[tuple[int, str]]:
+    """Return number and name of the columns `name`_1, `name`_2 ... of a joint role, sorted by number."""
+    form = re.compile(re.escape(name) + r"_([0-9]{1,6})")
+    return sorted((int(m.group(1)), c) for c in set(columns) if (m := form.fullmatch(c)))
 
 
 def _few(names: Sequence[str], most: int = 24) -> str:
@@ -129,8 +137,8 @@ def make_chunk(
         unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
         if role == "torque":
             array, unit = _as_torque(path, array, unit, layout)
-        if role in SENTINEL_ROLES:
-            array = _without_sentinels(array)
+        if role in JOINT_ROLES:
+            array = without_sentinels(array)
         try:
             found[role] = converted(array, role, unit, str(path))
         except InputError as error:
@@ -151,10 +159,7 @@ def make_chunk(
         if role == "temperature" and (array.ndim == 1 or array.shape[1] == 1):
             array = np.broadcast_to(array.reshape(len(time), 1), (len(time), layout.axes))
         if array.shape == (len(time), layout.axes):
-            with np.errstate(invalid="ignore"):
-                absurd = np.abs(array) > ABSURD[role]
-            if absurd.any():
-                array = np.where(absurd, np.nan, array)
+            array = possible(array, role)
         else:
             raise InputError(
                 f"{path}: {role} has shape {array.shape}; {len(time)} samples of {layout.axes} joints are expected"
@@ -164,7 +169,9 @@ def make_chunk(
         found[role] = array
     trajectory = found.pop("trajectory", None)
     if trajectory is not None:
-        trajectory = np.where(np.isfinite(trajectory), trajectory, -1).astype(np.int64)
+        with np.errstate(invalid="ignore"):
+            known = np.abs(trajectory) <= LARGEST_LABEL
+        trajectory = np.where(known, trajectory, -1).astype(np.int64)
     program = with_log_name(path, layout, values.get("program"), len(time))
     return Chunk(**found, trajectory=trajectory, program=program, dated=dated)
 
@@ -173,9 +180,6 @@ def make_chunk(
 _SIGNED = ("position", "velocity", "acceleration", "torque")
 #: Currents and what they are in A; shares of a rated value that nothing turns into a torque.
 CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
-#: Numbers that loggers write where they know none, and roles in which a joint cannot have them.
-SENTINELS = (-999.0, -9999.0, -99999.0, 9999.0, 99999.0, -32768.0)
-SENTINEL_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 
 
 def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) -> tuple[np.ndarray, str | None]:
@@ -204,9 +208,3 @@ def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) 
             "'units: {torque: A}'"
         )
     return (array if layout.scale is None else array * np.array(layout.scale)), unit
-
-
-def _without_sentinels(array: np.ndarray) -> np.ndarray:
-    """Return values with NaN in place of numbers that stand for a missing one."""
-    missing = np.isin(array, SENTINELS)
-    return np.where(missing, np.nan, array) if missing.any() else array

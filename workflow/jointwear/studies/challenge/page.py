@@ -102,6 +102,7 @@ def confusion_table(confusion: Mapping[str, Mapping[str, int]]) -> dict[str, Any
         if total:
             cells = [
                 {
+                    "answer": c,
                     "count": answers.get(c, 0),
                     "share": answers.get(c, 0) / total,
                     "right": c == RIGHT_ANSWER.get(truth, truth),

@@ -13,6 +13,11 @@ from jointwear.files.storage import open_dataset
 
 MOMENT_TOLERANCE = 0.15  # share of the payload's first moment within which a fit has found it
 _CONTROL_NUMBERS = ("cells", "hour_error", "distance", "moment", "shape", "true_moment", "true_shape")
+_COMPARED = ("cells", "hour_error", "distance")
+
+
+def _range(values: list[float]) -> dict[str, float]:
+    return {"low": np.nanmin(values), "middle": np.nanmedian(values), "high": np.nanmax(values)}
 
 
 def controls(paths: Sequence[str | Path]) -> dict[str, Any]:
@@ -27,7 +32,8 @@ def controls(paths: Sequence[str | Path]) -> dict[str, Any]:
         own = [r for r in rows if r["kind"] == kind]
         result[kind] = {
             "papers": len(own),
-            **{k: [float(r[k]) for r in own] for k in ("cells", "hour_error", "distance")},
+            **{k: [float(r[k]) for r in own] for k in _COMPARED},
+            "range": {k: _range([float(r[k]) for r in own]) for k in _COMPARED},
         }
     known = [r for r in rows if r["kind"] == "known"]
     if known:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
 
 from jointwear.files.json_documents import read_json
 from jointwear.publishing.figures import palette
@@ -179,6 +180,7 @@ def draw_controls(chapter: dict[str, Any], output: str | Path) -> None:
         axes.grid(axis="y", visible=False)
     left.set_yticks(range(len(kinds)), [words for _, words in kinds])
     left.invert_yaxis()
+    left.xaxis.set_major_locator(MaxNLocator(integer=True))
     right.set_xscale("log")
     save(
         figure,
