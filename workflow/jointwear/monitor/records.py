@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.conditions import Conditions
+from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.dispersion import inflated
 from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import Forecast
@@ -154,7 +155,10 @@ class Teller:
     def records(self) -> list[dict[str, Any]]:
         """Return the rows of alarms.csv."""
         result = []
-        statistic = np.where(np.isfinite(self._level.residual), np.maximum(self._level.growth, 0.0), np.nan)
+        # Which axis it is depends on the evidence for any change; the decision asks for more than what is tolerated.
+        level = self._level
+        statistic = np.where(np.isfinite(level.residual), np.maximum(level.mean / level.mean_std, 0.0), np.nan)
+        threshold = level.threshold + TOLERATED / level.mean_std
         for k, j in np.argwhere(self._told):
             name, mean, error = self._parts(k, j)
             values = [mean, mean - _Q80 * error, mean + _Q80 * error]
@@ -166,7 +170,7 @@ class Teller:
             unit = "N m"
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
-            sure = axis_probability(statistic[k], self._level.threshold)[j] if self._level.alarm[k, j] else np.nan
+            sure = axis_probability(statistic[k], threshold[k])[j] if self._level.alarm[k, j] else np.nan
             expected = self.forecast(k, j, name)
             result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
         return result
