@@ -19,6 +19,7 @@ import numpy as np
 from jointwear.files.errors import InputError, shown
 from jointwear.files.json_documents import read_json
 from jointwear.files.storage import CHECKSUM, open_dataset, read_variable
+from jointwear.publishing.figures.seal import unsealed
 
 TOLERANCE = 1e-6  # of each number; single precision holds 6e-8
 #: Numbers below this share of the largest of their variable count as if they were that large: what is left where large
@@ -211,6 +212,8 @@ class _Plain(HTMLParser):
 
 def _text(path: Path) -> str:
     text = path.read_text(encoding="utf-8")
+    if path.suffix == ".svg":
+        return unsealed(text, path)
     if path.suffix != ".html":
         return text
     page = _Plain()

@@ -88,12 +88,12 @@ def main(arguments: list[str] | None = None) -> int:
             with ProcessPoolExecutor(given.jobs) as pool:
                 for row in pool.map(_solved, chosen):
                     rows += row
-                    print(*map(line, row), sep="\n", flush=True)
+                    print(*map(line, row), sep="\n", end="\n" if row else "", flush=True)
         else:
             for case in chosen:
                 row = _solved(case)
                 rows += row
-                print(*map(line, row), sep="\n", flush=True)
+                print(*map(line, row), sep="\n", end="\n" if row else "", flush=True)
     except InputError as error:
         print(error, file=sys.stderr)
         return 1
