@@ -85,3 +85,37 @@ def test_a_label_of_a_trajectory_is_a_whole_number_that_can_be_stored(tmp_path, 
     with pytest.raises(InputError, match="whole numbers of at most 2147483647"):
         recording(tmp_path / "log.csv")
     assert chunk(tmp_path / "log.csv").trajectory.max() < 2**31
+
+
+@pytest.mark.parametrize("factor", [1e-9, 1e6, 1e15])
+def test_a_clock_that_no_controller_has_is_refused(tmp_path, table, factor):
+    table["time"] = factor * table["time"]
+    write_csv(tmp_path / "log.csv", table)
+    with pytest.raises(InputError, match=r"from sample to sample .* state its unit, as units: \{time: ms\}"):
+        recording(tmp_path / "log.csv")
+
+
+def test_a_date_beyond_all_clocks_is_refused(tmp_path, table):
+    table["time"][100:] += 1e12
+    write_csv(tmp_path / "log.csv", table)
+    with pytest.raises(InputError, match="the time reaches"):
+        recording(tmp_path / "log.csv")
+
+
+def test_a_joint_without_numbers_is_told(tmp_path, table):
+    table["torque_6"] = np.array(["x"] * len(table["time"]), dtype=object)
+    WRITERS["parquet"](tmp_path / "log.parquet", table)
+    with pytest.raises(InputError, match=r"torque has shape \(200, 5\); 200 samples of 6 joints are expected"):
+        recording(tmp_path / "log.parquet")
+
+
+def test_a_list_names_one_column_for_each_axis(tmp_path, table):
+    entry = {"measured": str(tmp_path / "log.csv"), "robot": "config/robots/puma560.yaml"}
+    write_csv(tmp_path / "log.csv", table)
+    turned = [f"torque_{j}" for j in range(6, 0, -1)]
+    found = load_recording({**entry, "variables": {"torque": turned}})
+    np.testing.assert_allclose(found.torque[:, 0], table["torque_6"])
+    with pytest.raises(InputError, match="has no column 'moment' of numbers for torque"):
+        load_recording({**entry, "variables": {"torque": ["moment"] * 6}})
+    with pytest.raises(InputError, match=r"torque has shape \(200, 1\)"):
+        load_recording({**entry, "variables": {"torque": ["torque_1"]}})

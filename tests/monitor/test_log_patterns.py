@@ -1,4 +1,4 @@
-"""Patterns of files: circles of links and whole file systems do not hang; names in any script are sorted."""
+"""What an entry of a monitored robot may ask for: patterns of files, lengths of time, numbers for each axis."""
 
 import os
 import time
@@ -8,7 +8,7 @@ import pytest
 from jointwear.files import patterns
 from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
-from jointwear.monitor.plan import find_logs, in_order, window_seconds
+from jointwear.monitor.plan import check_robots, find_logs, in_order, window_seconds
 
 
 @pytest.fixture
@@ -66,3 +66,11 @@ def test_a_window_has_a_length_that_an_arm_lives(length):
 def test_a_window_is_a_number_and_a_unit(text):
     with pytest.raises(InputError, match="is no length of time"):
         window_seconds(text)
+
+
+@pytest.mark.parametrize("key", ["torque_constant", "scale", "sign", "dead_band"])
+def test_a_list_has_one_number_for_each_joint(root, key):
+    entry = {"logs": ["x"], "robot": str(root / "config/robots/puma560.yaml"), "baseline": {"windows": 8}}
+    check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 6}}}})
+    with pytest.raises(InputError, match=f"'monitor.robots.arm.{key}' has 7 numbers, robot 'puma560' has 6 joints"):
+        check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 7}}}})

@@ -115,7 +115,7 @@ def _in_newton_metres(
         terms, fitted on the other records; the first `plain` places are those without.
     """
     targets = white.raw_targets()
-    drops: dict[tuple[int, int], float] = {}
+    drops: dict[tuple[int, float], float] = {}
     per_record: dict[int, np.ndarray] = {}
     shares = []
     for axis, (design, places) in designs.items():
@@ -134,10 +134,12 @@ def _in_newton_metres(
                     (design[rows], extended[places]),
                 )
             ]
-            block = ((time[rows] - time[rows][0]) // white.problem.settings.block).astype(int)
-            sums = np.bincount(block, square[0] - square[1])
-            for index in np.unique(block):
-                drops[record, index] = drops.get((record, index), 0.0) + float(sums[index])
+            block = (time[rows] - time[rows][0]) // white.problem.settings.block
+            # Recordings may lie years apart: what is kept is as long as there are blocks with samples.
+            numbers, place = np.unique(block, return_inverse=True)
+            sums = np.bincount(place, square[0] - square[1])
+            for index, total in zip(numbers.tolist(), sums.tolist(), strict=True):
+                drops[record, index] = drops.get((record, index), 0.0) + total
             per_record[record] = per_record.get(record, np.zeros(2)) + np.sum(square, axis=1)
             dropped += float(sums.sum())
         shares.append(dropped / max(len(label), 1))

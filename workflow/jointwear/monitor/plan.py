@@ -143,7 +143,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
                 f"config: '{where}.joints' names {len(joints)} joints, robot '{robot['name']}' has "
                 f"{len(robot['joints'])}"
             )
-        for key in ("torque_constant", "scale", "sign"):
+        for key in ("torque_constant", "scale", "sign", "dead_band"):
             given = entry.get(key)
             if isinstance(given, (list, tuple)) and len(given) != len(robot["joints"]):
                 raise InputError(
