@@ -9,12 +9,14 @@ missing, least-squares splines take the place of the filter: see :mod:`jointwear
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
+from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
 from jointwear.measurement.filtering import SHORTEST, low_pass
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
@@ -58,6 +60,15 @@ class Measured:
     reach: np.ndarray | None = None
     fitted: bool = False
     noise: DerivedNoise | None = None
+
+    @property
+    def passes(self) -> Callable[[np.ndarray], np.ndarray] | None:
+        """Frequencies [Hz] (...,) -> share that the filter of the torque lets pass; None where it was left alone."""
+        return partial(_share_passed, self.band) if np.isfinite(self.band) else None
+
+
+def _share_passed(band: float, frequency: np.ndarray) -> np.ndarray:
+    return zero_phase_gain(frequency / band)
 
 
 def runs(trajectory: np.ndarray) -> list[slice]:
