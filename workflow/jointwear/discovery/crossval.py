@@ -62,7 +62,7 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
         block = np.concatenate([*(terms[i].blocks[axis] for i in active), y[:, None]], axis=1)
         if axis in axes:
             in_newton_metres[axis] = np.concatenate([terms[i].raw[axis] for i in active], axis=1), columns
-        label = white.folds(axis)
+        label = white.parts(axis)
         for record in np.unique(label):
             rows = block[label == record]
             gram = rows.T @ rows
@@ -120,7 +120,7 @@ def _in_newton_metres(
     shares = []
     for axis, (design, places) in designs.items():
         first = places < plain
-        label, time = white.folds(axis), white.problem.train_state.time[white.whiteners[axis].rows]
+        label, time = white.parts(axis), white.problem.train_state.time[white.whiteners[axis].rows]
         variance = white.whiteners[axis].marginal ** 2
         dropped = 0.0
         for record, (without, extended) in coefficients.items():

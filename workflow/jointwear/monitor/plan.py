@@ -26,6 +26,7 @@ from jointwear.robots.robot_file import read_robot_file, robot_sources
 #: Keys of an entry that decide how a log is read; its windows depend on no other.
 READING_KEYS = (
     "variables", "units", "joints", "topic", "window", "dead_band", "torque_constant", "scale", "sign", "time_zone",
+    "program",
 )  # fmt: skip
 #: Where `learn_normal` leaves the robot file of a robot.
 LEARNED = "results/learned/{name}/robot.yaml"

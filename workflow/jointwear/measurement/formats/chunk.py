@@ -5,15 +5,16 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from jointwear.files.errors import InputError, nearest
+from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.programs import with_log_name
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
-from jointwear.measurement.units import ROLES, converted
+from jointwear.measurement.units import converted
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
@@ -27,7 +28,8 @@ class Chunk:
     """Samples of a robot with n joints, in the order of the log.
 
     `time` (m,) [s], since 1970 UTC where `dated`. `position`, `torque` (m, n) [rad], [N m]; `velocity`,
-    `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label or None.
+    `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label or None;
+    `program` (m,) text, empty where unknown, or None.
     """
 
     time: np.ndarray
@@ -37,55 +39,8 @@ class Chunk:
     acceleration: np.ndarray | None = None
     temperature: np.ndarray | None = None
     trajectory: np.ndarray | None = None
+    program: np.ndarray | None = None
     dated: bool = False
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Names and units of a robot's logs.
-
-    `names`: role -> name in the log, or a list of names, one an axis. `given`: roles that the config names, which
-    must be there. `units`: role -> unit. `joints`: names of the joints in messages, in order of the axes. `topic` of
-    a bag, or None. `torque_constant` [N m/A], where the torque is logged as current; `scale` of the torque; `sign` of
-    position and torque; each one an axis, or None. `time_zone` of stamps that do not name one (IANA), default UTC.
-    """
-
-    axes: int
-    joints: tuple[str, ...]
-    names: Mapping[str, str | Sequence[str]]
-    given: frozenset[str] = frozenset()
-    units: Mapping[str, str] = field(default_factory=dict)
-    topic: str | None = None
-    torque_constant: tuple[float, ...] | None = None
-    scale: tuple[float, ...] | None = None
-    sign: tuple[float, ...] | None = None
-    time_zone: str | None = None
-
-
-def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
-    """Return the layout that an entry of ``monitor.robots`` describes, for a robot with these joints.
-
-    Raises
-    ------
-    InputError : if a role is not known.
-    """
-    for key in ("variables", "units"):
-        for role in entry.get(key) or {}:
-            if role not in ROLES:
-                raise InputError(
-                    f"config: '{key}' has the role '{role}'{nearest(role, ROLES)} (allowed: {', '.join(ROLES)})"
-                )
-    variables = dict(entry.get("variables") or {})
-    return Layout(
-        axes=len(joint_names),
-        joints=tuple(entry.get("joints") or joint_names),
-        names={role: role for role in ROLES} | variables,
-        given=frozenset(variables),
-        units=dict(entry.get("units") or {}),
-        topic=entry.get("topic"),
-        time_zone=entry.get("time_zone"),
-        **{key: _each(entry.get(key), len(joint_names)) for key in ("torque_constant", "scale", "sign")},
-    )
 
 
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
@@ -101,13 +56,6 @@ def check_count(path: Path, count: int) -> None:
     """
     if count > MOST_COLUMNS:
         raise InputError(f"{path}: has {count} columns (allowed: at most {MOST_COLUMNS})")
-
-
-def _each(given: Any, axes: int) -> tuple[float, ...] | None:
-    """Return one number an axis of a key that may be one number, or None."""
-    if given is None:
-        return None
-    return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * axes
 
 
 def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str, list[str]]:
@@ -135,6 +83,13 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
                 raise InputError(f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)})")
             if numbered:
                 found[role] = [c for _, c in numbered]
+    for name in layout.program:
+        if name not in there:
+            raise InputError(
+                f"{path}: has no column '{name}' of 'program.columns'{nearest(name, there)} (it has: {_few(there)})"
+            )
+    if layout.program:
+        found["program"] = list(layout.program)
     for role in (*NEEDED, *sorted(layout.given)):
         if role not in found:
             name = layout.names[role]
@@ -176,6 +131,8 @@ def make_chunk(
     """
     found: dict[str, np.ndarray] = {}
     for role, raw in values.items():
+        if role == "program":
+            continue
         array = np.asarray(raw, dtype=float)
         unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
         if role == "torque":
@@ -215,7 +172,8 @@ def make_chunk(
         with np.errstate(invalid="ignore"):
             known = np.abs(trajectory) <= LARGEST_LABEL
         trajectory = np.where(known, trajectory, -1).astype(np.int64)
-    return Chunk(**found, trajectory=trajectory, dated=dated)
+    program = with_log_name(path, layout, values.get("program"), len(time))
+    return Chunk(**found, trajectory=trajectory, program=program, dated=dated)
 
 
 #: Roles that turn round with an axis.

@@ -10,7 +10,8 @@ from pyarrow import parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.arrow import chunk_of
-from jointwear.measurement.formats.chunk import Chunk, Layout, find_columns
+from jointwear.measurement.formats.chunk import Chunk, find_columns
+from jointwear.measurement.formats.layout import Layout
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
