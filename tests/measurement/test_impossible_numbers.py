@@ -91,8 +91,9 @@ def test_a_label_of_a_trajectory_is_a_whole_number_that_can_be_stored(tmp_path, 
 def test_a_clock_that_no_controller_has_is_refused(tmp_path, table, factor):
     table["time"] = factor * table["time"]
     write_csv(tmp_path / "log.csv", table)
-    with pytest.raises(InputError, match=r"from sample to sample .* state its unit, as units: \{time: ms\}"):
-        recording(tmp_path / "log.csv")
+    for read in (recording, chunk):
+        with pytest.raises(InputError, match=r"from sample to sample .* state its unit, as units: \{time: ms\}"):
+            read(tmp_path / "log.csv")
 
 
 def test_a_date_beyond_all_clocks_is_refused(tmp_path, table):

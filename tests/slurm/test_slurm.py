@@ -128,7 +128,8 @@ def test_job_ids_prove_who_ran_them(done):
 def test_few_submissions_carry_many_jobs(done):
     # Counted anew: the logger of the default profile does not say how many there were.
     steps = sum(done.project.planned("--forceall").values())
-    assert len(done.jobs) < 0.7 * steps
+    # The job that was killed was submitted twice.
+    assert len(done.jobs) - 1 <= 0.7 * steps
 
 
 def test_a_killed_job_was_submitted_again(done):

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+
+from jointwear.files.errors import InputError
 
 #: Sizes beyond which a number is none that an arm can have.
 ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
 #: Largest label of a trajectory: netCDF as CF 1.8 has it stores 32 bits.
 LARGEST_LABEL = 2**31 - 1
+#: Time from sample to sample [s]: no drive closes its loop in a microsecond, and in a minute an arm has done its work.
+SHORTEST_STEP, LONGEST_STEP = 1e-6, 60.0
+#: Latest time [s], the year 2286 on a clock that counts from 1970.
+LATEST = 1e10
 #: [degC]
 ABSOLUTE_ZERO = -273.15
 
@@ -29,3 +37,25 @@ def without_sentinels(array: np.ndarray) -> np.ndarray:
     """Return values, as they are logged, with NaN in place of numbers that stand for a missing one."""
     missing = np.isin(array, SENTINELS)
     return np.where(missing, np.nan, array) if missing.any() else array
+
+
+def check_clock(path: str | Path, time: np.ndarray) -> None:
+    """Check that samples follow each other as those of a controller can, and that they are of one life of an arm.
+
+    Raises
+    ------
+    InputError : naming the file and the step or the time that is impossible.
+    """
+    known = time[np.isfinite(time)]
+    steps = np.diff(known)
+    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
+    if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise InputError(
+            f"{path}: the time rises by {step:.3g} s from sample to sample (allowed: {SHORTEST_STEP:g} to "
+            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: ms}}"
+        )
+    if len(known) and np.abs(known).max() > LATEST:
+        raise InputError(
+            f"{path}: the time reaches {known[np.argmax(np.abs(known))]:.3g} s (allowed: at most {LATEST:.0g} in "
+            "size); state its unit, as units: {time: ms}"
+        )

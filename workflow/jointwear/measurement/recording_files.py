@@ -18,15 +18,11 @@ from jointwear.measurement.formats import Layout, read_log
 from jointwear.measurement.formats.arrow import holds_numbers
 from jointwear.measurement.formats.chunk import check_count, numbered_columns
 from jointwear.measurement.log_kinds import log_format
-from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
+from jointwear.measurement.possible import LARGEST_LABEL, check_clock, possible, without_sentinels
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.units import ROLES, UNITS, converted
 from jointwear.robots.robot_file import read_robot_file
 
-#: Time from sample to sample [s]: no drive closes its loop in a microsecond, and in a minute an arm has done its work.
-SHORTEST_STEP, LONGEST_STEP = 1e-6, 60.0
-#: Latest time [s], the year 2286 on a clock that counts from 1970.
-LATEST = 1e10
 _JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 
 
@@ -78,7 +74,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
             if not np.isfinite(found[role]).any():
                 raise InputError(f"{path}: {role} holds no number that an arm can have")
     _check_shapes(path, found)
-    _check_clock(path, found["time"])
+    check_clock(path, found["time"])
     count = len(found["time"])
     if "trajectory" in found:
         labels = found["trajectory"]
@@ -119,23 +115,6 @@ def _check_shapes(path: Path, found: Mapping[str, np.ndarray]) -> None:
         shape = np.shape(found.get(role, found["position"]))
         if shape != (count, joints) and not (role == "temperature" and shape in ((count,), (count, 1))):
             raise InputError(f"{path}: {role} has shape {shape}; {count} samples of {joints} joints are expected")
-
-
-def _check_clock(path: Path, time: np.ndarray) -> None:
-    """Check that samples follow each other as those of a controller can, and that they are of one life of an arm."""
-    known = time[np.isfinite(time)]
-    steps = np.diff(known)
-    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
-    if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
-        raise InputError(
-            f"{path}: the time rises by {step:.3g} s from sample to sample (allowed: {SHORTEST_STEP:g} to "
-            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: ms}}"
-        )
-    if len(known) and np.abs(known).max() > LATEST:
-        raise InputError(
-            f"{path}: the time reaches {known[np.argmax(np.abs(known))]:.3g} s (allowed: at most {LATEST:.0g} in "
-            "size); state its unit, as units: {time: ms}"
-        )
 
 
 def _from_netcdf(

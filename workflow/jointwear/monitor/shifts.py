@@ -33,8 +33,9 @@ def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray, stead
     pause = max(PAUSE_HOURS * 3600.0, PAUSE_WINDOWS * length)
     run = np.concatenate([[0], np.cumsum(start[1:] - end[:-1] > pause)])
     longest = LONGEST_HOURS * 3600.0
-    first = np.array([start[run == r][0] for r in range(run[-1] + 1)])
-    whole = np.array([end[run == r][-1] for r in range(run[-1] + 1)]) - first
+    begins = np.flatnonzero(np.diff(run, prepend=-1))
+    first = start[begins]
+    whole = end[np.append(begins[1:], len(run)) - 1] - first
     if whole.max() > longest and baseline.any():
         most = PART_HOURS * 3600.0 if steady else longest
         part = float(baseline.sum()) * length / PARTS

@@ -14,6 +14,10 @@ from jointwear.files.regular_files import check_regular
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.formats.layout import Layout, layout_of
 from jointwear.measurement.log_kinds import FORMATS, log_format
+from jointwear.measurement.possible import check_clock
+
+#: First samples of a log by which its clock is judged.
+CLOCK_LOOK = 1000
 
 
 def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[Chunk]:
@@ -39,6 +43,8 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
     empty = True
     for chunk in read(Path(path), layout, rows):
         if len(chunk.time):
+            if empty:
+                check_clock(path, chunk.time[:CLOCK_LOOK])
             empty = False
             yield chunk
     if empty:
