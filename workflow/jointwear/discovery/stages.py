@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -60,7 +61,7 @@ def discover_dataset(
             "reason": str(error),
             "suggestion": getattr(error, "suggestion", "mend the entry or the file that the reason names"),
         }
-        write_json(refused, content)
+        replace_text(refused, json.dumps(content, indent=1) + "\n")
         raise
     settings = {"dataset": name, **entry}
     write_recording(found.recording, folder / RECORDING, {"dataset": name, "entry": dict(entry)})
