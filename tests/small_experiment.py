@@ -187,8 +187,8 @@ def draw(done: Experiment) -> None:
         done.config["detection"]["confidence"],
     )
     draw_figure_4([done.path("trajectories", f"{t}.nc") for t in done.config["tasks"]], published, svg("figure_4"))
-    draw_lag_map(done.path("tables", "table_ii.csv"), svg("table_ii"), replicate)
-    draw_detection_map(done.path("tables", "table_iv.csv"), svg("table_iv"))
+    draw_lag_map(done.path("tables", "table_ii.nc"), svg("table_ii"), replicate)
+    draw_detection_map(done.path("tables", "table_iv.nc"), svg("table_iv"))
 
 
 @cache

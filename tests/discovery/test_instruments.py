@@ -15,9 +15,11 @@ from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.shared_drives import STICKS, sticking
 from jointwear.discovery.whitening import whiten
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
-from jointwear.measurement.motion import low_pass, measure
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
@@ -183,3 +185,21 @@ def test_an_effect_of_one_new_file_is_found_named_and_written(robot, tmp_path):
         assert entry["parameters"]["height"] == pytest.approx(3.0, rel=0.1)
         with found.files["augmented"].robot() as written:
             effects.check_effects(written)
+
+
+def test_samples_of_a_shared_drive_that_sticks_are_left_out():
+    rng = np.random.default_rng(3)
+    time = np.arange(4000) / RATE
+    velocity = np.stack([np.sin(w * time + k) for k, w in enumerate((2.0, 3.1, 4.3))], axis=1)
+    acceleration = np.gradient(velocity, 1 / RATE, axis=0)
+    usable, inertial = np.abs(velocity) > 0.02, rng.standard_normal((4000, 3, 2))
+    speed = velocity[:, 1] + velocity[:, 2]
+    slow = np.abs(speed) < STICKS
+    # A shared drive on joints 2 and 3, of any friction where it sticks.
+    level = np.where(slow, rng.uniform(-1, 1, 4000), np.sign(speed))
+    missing = 0.02 * rng.standard_normal((4000, 3)) + 0.8 * level[:, None] * np.array([0, 1, 1])
+    stuck = sticking(usable, velocity, acceleration, missing, inertial)
+    assert not stuck[:, 0].any()
+    np.testing.assert_array_equal(stuck[:, 1:], np.stack([slow, slow], axis=1))
+    missing[:, 1] = 0.02 * rng.standard_normal(4000)
+    assert not sticking(usable, velocity, acceleration, missing, inertial)[:, 1].any()

@@ -246,3 +246,25 @@ def test_content_of_a_robot_file_with_a_payload_is_a_body(content):
     base, content = content, effect.writes({"payload": {"mass": 0.5, "com": [0.0, 0.1, 0.0]}}, parameters)
     assert content["payload"]["mass"] == pytest.approx(1.7)
     assert robot_from_data({**base, **content}).payload.com == pytest.approx([0.3 / 1.7, 0.05 / 1.7, 0.0])
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.floats(0.1, 20.0),
+    st.lists(st.floats(-0.4, 0.4), min_size=3, max_size=3),
+    st.lists(st.floats(1e-3, 0.5), min_size=3, max_size=3),
+)
+def test_a_sound_payload_is_a_body_and_a_light_one_with_its_moments_is_none(mass, com, moments):
+    payload = effects.get_effect("payload")
+    com = np.abs(com) + 0.1
+    about = np.diag(moments) + mass * (com @ com * np.eye(3) - np.outer(com, com))
+    moment = dict(zip(("moment_x", "moment_y", "moment_z"), mass * com, strict=True))
+    pairs = {"xx": (0, 0), "xy": (0, 1), "yy": (1, 1), "xz": (0, 2), "yz": (1, 2), "zz": (2, 2)}
+    parameters = {"mass": mass, **moment, **{k: float(about[i]) for k, i in pairs.items()}}
+    assert payload.sound(parameters)
+    written = payload.writes({}, parameters)["payload"]
+    np.testing.assert_allclose(written["com"], com, rtol=1e-6)
+    np.testing.assert_allclose(written["inertia"][:3], moments, rtol=1e-5, atol=1e-9)
+    # The same moments on next to no mass would be those of no body.
+    assert not payload.sound({**parameters, "mass": 1e-4 * mass})
+    assert not payload.sound({**parameters, "mass": -mass})

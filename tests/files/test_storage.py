@@ -1,5 +1,6 @@
 """Files appear whole or not at all, and a broken one is named."""
 
+import netCDF4
 import numpy as np
 import pytest
 
@@ -62,8 +63,6 @@ def test_text_is_replaced_at_once(tmp_path):
 
 
 def test_what_the_cf_conventions_ask_is_added(tmp_path):
-    import netCDF4
-
     variables = {
         "n": Variable(("n",), np.arange(3), "number", "1"),
         "flag": Variable(("n",), np.array([True, False, True]), "flag", "1"),
@@ -98,8 +97,6 @@ def test_a_flipped_bit_is_found(tmp_path):
 
 
 def test_numbers_that_stop_being_finite_are_found(tmp_path):
-    import netCDF4
-
     path = tmp_path / "a.nc"
     gaps = np.array([1.0, np.nan])
     write_dataset(path, {"x": Variable(("n",), np.ones(2), "x"), "y": Variable(("n",), gaps, "y")}, {})
@@ -126,8 +123,6 @@ def test_a_result_is_read_under_its_own_name_only(tmp_path):
 
 
 def test_a_file_that_declares_more_than_it_can_hold_is_refused(tmp_path):
-    import netCDF4
-
     with netCDF4.Dataset(tmp_path / "a.nc", "w") as data:
         data.createDimension("n", 10**12)
         data.createVariable("x", "f8", ("n",), chunksizes=(1000,))
@@ -151,3 +146,25 @@ def test_a_full_disk_is_one_line(tmp_path, monkeypatch):
     with pytest.raises(InputError, match=words), create_dataset(tmp_path / "a.nc", {}, {}, {}):
         raise RuntimeError("NetCDF: HDF error")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("how", ["attribute", "unit", "word", "name"])
+def test_text_and_attributes_that_were_changed_are_found(tmp_path, how):
+    path = tmp_path / "a.nc"
+    variables = {
+        "x": Variable(("n",), np.arange(2.0), "x", "m"),
+        "w": Variable(("n",), np.array(["a", "bc"]), "words"),
+    }
+    write_dataset(path, variables, {"title": "t", "count": 3, "labels": [1, 2]})
+    assert read_variables(path, "w")[0].tolist() == ["a", "bc"]
+    with netCDF4.Dataset(path, "a") as data:
+        if how == "attribute":
+            data.count = np.int64(4)
+        elif how == "unit":
+            data["x"].units = "km"
+        elif how == "word":
+            data["w"][0] = "b"
+        else:
+            data.renameVariable("w", "v")
+    with pytest.raises(InputError, match=r"a\.nc: was changed or damaged since it was written; delete it"):
+        read_variables(path, "x")

@@ -66,6 +66,12 @@ def test_a_hostile_value_on_the_command_line(project, value, words):
         ("seed: 1" + "0" * 400 + "\n", "'seed' is 1000"),
         ("a: &a [1,1,1,1,1,1,1,1,1]\n" + "".join(
             f"a{i}: &a{i} [{', '.join([f'*a{i - 1}' if i else '*a'] * 9)}]\n" for i in range(9)), "200000 values"),
+        ("a: &a {x: 1, y: 1, z: 1, v: 1, w: 1}\n" + "".join(
+            f"a{i}: &a{i} {{{', '.join(f'{k}: *a{i - 1 if i else str()}' for k in 'xyzvw')}}}\n" for i in range(12)),
+         "200000 values"),
+        ("wear: &w {shape: *w}\n", "an anchor holds itself"),
+        ("seed: " + "9" * 5000 + "\n", "not valid YAML"),
+        ("__use_yte__: true\nseed: ?__import__('os').system('touch executed')\n", "runs code"),
         ("wear: {shape: 2}\nwear: {shape: 3}\n", "given twice"),
     ],
 )  # fmt: skip
@@ -98,3 +104,5 @@ def test_a_pipe_for_a_robot_does_not_hang(project):
         done = run(project, "--config", f"robot={name}")
         assert done.returncode == 1
         assert "is a named pipe" in last_line(done)
+    done = run(project, "--configfile", "pipe.yaml")
+    assert "is a named pipe" in last_line(done)

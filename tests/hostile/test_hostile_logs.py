@@ -13,7 +13,7 @@ from mutations import NUMBERS, WORDS, broken_bytes, seeds
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.measurement.formats import read_log
-from jointwear.measurement.formats.chunk import ABSURD
+from jointwear.measurement.possible import ABSOLUTE_ZERO, ABSURD
 from jointwear.measurement.recording_files import load_recording
 
 pytestmark = pytest.mark.hostile
@@ -25,7 +25,7 @@ def columns():
     table = {"time": log.time}
     for role in ROLES:
         table.update({f"{role}_{j + 1}": getattr(log, role)[:, j] for j in range(6)})
-    return table
+    return table | {"temperature": np.full(len(log.time), 30.0)}
 
 
 def csv_text(table):
@@ -92,18 +92,25 @@ def accepted_log(path):
     count = 0
     for chunk in read_log(path, layout(), rows=64):
         count += len(chunk.time)
-        for role in ROLES:
-            values = getattr(chunk, role)
-            if values is not None:
-                assert values.shape == (len(chunk.time), 6)
-                assert (np.isnan(values) | (np.abs(values) <= ABSURD[role])).all()
+        check_numbers(chunk)
     assert count <= 20_000
     return count
 
 
+def check_numbers(samples):
+    """Every number is missing or one that an arm can have."""
+    for role in (*ROLES, "temperature"):
+        values = getattr(samples, role)
+        if values is not None:
+            assert values.shape[0] == len(samples.time)
+            assert role == "temperature" or values.shape[1] == 6
+            assert (np.isnan(values) | (np.abs(values) <= ABSURD[role])).all()
+            assert role != "temperature" or not (values < ABSOLUTE_ZERO).any()
+
+
 def accepted_recording(path):
     recording = load_recording({"measured": str(path), "robot": "config/robots/puma560.yaml"})
-    assert len(recording.time) == len(recording.position) == len(recording.torque)
+    check_numbers(recording)
     return len(recording.time)
 
 
@@ -172,6 +179,61 @@ def test_broken_tables(tmp_path_factory, text):
     path = tmp_path_factory.getbasetemp() / "log.csv"
     path.write_text(text, encoding="utf-8")
     held(outcome_of(lambda: read_both(path)))
+
+
+@st.composite
+def impossible_tables(draw):
+    """Columns that are scaled, shifted, constant, exchanged or doubled, as arrays by name."""
+    table = [[name, values.copy()] for name, values in columns().items()]
+    for _ in range(draw(st.integers(1, 2))):
+        column = draw(st.sampled_from(table))
+        size = draw(
+            st.sampled_from([0.0, -1.0, 1e-12, 1e3, 1e9, 1e15, 1e300, float("nan"), float("inf"), -300.0, 1e10])
+        )
+        what = draw(st.sampled_from(["scale", "shift", "constant", "spike", "name", "double", "turn"]))
+        with np.errstate(all="ignore"):
+            if what == "scale":
+                column[1] = column[1] * size
+            elif what == "shift":
+                column[1] = column[1] + size
+            elif what == "constant":
+                column[1][:] = size
+            elif what == "spike":
+                column[1][draw(st.integers(0, len(column[1]) - 1)) :][:3] = size
+            elif what == "turn":
+                column[1] = column[1][::-1].copy()
+            elif what == "double":
+                table.append([draw(st.sampled_from(table))[0], column[1]])
+            else:
+                column[0] = draw(st.sampled_from(["torque_٣", "position_" + "9" * 5000, "time", "trajectory", "x"]))
+    return table
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_impossible_tables(tmp_path, kind):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    path = tmp_path / f"log.{kind}"
+
+    def write(table):
+        names, values = [name for name, _ in table], [column for _, column in table]
+        if kind == "parquet":
+            parquet.write_table(pa.Table.from_arrays([pa.array(v) for v in values], names=names), path)
+        else:
+            rows = [
+                ",".join(names),
+                *(",".join(map(repr, row)) for row in zip(*(v.tolist() for v in values), strict=True)),
+            ]
+            path.write_text("\n".join(rows) + "\n")
+
+    @given(impossible_tables())
+    @seeds(60)
+    def check(table):
+        assert outcome_of(lambda: write(table)).kind == "accepted"
+        held(outcome_of(lambda: read_both(path)))
+
+    check()
 
 
 def test_a_pipe_and_a_million_columns_do_not_hang(tmp_path):

@@ -15,7 +15,7 @@ from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement.axis_readings import Reading, readings
 from jointwear.measurement.checks import Refused, check_recording
-from jointwear.measurement.motion import low_pass
+from jointwear.measurement.filtering import low_pass
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
@@ -100,12 +100,16 @@ def test_the_filter_is_that_of_scipy(shape, cutoff):
 def test_an_effect_of_one_record_is_not_one_of_the_robot():
     limits = Settings()
     of_all = CrossValidated(nats=60.0, share=0.25, worst=3.0, lowers_error=0.999, gain_share=0.1)
-    assert missed(of_all, 60.0, limits) is None
+    assert missed(of_all, 60.0, limits) == []
     # In nats alone nothing is believed.
-    assert missed(replace(of_all, lowers_error=0.9), 60.0, limits)[1:] == (0.9, limits.certainty)
-    assert missed(replace(of_all, gain_share=-0.01), 60.0, limits)[0].startswith("drop of the squared error")
-    assert missed(replace(of_all, worst=-20.0), 60.0, limits)[0].endswith("that gains least")
-    assert missed(replace(of_all, nats=1.0), 60.0, limits)[0].startswith("nats gained")
+    assert missed(replace(of_all, lowers_error=0.9), 60.0, limits) == [
+        ("probability of a smaller error on records left out", 0.9, limits.certainty)
+    ]
+    assert missed(replace(of_all, gain_share=-0.01), 60.0, limits)[0][0].startswith("drop of the squared error")
+    assert missed(replace(of_all, worst=-20.0), 60.0, limits)[0][0].endswith("that gains least")
+    assert missed(replace(of_all, nats=1.0), 60.0, limits)[0][0].startswith("nats gained")
+    # Every gate that is missed is told.
+    assert len(missed(replace(of_all, nats=1.0, worst=-20.0), 60.0, limits)) == 2
     assert stiff(Candidate("joint_flexibility", 1, None))
     assert stiff(Candidate("drive_coupling", 4, 5))
     assert not stiff(Candidate("stribeck_friction", 1, None))

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.motion import low_pass, measure
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.smoothing import END, smooth
 

@@ -1,15 +1,18 @@
 """The parts of the decision: shifts, normal state, dispersion, threshold, forecast, baseline, programs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.decision import shift_evidence
-from jointwear.monitor.dispersion import FLOOR, START, ShiftMeans, between_shifts
-from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state
+from jointwear.monitor.decision import STEP_WINDOWS, shift_evidence
+from jointwear.monitor.dispersion import FLOOR, START, Dispersion, ShiftMeans, between_shifts, updated_between
+from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_threshold
 from jointwear.monitor.regimes import find_regimes
+from jointwear.monitor.scale import scale_steps
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.shift_forecast import forecast_shifts
 from jointwear.monitor.shifts import shift_labels
@@ -29,6 +32,10 @@ def test_pauses_end_shifts_and_a_robot_that_never_stops_is_cut_into_parts():
     start = HOUR * np.arange(240.0)
     label = shift_labels(start, start + HOUR, start < 48 * HOUR)
     assert (np.bincount(label) == 8).all()
+    # A day where programs change, a working shift where one runs alone.
+    for steady, hours in ((False, 24), (True, 8)):
+        label = shift_labels(start, start + HOUR, start < 168 * HOUR, steady)
+        assert (np.bincount(label) == hours).all()
 
 
 @settings(max_examples=20, deadline=None)
@@ -63,12 +70,46 @@ def test_an_odd_day_of_the_baseline_does_not_rule_it():
     assert abs(fit.posterior.mean[0]) < 0.006
 
 
+@settings(max_examples=20, deadline=None)
+@given(st.floats(-0.5, 0.5))
+def test_a_shift_teaches_contrasts_and_never_its_level(step):
+    random = np.random.default_rng(5)
+    x = np.stack([np.ones(30), random.standard_normal(30)], axis=1)
+    y = x @ [0.0, 0.1] + 0.002 * random.standard_normal(30)
+    before = Posterior(np.zeros(2), np.diag([1e-4, 0.09]))
+    after = taught(before, x, y, np.full(30, 4e-6))
+    worn = taught(before, x, y + step, np.full(30, 4e-6))
+    assert after.mean == pytest.approx([0.0, 0.1], abs=5e-3)
+    assert worn.mean == pytest.approx(after.mean, abs=1e-9)
+    assert after.covariance[0, 0] == pytest.approx(1e-4)
+    assert after.covariance[1, 1] < 1e-5
+
+
 def test_scatter_between_shifts_has_a_floor_and_is_found():
     random = np.random.default_rng(3)
     quiet = [ShiftMeans(np.zeros(6), np.full(6, 1e-8)) for _ in range(3)]
     assert all(FLOOR <= b < 2 * FLOOR for b, _ in between_shifts(quiet))
     wide = [ShiftMeans(0.05 * random.standard_normal(12), np.full(12, 1e-6)) for _ in range(3)]
     assert all(0.03 < b < 0.09 for b, _ in between_shifts(wide))
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.0, 0.008))
+def test_later_shifts_widen_the_scatter_and_slow_growth_hardly_does(growth):
+    first, none = Dispersion(0.0, 0.0, 0.007, 0.4), np.full(16, 1e-6)
+    random = np.random.default_rng(6)
+    quiet = 0.005 * random.standard_normal(16)
+    same = np.zeros(16, dtype=int)
+    steady = updated_between(first, quiet, none, same)
+    worn = updated_between(first, quiet + growth * np.arange(16), none, same)
+    assert steady[0] == pytest.approx(0.007, rel=0.2)
+    assert worn[-1] < 0.012
+    assert updated_between(first, 6 * quiet, none, same)[-1] > 0.018
+    # One step of a service says little, and none where the axis was learnt anew.
+    service = np.where(np.arange(16) >= 8, -0.1, 0.0)
+    assert updated_between(first, quiet + service, none, same)[-1] < 2.5 * steady[-1]
+    anew = updated_between(first, quiet + service, none, (np.arange(16) >= 8).astype(int))
+    assert anew[-1] < 1.2 * steady[-1]
 
 
 def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
@@ -81,20 +122,29 @@ def evidence(level: np.ndarray):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
     return shift_evidence(
-        np.repeat(level, 8), np.full(w, 1e-5), np.ones((w, 1)), np.full((1, 1), 1e-6), shift, START, np.zeros(w)
+        np.repeat(level, 8),
+        np.full(w, 1e-5),
+        np.ones((w, 1)),
+        [Posterior(np.zeros(1), np.full((1, 1), 1e-6))],
+        np.zeros(w, dtype=int),
+        shift,
+        START.memory,
+        np.full(w, START.between),
+        np.zeros(w),
     )
 
 
 def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     assert evidence(np.array([0, 0, 0.04, 0.04])).growth[-1] > 2
     assert np.isneginf(evidence(np.array([0, 0, 0, 0.025])).growth[-1])
-    fall = evidence(np.array([0, 0, -0.04, -0.04]))
+    assert np.isneginf(evidence(np.array([0, 0, -0.04, -0.04])).fall[-1])
+    fall = evidence(np.array([0, 0, -0.04, -0.04, -0.04]))
     assert np.isneginf(fall.growth[-1])
     assert fall.fall[-1] > 2
-    # A large step is told at its eighth window.
+    # A large step is told within its first shift.
     step = evidence(np.array([0, 0, 0, 0.1])).growth
-    assert np.isfinite(step[-1])
-    assert np.isneginf(step[-2])
+    assert np.isfinite(step[-8 + STEP_WINDOWS - 1])
+    assert np.isneginf(step[-8 + STEP_WINDOWS - 2])
 
 
 def test_one_worn_axis_is_no_shared_error():
@@ -119,6 +169,10 @@ def test_programs_are_told_apart_and_an_unseen_one_is_said_so():
     regime = find_regimes(signature, np.arange(23) < 20)
     assert len(set(regime[:20])) == 2
     assert (regime[20:] == -1).all()
+    # From the fourth window on it is a program of its own.
+    longer = find_regimes(np.concatenate([signature, third[None]]), np.arange(24) < 20)
+    assert np.array_equal(longer[:20], regime[:20])
+    assert (longer[20:] == 2).all()
     mixed = np.random.default_rng(4).uniform(-3, 3, (20, 6))
     assert find_regimes(mixed, np.ones(20, dtype=bool)) is None
 
@@ -132,3 +186,35 @@ def test_forecasts_of_steady_growth_hold_and_do_not_promise_an_end_too_soon(dail
     true = (0.2 / daily - days) * 24
     assert told.low <= true <= told.high
     assert told.low <= told.hours <= told.high
+
+
+def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, ...] = ()):
+    """Six axes over ten shifts of eight windows; steps from window 40 on, alarms at a window."""
+    residual, alarm = np.zeros((80, 6)), np.zeros((80, 6), dtype=bool)
+    for axis, size in steps.items():
+        residual[40:, axis] = size
+    for axis, window in alarms.items():
+        alarm[window, axis] = True
+    normal = [
+        SimpleNamespace(
+            fit=SimpleNamespace(left_out_variance=np.array([0.04**2 if j in weak else 1e-6])),
+            dispersion=SimpleNamespace(between=0.005),
+        )
+        for j in range(6)
+    ]
+    return SimpleNamespace(
+        residual=residual, noise=np.full((80, 6), 1e-6), mean=residual, shifts=np.full((80, 6), 2), alarm=alarm,
+        axes=normal, starts=[[] for _ in range(6)],
+    )  # fmt: skip
+
+
+def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_with_it():
+    shift = np.repeat(np.arange(10), 8)
+    wear = quantity({2: 0.06}, {2: 50})
+    assert scale_steps(wear, quantity({}, {}), shift) == []
+    (step,) = scale_steps(wear, quantity({2: 0.06}, {}), shift)
+    assert (step.axis, step.window, step.factor) == (2, 40, pytest.approx(np.exp(0.06)))
+    # A cabinet scales all axes; the last two hardly move a body.
+    level = quantity(dict.fromkeys(range(6), 0.06), {0: 50, 4: 50, 5: 55})
+    scale = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5))
+    assert {s.axis for s in scale_steps(level, scale, shift)} == set(range(6))

@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_experiment import FIGURES, PUBLISHED, ROOT, draw, small_experiment
 
+from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, read_variables, write_dataset
 from jointwear.publishing.figures import figure_3, palette
 from jointwear.publishing.figures.cells import figure_cell
@@ -20,7 +21,10 @@ from jointwear.publishing.figures.curves import divergence_curves, friction_curv
 from jointwear.publishing.figures.detection_map import draw_detection_map
 from jointwear.publishing.figures.figure_4 import draw_figure_4
 from jointwear.publishing.figures.lag_map import draw_lag_map
+from jointwear.publishing.figures.style import new_figure, save
+from jointwear.publishing.report.inline import inline_svg
 from jointwear.reproduction.grid import Cell
+from jointwear.reproduction.tables import write_table
 from jointwear.reproduction.wear import Wear
 from jointwear.robots.robot import load_robot
 
@@ -146,15 +150,17 @@ def test_the_run_of_the_paper_is_shown_where_the_grid_has_it():
 
 
 def test_maps_cope_with_a_grid_that_the_paper_never_ran(tmp_path):
-    table = tmp_path / "table.csv"
-    table.write_text(
-        "task,axis,increase_percent,published,detection_probability,hour_median,verdict\n"
-        "Weld,7,12.5,,0.25,99,not comparable\nWeld,2,12.5,,0,,not comparable\n"
-    )
-    draw_detection_map(table, tmp_path / "map.svg")
+    row = {"task": "Weld", "increase_percent": 12.5, "published": None, "verdict": "not comparable"}
+    row |= dict.fromkeys(("probability_low", "probability_high", "hour_low", "hour_high", "located_probability"))
+    runs = [
+        {**row, "axis": 7, "detection_probability": 0.25, "hour_median": 99},
+        {**row, "axis": 2, "detection_probability": 0.0, "hour_median": None},
+    ]
+    write_table("table_iv", runs, tmp_path / "table_iv", {})
+    draw_detection_map(tmp_path / "table_iv.nc", tmp_path / "map.svg")
     assert "paper: not run" in text_of(tmp_path / "map.svg")
-    table.write_text("task,axis,increase_percent,row_axis,column_axis,published,reproduced\n")
-    draw_lag_map(table, tmp_path / "lags.svg", 1)
+    write_table("table_ii", [], tmp_path / "table_ii", {})
+    draw_lag_map(tmp_path / "table_ii.nc", tmp_path / "lags.svg", 1)
     assert "not in the grid" in text_of(tmp_path / "lags.svg")
 
 
@@ -204,3 +210,25 @@ def test_figures_use_only_colours_that_a_theme_can_replace(experiment):
     for name in ("figure_1", "figure_2", "figure_3", "figure_4"):
         used = set(COLOUR.findall(Path(experiment.path("figures", f"{name}.svg")).read_text(encoding="utf-8")))
         assert used <= set(palette._VARIABLES), (name, used - set(palette._VARIABLES))
+
+
+def test_no_flipped_bit_of_a_picture_is_believed(tmp_path):
+    path = tmp_path / "map.svg"
+    save(new_figure(0.4), path, "Nothing", "Nothing at all.")
+    whole = path.read_bytes()
+    drawn = inline_svg(path, "a")
+    for place in range(0, len(whole), 7):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << place % 8]) + whole[place + 1 :])
+        try:
+            found = inline_svg(path, "a")
+        except InputError:
+            continue
+        # What follows the picture is the checksum itself.
+        assert place > len(whole) - 30
+        assert found == drawn
+
+
+def test_a_picture_without_a_view_box_is_named(tmp_path):
+    (tmp_path / "a.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><desc>x</desc></svg>')
+    with pytest.raises(InputError, match=r"a\.svg: has no view box"):
+        inline_svg(tmp_path / "a.svg", "a")

@@ -15,9 +15,10 @@ from jointwear.files.storage import Variable, read_variables, write_dataset
 from jointwear.publishing.report import detection_rates, drivers
 from jointwear.publishing.report.assembly import assumptions, paper_facts
 from jointwear.publishing.report.figure_scores import score_components
-from jointwear.publishing.report.result_tables import lag_verdict, read_table, score_detection, score_values
+from jointwear.publishing.report.result_tables import lag_verdict, score_detection, score_values
 from jointwear.publishing.report.torque_limits import limit_use
 from jointwear.reproduction.published import load_published
+from jointwear.reproduction.tables import read_table
 
 
 def test_summary_file_holds_the_numbers_of_the_page(experiment, data):

@@ -85,3 +85,15 @@ def test_a_bag_of_a_real_arm_is_read_with_the_arm_of_a_package():
     recording = load_recording(entry_of("discover_ur10.yaml", "ur10"), "ur10")
     assert recording.position.shape == (3441, 6)
     assert recording.time[-1] == pytest.approx(27.52)
+
+
+def test_friction_of_the_ur10_has_another_shape_on_its_first_joint():
+    entry = entry_of("discover_ur10.yaml", "ur10")
+    verdict = discover(load_recording(entry, "ur10"), load_robot(entry["robot"]), Settings(entry["inertial_prior"]))
+    shapes = {"nonlinear_viscous_friction", "stribeck_friction"}
+    named = {(e["effect"], e["axis"]) for e in verdict.effects}
+    assert {effect for effect, axis in named if axis == 1} & shapes
+    assert not any(axis in (2, 6) for _, axis in named)
+    # The robot file knows no friction: retuning alone has to find that of the wrist.
+    gap = verdict.data["gap"]
+    assert all(r < 0.15 * n for r, n in zip(gap["retuned"][3:], gap["nominal"][3:], strict=True))

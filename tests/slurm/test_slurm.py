@@ -126,7 +126,8 @@ def test_job_ids_prove_who_ran_them(done):
 
 
 def test_few_submissions_carry_many_jobs(done):
-    steps = int(re.search(r"of (\d+) steps \(100%\) done", done.output)[1])
+    # Counted anew: the logger of the default profile does not say how many there were.
+    steps = sum(done.project.planned("--forceall").values())
     assert len(done.jobs) < 0.7 * steps
 
 

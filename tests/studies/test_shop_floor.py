@@ -28,7 +28,7 @@ from jointwear.studies.shop_floor.heat import draw_body, warm
 from jointwear.studies.shop_floor.judging import outcome
 from jointwear.studies.shop_floor.log_files import write_fleet, write_robot_logs
 from jointwear.studies.shop_floor.month import DAY, HOURS
-from jointwear.studies.shop_floor.plan import batch_of, batches, robots_of
+from jointwear.studies.shop_floor.plan import FIRST, REPORTED, batch_of, batches, robots_of
 from jointwear.studies.shop_floor.plant_entry import entry_of
 from jointwear.studies.shop_floor.programs import Jobs, draw_program
 from jointwear.studies.shop_floor.scores import detection, false_alarms, forecasts, poisson_rate, summary
@@ -298,8 +298,8 @@ def test_aims_are_held_to_the_intervals(worn):
 
 
 def test_batches_cover_every_robot_once():
-    covered = [k for batch in batches(200) for k in robots_of(batch)]
-    assert covered == list(range(200))
+    covered = [k for batch in batches() for k in robots_of(batch)]
+    assert covered == list(range(FIRST, FIRST + REPORTED))
     assert all(k in robots_of(batch_of(k)) for k in covered)
 
 

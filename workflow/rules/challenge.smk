@@ -179,6 +179,7 @@ rule report_stored_challenge:
         scores=shipped("data/benchmarks/challenge.json"),
         peers=STORED_PEERS,
         world=STORED_WORLD,
+        limits=STORED_LIMITS,
         templates=CHALLENGE_TEMPLATES,
         modules=modules_of("report_stored_challenge"),
     output:

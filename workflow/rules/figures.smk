@@ -39,8 +39,8 @@ rule draw_figures:
 
 rule draw_maps:
     input:
-        lags="results/tables/table_ii.csv",
-        detection="results/tables/table_iv.csv",
+        lags="results/tables/table_ii.nc",
+        detection="results/tables/table_iv.nc",
         modules=modules_of("draw_maps"),
     output:
         lags=drawn("table_ii", "map_ii", "Lags (Table II)"),

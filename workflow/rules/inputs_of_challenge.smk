@@ -45,3 +45,8 @@ STORED_PEERS = [
 STORED_WORLD = [
     str(path) for path in shipped_glob("data/benchmarks/challenge_world.json")
 ]
+
+# What moving the limits of discovery does, where it is kept with the project.
+STORED_LIMITS = [
+    str(path) for path in shipped_glob("data/benchmarks/discovery_limits.json")
+]

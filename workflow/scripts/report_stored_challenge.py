@@ -10,4 +10,5 @@ if __name__ == "__main__":
             next(iter(snakemake.input.get("peers", [])), None),
             snakemake.output[0],
             next(iter(snakemake.input.get("world", [])), None),
+            next(iter(snakemake.input.get("limits", [])), None),
         )

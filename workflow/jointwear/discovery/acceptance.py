@@ -1,6 +1,6 @@
 """The gates that an effect passes before it is named: it predicts in nats and in N m, and it is one of the robot.
 
-Every gate returns None or the :class:`Refusal` that tells by how much it was missed.
+What is asked of a candidate is asked in full: every gate that it misses is a :class:`Refusal` that tells by how much.
 """
 
 from __future__ import annotations
@@ -19,9 +19,6 @@ from jointwear.effects import get_effect
 
 #: Steps tried within each record [s apart].
 STEP_EVERY = 0.5
-#: The torque of an effect whose one parameter is in its columns has the coefficient one. Where the best parameter
-#: still needs one this far off, the torque has another shape.
-OFF_SCALE = 1.5
 
 
 def follows_time(candidate: Candidate) -> bool:
@@ -37,8 +34,8 @@ def stiff(candidate: Candidate) -> bool:
     return bend is not None and bend.written is None
 
 
-def missed(found: CrossValidated, evidence: float, settings: Settings) -> tuple[str, float, float] | None:
-    """Return the first gate of prediction that is missed: its name, what was reached and what is needed.
+def missed(found: CrossValidated, evidence: float, settings: Settings) -> list[tuple[str, float, float]]:
+    """Return the gates of prediction that are missed: name, what was reached and what is needed of each.
 
     Parameters
     ----------
@@ -54,18 +51,15 @@ def missed(found: CrossValidated, evidence: float, settings: Settings) -> tuple[
         ("probability of a smaller error on records left out", found.lowers_error, settings.certainty),
         ("drop of the squared error over the noise variance", found.gain_share, settings.smallest_share),
     )
-    for gate, reached, needed in gates:
-        if not reached >= needed:
-            return gate, reached, needed
-    return None
+    return [(gate, reached, needed) for gate, reached, needed in gates if not reached >= needed]
 
 
 def _refused(trial: Named, gate: str, reached: float, needed: float) -> Refusal:
     return Refusal(trial.candidate, trial.evidence, gate, float(reached), float(needed))
 
 
-def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossValidated, Refusal | None]:
-    """Return how an effect predicts records left out, with the gate that it misses.
+def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossValidated, list[Refusal]]:
+    """Return how an effect predicts records left out, with the gates that it misses.
 
     The textbook form may fail where the effect itself does not: then its form may bend, unless a robot file cannot
     hold the bend. What changes with time is wanted for the time to come: it has to predict either way.
@@ -74,44 +68,38 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
     found = cross_validate(white, before, [trial.term])
     failed = missed(found, trial.evidence, settings)
     lasting = follows_time(trial.candidate)
-    if trial.form is not None and not stiff(trial.candidate) and lasting == (failed is None):
+    if trial.form is not None and not stiff(trial.candidate) and lasting == (not failed):
         bent = cross_validate(white, before, trial.terms)
         bent_failed = missed(bent, trial.evidence, settings)
-        if not lasting or bent_failed is not None:
+        if not lasting or bent_failed:
             found, failed = bent, bent_failed
-    return found, None if failed is None else _refused(trial, *failed)
+    return found, [_refused(trial, *gate) for gate in failed]
 
 
-def refusal(white: White, named: list[Named], trial: Named) -> Refusal | None:
-    """Return the gate that keeps an effect from being named beside `named`, None if it passes all of them."""
+def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
+    """Return the gates that keep an effect from being named beside `named`, none if it passes all of them."""
     settings = white.problem.settings
     before = [t for n in named for t in n.terms]
     found, failed = predictive(white, before, trial)
-    if failed is not None:
-        return failed
     if trial.candidate.effect == LINK_MASS:
-        return _mass_refusal(white, before, trial)
+        return failed + _mass_refusals(white, before, trial)
+    half = 0.5 * settings.accept
+    gates = []
     if trial.candidate.axis is not None:
         if follows_time(trial.candidate):
-            if found.last < -1.0:
-                return _refused(trial, "nats gained on the last record left out", found.last, -1.0)
-            step = _step_lead(white, before, trial)
-            if step > 0.5 * settings.accept:
-                return _refused(trial, "nats by which one step in time does better", -step, -0.5 * settings.accept)
-        ratio = _cancels(white, trial)
-        if ratio > 4.0:
-            return _refused(trial, "its square over that of the discrepancy of its axis", -ratio, -4.0)
-        if not within_bounds(white, before, trial):
-            return _refused(trial, "its parameters within their bounds", 0.0, 1.0)
+            gates.append(("nats gained on the last record left out", found.last, settings.worst_record))
+            gates.append(("nats by which one step in time does better", -_step_lead(white, before, trial), -half))
+        gates.append(
+            ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
+        )
+        gates.append(("its parameters within their bounds", float(within_bounds(white, before, trial)), 1.0))
     wide = [replace(t, std=3.0 * t.std) if t.label == "inertial" else t for t in white.base]
     b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
-    left = gain(b, gram, trial.term.std)
-    if left <= 0.5 * settings.accept:
-        return _refused(trial, "nats with inertial parameters known three times less", left, 0.5 * settings.accept)
-    return None
+    gates.append(("nats with inertial parameters known three times less", gain(b, gram, trial.term.std), half))
+    return failed + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
 
 
-def _mass_refusal(white: White, before: list[Term], trial: Named) -> Refusal | None:
+def _mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refusal]:
     """Refuse a link mass that stays within what the prior says of it: a wrong parameter, not one that stands out."""
     settings = white.problem.settings
     free = [t for t in white.base if t.label != "inertial"]
@@ -120,8 +108,8 @@ def _mass_refusal(white: White, before: list[Term], trial: Named) -> Refusal | N
     sigmas = abs(float(b[0])) / precision / settings.inertial_prior
     if sigmas < settings.mass_sigmas:
         gate = "standard deviations of the inertial prior by which the mass is off"
-        return _refused(trial, gate, sigmas, settings.mass_sigmas)
-    return None
+        return [_refused(trial, gate, sigmas, settings.mass_sigmas)]
+    return []
 
 
 def _cancels(white: White, trial: Named) -> float:
@@ -172,6 +160,7 @@ def within_bounds(white: White, before: list[Term], trial: Named) -> bool:
         return True
     b, gram = white.fit(before).gram(trial.term.blocks)
     size = b / (gram[0] + 1 / trial.term.std**2)
-    if get_effect(trial.candidate.effect).scaled and not 1 / OFF_SCALE < size[0] < OFF_SCALE:
+    off = white.problem.settings.off_scale
+    if get_effect(trial.candidate.effect).scaled and not 1 / off < size[0] < off:
         return False
     return possible(get_effect(trial.candidate.effect), trial.candidate.nonlinear, size)

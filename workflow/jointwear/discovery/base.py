@@ -21,8 +21,7 @@ from jointwear.discovery.whitening import White
 DRIVE_ERRORS = (1e-6, 0.01, 0.03, 0.1, 0.3, np.inf)
 #: The same for the inertial parameters, in units of their prior.
 INERTIAL_ERRORS = (1e-5, 0.3, 1.0)
-#: Evidence [nats] that setting one number free needs, and how many may be: of two dozen one would go by chance.
-NEEDED_NATS = 4.0
+#: How many numbers may be set free one by one: a bound on time, each has to be worth it.
 MOST_FREE = 6
 
 
@@ -55,6 +54,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
     drives = np.array([w.start for w in places.values()], dtype=int)
     size = np.array([abs(nominal[place]) for place in places])
     wide = fit.std[drives]
+    needed = 0.5 * white.problem.settings.accept
 
     def weigh(std: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """Evidence up to a constant, coefficients and their variances under a prior."""
@@ -82,7 +82,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
                 trial = std.copy()
                 trial[drives[k]] = wide[k]
                 got, theta_free, factor_free = weigh(trial)
-                if got < value + NEEDED_NATS:
+                if got < value + needed:
                     break
                 std, value, theta, factor = trial, got, theta_free, factor_free
             if value > best[0]:

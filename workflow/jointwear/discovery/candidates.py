@@ -14,8 +14,6 @@ from jointwear.effects import Effect, State, get_effect, library
 from jointwear.robots.inertia import mass_direction
 
 LINK_MASS = "link_mass"
-#: A link mass that would have to be wrong by more than this share is not a wrong parameter but a missing body.
-WRONGEST_MASS = 0.6
 #: A joint that moves less than this [rad] acts on no other.
 STILL = 1e-4
 
@@ -203,7 +201,9 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
             continue
         b, gram = fit.gram(blocks)
         value = gain(b, gram, std)
-        if candidate.effect == LINK_MASS and abs(b[0]) > WRONGEST_MASS * (gram[0, 0] + 1 / std[0] ** 2):
+        if candidate.effect == LINK_MASS and abs(b[0]) > white.problem.settings.wrongest_mass * (
+            gram[0, 0] + 1 / std[0] ** 2
+        ):
             value = -np.inf
         families.setdefault(candidate.key, []).append((value, candidate, blocks, std))
     price = np.log(max(len(families), 1))

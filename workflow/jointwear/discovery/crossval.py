@@ -62,7 +62,7 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
         block = np.concatenate([*(terms[i].blocks[axis] for i in active), y[:, None]], axis=1)
         if axis in axes:
             in_newton_metres[axis] = np.concatenate([terms[i].raw[axis] for i in active], axis=1), columns
-        label = white.folds(axis)
+        label = white.parts(axis)
         for record in np.unique(label):
             rows = block[label == record]
             gram = rows.T @ rows
@@ -115,12 +115,12 @@ def _in_newton_metres(
         terms, fitted on the other records; the first `plain` places are those without.
     """
     targets = white.raw_targets()
-    drops: dict[tuple[int, int], float] = {}
+    drops: dict[tuple[int, float], float] = {}
     per_record: dict[int, np.ndarray] = {}
     shares = []
     for axis, (design, places) in designs.items():
         first = places < plain
-        label, time = white.folds(axis), white.problem.train_state.time[white.whiteners[axis].rows]
+        label, time = white.parts(axis), white.problem.train_state.time[white.whiteners[axis].rows]
         variance = white.whiteners[axis].marginal ** 2
         dropped = 0.0
         for record, (without, extended) in coefficients.items():
@@ -134,10 +134,12 @@ def _in_newton_metres(
                     (design[rows], extended[places]),
                 )
             ]
-            block = ((time[rows] - time[rows][0]) // white.problem.settings.block).astype(int)
-            sums = np.bincount(block, square[0] - square[1])
-            for index in np.unique(block):
-                drops[record, index] = drops.get((record, index), 0.0) + float(sums[index])
+            block = (time[rows] - time[rows][0]) // white.problem.settings.block
+            # Recordings may lie years apart: what is kept is as long as there are blocks with samples.
+            numbers, place = np.unique(block, return_inverse=True)
+            sums = np.bincount(place, square[0] - square[1])
+            for index, total in zip(numbers.tolist(), sums.tolist(), strict=True):
+                drops[record, index] = drops.get((record, index), 0.0) + total
             per_record[record] = per_record.get(record, np.zeros(2)) + np.sum(square, axis=1)
             dropped += float(sums.sum())
         shares.append(dropped / max(len(label), 1))

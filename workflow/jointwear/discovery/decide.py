@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.acceptance import predictive, refusal, within_bounds
+from jointwear.discovery.acceptance import predictive, refusals, within_bounds
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -30,43 +31,50 @@ from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.whitening import White, whiten
 
-#: Candidates refused after which the search ends.
-MOST_REFUSED = 12
-#: Probability below which an effect is not named: something else is more likely.
-LIKELY = 0.5
-#: Evidence [nats] that an effect may lose between being found and the last check, when others share it.
-SLACK = 4.0
+#: Refusals in a row after which the search leaves an axis alone: what a misfit of one joint costs must not end the
+#: search on the others. Bounds on time, not limits: what comes later has the least evidence.
+MOST_REFUSED_ON_AXIS = 5
+#: Refusals after which the search ends.
+MOST_REFUSED = 24
 
 
 def search(problem: Problem) -> Outcome:
-    """Return the effects that the training samples of `problem` show.
-
-    Steps: noise from a saturated fit; forward search by evidence, near ties re-ranked with the tolerance of their
-    form; each acceptance must also pass the gates of :mod:`jointwear.discovery.acceptance`; elimination and exchange;
-    then the tests for structure that is left.
-    """
-    settings = problem.settings
+    """Return the effects that the training samples of `problem` show: noise by a saturated fit, then :func:`decide`."""
     white = whiten(problem, estimate_noise(problem))
-    dictionary = build_dictionary(white)
+    return decide(white, build_dictionary(white))
+
+
+def decide(white: White, dictionary: Dictionary) -> Outcome:
+    """Return the effects that whitened data show, out of those of a dictionary.
+
+    Steps: forward search by evidence, near ties re-ranked with the tolerance of their form; each acceptance must also
+    pass the gates of :mod:`jointwear.discovery.acceptance`, and what was refused before it is asked again beside it;
+    elimination and exchange; then the tests for structure that is left.
+    """
+    problem, settings = white.problem, white.problem.settings
     outcome = Outcome(problem, white, white.fit(), dictionary)
     outcome.not_tried = {(effect, axis): reason for effect, axis, reason in dictionary.not_tried}
     named: list[Named] = []
-    refusals: list[Refusal] = []
+    refused: list[Named] = []
+    refusals_so_far = 0
     while sum(n.candidate.effect != LINK_MASS for n in named) < settings.most_effects:
         fit = white.fit(with_tolerances(white, named))
-        best = _best(white, dictionary, fit, named, refusals)
+        best = _best(white, dictionary, fit, named, refused)
         if best is None:
             break
         trial = _named(white, fit, best)
-        failed = refusal(white, named, trial)
-        if failed is not None:
-            refusals.append(failed)
-            if len(refusals) > MOST_REFUSED:
+        failed = refusals(white, named, trial)
+        if failed:
+            outcome.refusals += failed
+            refused.append(trial)
+            refusals_so_far += 1
+            if refusals_so_far > MOST_REFUSED:
                 break
             continue
         named.append(trial)
         named = _exchange(white, dictionary, named)
-    outcome.refusals = refusals
+        # What a hidden effect spoilt may pass now that this one has a name.
+        refused = []
     named = _eliminate(outcome, named)
     outcome.named = _predicting(outcome, named)
     outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
@@ -75,22 +83,23 @@ def search(problem: Problem) -> Outcome:
         stand_alone(outcome)
     weighed = [weigh(outcome, n, _with_form) for n in outcome.named]
     outcome.refusals += [
-        Refusal(n.candidate, n.evidence, "probability, given the data and the library", n.probability, LIKELY)
+        Refusal(n.candidate, n.evidence, "probability, given the data and the library", n.probability, settings.likely)
         for n in weighed
-        if n.probability < LIKELY
+        if n.probability < settings.likely
     ]
-    outcome.named = sorted((n for n in weighed if n.probability >= LIKELY), key=lambda n: -n.evidence)
+    outcome.named = sorted((n for n in weighed if n.probability >= settings.likely), key=lambda n: -n.evidence)
     if len(outcome.named) < len(weighed):
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
 
 
-def _best(white: White, dictionary: Dictionary, fit: Fit, named: list[Named], refusals: list[Refusal]) -> Scored | None:
+def _best(white: White, dictionary: Dictionary, fit: Fit, named: list[Named], refused: list[Named]) -> Scored | None:
     """Return the best family not named yet, near ties decided by evidence with the tolerance of the form."""
     settings = white.problem.settings
-    taken = {n.candidate.key for n in named} | {r.candidate.key for r in refusals}
-    full = _full_axes(named, settings.most_on_axis)
+    taken = {n.candidate.key for n in [*named, *refused]}
+    tried = Counter(n.candidate.axis for n in refused)
+    full = _full_axes(named, settings.most_on_axis) | {a for a, n in tried.items() if n >= MOST_REFUSED_ON_AXIS}
     found = [s for s in scan(white, dictionary, fit) if s.candidate.key not in taken and s.candidate.axis not in full]
     found = [s for s in found if s.evidence > settings.accept]
     close = _close(found)
@@ -166,7 +175,7 @@ def _beside(white: White, others: list[Named], one: Named) -> float:
 
 def _eliminate(outcome: Outcome, named: list[Named]) -> list[Named]:
     """Drop effects that the others have made unnecessary, weakest first."""
-    white, needed = outcome.white, outcome.problem.settings.accept - SLACK
+    white, needed = outcome.white, 0.5 * outcome.problem.settings.accept
     while named:
         named = [replace(n, evidence=_beside(white, [x for x in named if x is not n], n)) for n in named]
         weakest = min(named, key=lambda n: n.evidence)
@@ -214,13 +223,13 @@ def _predicting(outcome: Outcome, named: list[Named]) -> list[Named]:
     named = within
     while named:
         found = [predictive(white, others(n), n) for n in named]
-        failed = [(result.nats, refused, n) for n, (result, refused) in zip(named, found, strict=True) if refused]
+        failed = [(result.nats, gates, n) for n, (result, gates) in zip(named, found, strict=True) if gates]
         if not failed:
             return [
                 replace(n, cross_validated=r.share, lowers_error=r.lowers_error, gain_share=r.gain_share)
                 for n, (r, _) in zip(named, found, strict=True)
             ]
-        _, refused, worst = min(failed, key=lambda x: x[0])
-        outcome.refusals.append(refused)
+        _, gates, worst = min(failed, key=lambda x: x[0])
+        outcome.refusals += gates
         named = [n for n in named if n is not worst]
     return named

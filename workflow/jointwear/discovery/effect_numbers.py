@@ -11,10 +11,13 @@ from jointwear.discovery.candidates import Candidate, Form, raw_columns
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
 from jointwear.discovery.refine import free_parameters
+from jointwear.discovery.whitening import White
 from jointwear.effects import State, get_effect
 
 #: Relative distance within which a parameter lies on a bound.
 ON_BOUND = 1e-6
+#: Speed, over that from which the largest torque is stated, at which no sample lies beside a reversal any more.
+NOT_BESIDE = 3.0
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,23 @@ def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.nd
     return full
 
 
+def _form_std(white: White, candidate: Candidate, parameters: dict[str, float], name: str, linear: set[str]) -> float:
+    """Return the standard deviation of a parameter beside that of the fit: no form and no filter is known exactly.
+
+    Parameters of one unit are parts of one thing (a tilt about two lines, a moment), as large as all of them.
+    """
+    effect, problem = get_effect(candidate.effect), white.problem
+    units = {p.name: p.unit for p in effect.parameters}
+    size = np.sqrt(sum(parameters[other] ** 2 for other in linear if units[other] == units[name]))
+    share = problem.settings.parameter_error
+    if effect.waves is not None:
+        waves = effect.waves(problem.train_state, candidate.axis, candidate.nonlinear)
+        passed = problem.train_state.passed(candidate.axis, waves) * np.ones(len(problem.train_state.time))
+        passed = passed[problem.usable[:, candidate.axis]]
+        share = np.hypot(share, problem.settings.filter_error * (1 - np.sqrt(np.mean(passed**2))))
+    return float(share * size)
+
+
 def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
     """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior.
 
@@ -96,12 +116,13 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
         linear = {scaled}
     for name in linear & set(parameters):
         std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
+    std = {name: float(np.hypot(s, _form_std(white, candidate, parameters, name, set(std)))) for name, s in std.items()}
     rest = white.fit(others)
     spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
-    moving = problem.measured.usable[problem.test] & (np.abs(test.velocity) >= problem.settings.judged_speed)
+    moving = problem.moving[problem.test] & (np.abs(test.velocity) >= problem.settings.judged_speed)
     peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
     if candidate.axis is None:
         # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.
@@ -115,7 +136,13 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
         torque = raw_columns(white, candidate) @ coefficients[:own]
         size = height(torque[problem.usable[:, axis]])
         sampled = draw_torque(white, [*base, *others], candidate, spreads, size, test, rng)
-        sampled = np.abs(sampled[moving[:, axis]]).max(axis=0, initial=0.0)
+        sampled = np.abs(sampled[moving[:, axis]])
+        if effect.sequential:
+            # How close to a reversal the torque is what the form says is not known.
+            speed = np.abs(test.velocity[moving[:, axis], axis])
+            slowest = problem.settings.judged_speed * rng.uniform(1.0, NOT_BESIDE, DRAWS)
+            sampled = np.where(speed[:, None] >= slowest, sampled, 0.0)
+        sampled = sampled.max(axis=0, initial=0.0)
     sampled = sampled * (1 + form_error(effect) * rng.standard_normal(DRAWS))
     low, high = np.quantile(sampled, [0.025, 0.975])
     return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))

@@ -19,7 +19,7 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import Step, put_back
+from jointwear.discovery.fallback import Step, left_out_ratio, put_back
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.refine import evidence_at, refine, simplest
@@ -39,7 +39,8 @@ class Final:
     """The retuned and the augmented model.
 
     `delta_friction` (n, 4) and `delta_inertial` (10 n,) are added to the nominal parameters of the augmented model;
-    `retuned_friction`, `retuned_inertial` those of retuning alone.
+    `retuned_friction`, `retuned_inertial` those of retuning alone. `unwritten` are effects that are named and that the
+    augmented model does without.
     """
 
     outcome: Outcome
@@ -50,6 +51,7 @@ class Final:
     delta_inertial: np.ndarray
     retuned_friction: np.ndarray
     retuned_inertial: np.ndarray
+    unwritten: tuple[Estimate, ...] = ()
     fallbacks: tuple[FallBack, ...] = ()
     misfits: tuple[str, ...] = ()
 
@@ -80,9 +82,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     base = [t for t in base if t.label not in without]
     kept, fallbacks = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented")
     left = {id(t) for t in kept}
-    for one, _, term in refined:
-        if id(term) not in left:
-            outcome.suspects.append((one, "with it the model predicts records left out worse than the given robot"))
+    unwritten = _named_all_the_same(outcome, base, refined, forms, masses, left)
     forms = [f for f, (_, _, t) in zip(forms, refined, strict=True) if id(t) in left]
     refined = [r for r in refined if id(r[2]) in left]
     base = [t for t in base if id(t) in left]
@@ -95,8 +95,33 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         retuned_friction=friction,
         retuned_inertial=inertial,
         fallbacks=fallbacks + given_up,
-        misfits=tuple(words for e in final.estimates for words in misfits(e)),
+        unwritten=unwritten,
+        misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
     )
+
+
+def _named_all_the_same(outcome: Outcome, base, refined, forms, masses, left) -> tuple[Estimate, ...]:
+    """Return the effects that are there although the written model does without them.
+
+    A model falls back where one record left out is predicted worse, as when the others have to extrapolate to it. That
+    does not speak against an effect with which all records together are predicted better than by the given robot.
+    The others become suspects.
+    """
+    white = outcome.white
+    lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
+    if not lost:
+        return ()
+    whole = _fitted(outcome, base, refined, forms, masses)
+    ratio = left_out_ratio(white, whole.fit.terms, each=False)
+    result = []
+    for i in lost:
+        one, candidate, _ = refined[i]
+        axes = white.problem.judged if candidate.axis is None else (candidate.axis,)
+        if max(ratio[j] for j in axes) <= 1.0:
+            result.append(whole.estimates[i])
+        else:
+            outcome.suspects.append((one, "with it the model predicts records left out worse than the given robot"))
+    return tuple(result)
 
 
 def _whole_model(white, refined, forms, mass_terms):
@@ -133,6 +158,8 @@ def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Nam
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     fit = Fit(white.targets, [*base, *terms])
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
+    for _, candidate, term in refined:
+        _make_sound(fit, candidate, places[id(term)])
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
     for i, (one, candidate, term) in enumerate(refined):
@@ -145,6 +172,28 @@ def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Nam
         )
     friction, std, inertial = _base_of(white, fit, masses)
     return Final(outcome, fit, tuple(estimates), friction, std, inertial, friction, inertial)
+
+
+#: Standard deviations by which the first coefficient of an effect is moved until something like it may exist.
+SOUND = np.linspace(0.0, 3.0, 31)
+
+
+def _make_sound(fit: Fit, candidate: Candidate, where: slice) -> None:
+    """Move a fit along its posterior to the nearest parameters of an effect that may exist, where there are any.
+
+    A mass that the motion hardly shows comes out too small for its moments: the inertia about the centre of mass would
+    be negative, and what is written for it another torque. Everything else follows the mass as its covariance says.
+    """
+    effect = get_effect(candidate.effect)
+    if effect.sound is None:
+        return
+    theta, column = fit.theta, fit.covariance[:, where.start]
+    deviation = column / np.sqrt(column[where.start])
+    for step in SOUND:
+        for moved in (theta + step * deviation, theta - step * deviation):
+            if effect.sound(effect.parameters_of(candidate.nonlinear, moved[where])):
+                fit.theta = moved
+                return
 
 
 def _reference(candidate: Candidate) -> str:

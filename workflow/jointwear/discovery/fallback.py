@@ -31,12 +31,16 @@ class Step:
         return [t for t in terms if not any(t is own for own in self.terms)]
 
 
-def left_out_ratio(white: White, terms: list[Term]) -> np.ndarray:
+def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.ndarray:
     """Return the RMS error [N m] of a model on records left out in turn over that of the given robot, (n,).
 
     It is that over all records or that of the worst record, whichever is larger: what helps in most records and
     harms in one is not a better robot. Records of a few seconds are too short to be asked one by one. Axes that
     cannot be judged get 0.
+
+    Parameters
+    ----------
+    each : ask for the worst record too, not only for all of them together.
     """
     sizes = [len(t.std) for t in terms]
     edges = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
@@ -67,7 +71,7 @@ def left_out_ratio(white: White, terms: list[Term]) -> np.ndarray:
             rows = label == record
             given = targets[axis][rows]
             left = given - seen[rows] @ theta[where]
-            alone = rows.sum() >= ASKED_ALONE * white.problem.measured.rate
+            alone = each and rows.sum() >= ASKED_ALONE * white.problem.measured.rate
             square[axis].append((float(left @ left), float(given @ given), alone))
     ratio = np.zeros(len(white.targets))
     for axis, found in square.items():

@@ -10,11 +10,12 @@ from jointwear.discovery.candidates import LINK_MASS, Candidate, scan
 from jointwear.discovery.estimation import Estimate, Final
 from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.linear import Fit, gain
-from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import FRICTION, Problem
 from jointwear.discovery.verdict import (
     Gap,
     Lost,
+    MissedGate,
     NamedEffect,
     NotIdentifiable,
     NotTried,
@@ -49,7 +50,9 @@ def make_verdict(
     seen : what the motion can show. torques : (m, n) [N m] of the nominal, retuned and augmented model.
     """
     outcome, problem = final.outcome, final.outcome.problem
-    effects = sorted((_named_effect(final, e) for e in final.estimates), key=lambda e: -e.evidence_nats)
+    effects = sorted(
+        (_named_effect(final, e) for e in (*final.estimates, *final.unwritten)), key=lambda e: -e.evidence_nats
+    )
     retuned = [] if outcome.white is None else _retuned(final)
     left = outcome.unexplained[:LONGEST_LIST]
     if left:
@@ -112,17 +115,24 @@ def _places(candidate: Candidate) -> dict[str, int | None]:
 
 
 def _lost(outcome: Outcome) -> Iterable[Lost]:
+    """Yield the candidates that were refused, with the gates of their last refusals, strongest evidence first."""
     named = {n.candidate.key for n in outcome.named}
-    last = {r.candidate.key: r for r in outcome.refusals if r.candidate.effect != LINK_MASS}
-    found = sorted((r for key, r in last.items() if key not in named), key=lambda r: -r.evidence)
-    for r in found[:LONGEST_LIST]:
+    gates: dict[tuple, dict[str, Refusal]] = {}
+    for r in outcome.refusals:
+        if r.candidate.effect != LINK_MASS and r.candidate.key not in named:
+            gates.setdefault(r.candidate.key, {})[r.gate] = r
+    found = sorted((list(missed.values()) for missed in gates.values()), key=lambda missed: -missed[0].evidence)
+    for missed in found[:LONGEST_LIST]:
+        listed = tuple(MissedGate(r.gate, six_digits(r.reached), six_digits(r.needed)) for r in missed)
+        first = missed[0]
         yield Lost(
-            r.candidate.effect,
-            **_places(r.candidate),
-            evidence_nats=six_digits(r.evidence),
-            gate=r.gate,
-            reached=six_digits(r.reached),
-            needed=six_digits(r.needed),
+            first.candidate.effect,
+            **_places(first.candidate),
+            evidence_nats=six_digits(first.evidence),
+            gate=listed[0].gate,
+            reached=listed[0].reached,
+            needed=listed[0].needed,
+            gates=listed,
         )
 
 
@@ -169,6 +179,7 @@ def _named_effect(final: Final, e: Estimate) -> NamedEffect:
         cross_validated_gain=six_digits(named.cross_validated),
         lowers_error=six_digits(named.lowers_error),
         gain_share=six_digits(named.gain_share),
+        structure_left=named.structure_left,
         repeated=_rounded(named.repeated),
     )
 
@@ -195,7 +206,7 @@ def _regime(final: Final, e: Estimate) -> Regime:
 def _retuned(final: Final) -> list[Retuned]:
     """Return the parameters of the model that the data contradict, by the evidence that moving each is worth."""
     problem = final.outcome.problem
-    robot, need = problem.robot, problem.settings.retuned_nats
+    robot, need = problem.robot, problem.settings.accept
     nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
     delta = final.delta_friction * np.array([1, -1, 1, 1])
     found = []
@@ -233,7 +244,7 @@ def _wrong_mass(final: Final) -> list[Retuned]:
     effects = [t for n in outcome.named if n.candidate.effect != LINK_MASS for t in n.terms]
     fit = Fit(white.targets, [*fixed, *effects])
     full = white.fit([*effects])
-    if not named and full.evidence - fit.evidence < problem.settings.retuned_nats:
+    if not named and full.evidence - fit.evidence < problem.settings.accept:
         return []
     keys = {(LINK_MASS, link, None) for link in range(problem.robot.joints)}
     found = scan(white, outcome.dictionary, fit, keys)
@@ -243,7 +254,7 @@ def _wrong_mass(final: Final) -> list[Retuned]:
     if best is None:
         return []
     b, gram = fit.gram(best.blocks)
-    if gain(b, gram, best.std) < problem.settings.retuned_nats and not named:
+    if gain(b, gram, best.std) < problem.settings.accept and not named:
         return []
     share = float(b[0] / (gram[0, 0] + 1 / best.std[0] ** 2))
     mass = bodies(problem.robot)[best.candidate.axis][0]

@@ -21,7 +21,8 @@ from jointwear.discovery.problem import Problem
 from jointwear.effects import State
 from jointwear.effects.order import first_derivative, second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise, zero_phase_gain
-from jointwear.measurement.motion import low_pass, runs
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import runs
 
 #: Evidence [nats] that noise which column and residual share may feign at most: what a parameter gains by chance on
 #: average, half of a chi-square of one degree of freedom.
@@ -32,7 +33,7 @@ FREQUENCIES, CUTOFFS = 512, 80
 CLOCK = 0.05
 #: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
 RIDGE = 1e-6
-#: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.motion.low_pass`.
+#: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.filtering.low_pass`.
 HIGHEST = 0.45
 
 
@@ -122,19 +123,19 @@ def cutoff_of(
 
 
 def band_limited(state: State, axis: int, cutoff: float, rate: float) -> State:
-    """Return the state in which load, acceleration and torque of `axis` end at `cutoff` [Hz]; Coulomb friction stays.
+    """Return the state in which load and torque of `axis` end at `cutoff` [Hz]; Coulomb friction stays.
 
+    So do the accelerations of all joints: another joint's acts on this one where they share a drive.
     Viscous friction ends there too: a velocity is derived as well, and late by a few samples its noise looks like that
     of an acceleration.
     """
     if not np.isfinite(cutoff):
         return state
     level = state.drive.coulomb(axis, state.velocity[:, axis])
-    parts = np.stack([state.load[:, axis], state.acceleration[:, axis], state.torque[:, axis] - level], axis=1)
+    parts = np.column_stack([state.load[:, axis], state.torque[:, axis] - level, state.acceleration])
     limited = limit(parts, np.asarray(state.record), cutoff, rate)
-    load, acceleration, torque = state.load.copy(), state.acceleration.copy(), state.torque.copy()
-    load[:, axis], acceleration[:, axis] = limited[:, 0], limited[:, 1]
-    torque[:, axis] = limited[:, 2] + level
+    load, acceleration, torque = state.load.copy(), limited[:, 2:], state.torque.copy()
+    load[:, axis], torque[:, axis] = limited[:, 0], limited[:, 1] + level
     return replace(state, load=load, torque=torque, acceleration=acceleration)
 
 

@@ -12,9 +12,8 @@ from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
 
-#: Share of the squared error beyond the noise from which an effect is most of what an axis lacks, and from which it is
-#: so nearly all of it that no structure left beside it puts it in doubt.
-MOST, NEARLY_ALL = 0.5, 0.8
+#: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else.
+MOST = 0.5
 #: A basis of structure that is put into the model may be worth this many times the friction of its axis.
 BASIS_SIZE = 2.0
 
@@ -96,12 +95,13 @@ def stand_alone(outcome: Outcome) -> None:
             continue
         others = [t for n in outcome.named if n is not one for t in n.terms]
         found, failed = predictive(outcome.white, others, one)
-        if failed is not None:
-            reason = f"{failed.gate}: {failed.reached:.3g}, needed {failed.needed:.3g}"
+        if failed:
+            reason = f"{failed[0].gate}: {failed[0].reached:.3g}, needed {failed[0].needed:.3g}"
         elif found.share <= MOST:
             reason = f"explains {100 * found.share:.0f} % of what joint {axis + 1} lacks, and structure is left there"
         elif (
-            found.share > NEARLY_ALL or predictive(outcome.white, [*others, *_structure(outcome, axis)], one)[1] is None
+            found.share > outcome.problem.settings.nearly_all
+            or not predictive(outcome.white, [*others, *_structure(outcome, axis)], one)[1]
         ):
             kept.append(one)
             continue
@@ -112,12 +112,6 @@ def stand_alone(outcome: Outcome) -> None:
         outcome.named = kept
         outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
-
-
-def _passes_beside(outcome: Outcome, one: Named, others: list[Term]) -> bool:
-    """Return whether an effect predicts with the unexplained structure of its axis in the model."""
-    structure = _structure(outcome, one.candidate.axis)
-    return predictive(outcome.white, [*others, *structure], one)[1] is None
 
 
 def _structure(outcome: Outcome, axis: int) -> list[Term]:

@@ -18,7 +18,8 @@ class Named:
     `cross_validated` the share of the squared residual that it explains in records left out in turn, `gain_share` the
     drop of the squared error there over the noise variance, `lowers_error` the probability that it drops.
     `probability` that the effect is there; `repeated` share of the runs without one group of recordings that name it.
-    `misfit` says in words that the search for its parameters went wrong.
+    `structure_left` says that its axis stays unexplained, `misfit` in words that the search for its parameters went
+    wrong.
     """
 
     candidate: Candidate
@@ -31,6 +32,7 @@ class Named:
     probability: float = 1.0
     log_odds: float = 0.0
     repeated: float | None = None
+    structure_left: bool = False
     misfit: str = ""
     ties: tuple[Candidate, ...] = ()
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 from scipy.special import logsumexp
 
+from jointwear.discovery.calibration import calibrated
 from jointwear.discovery.candidates import Scored, scan
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.outcome import Named, Outcome
@@ -18,9 +18,6 @@ BEAM = 8
 #: Evidence counts for less the more of it there is, because no form is exact: a coarsened posterior (Miller and
 #: Dunson 2019), in which so many nats make up one.
 COARSE = 0.005
-#: Coarsened log odds and the share of names that were right there: a monotone table fitted on choosing cases of the
-#: hidden-effect tests (docs/decisions/deciding.md). Below zero something else in the library is more likely.
-CALIBRATION = ((-20.0, 0.0), (0.0, 0.5), (5.0, 0.8), (20.0, 0.87), (100.0, 0.92), (200.0, 0.96))
 
 
 def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored], float]) -> Named:
@@ -49,10 +46,8 @@ def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored]
     rivals = [v for key, v in scores.items() if key != one.candidate.key] + [0.0]
     evidence = white.fit([*others, *one.terms]).evidence - fit.evidence
     score = (own - float(logsumexp(rivals))) / (1.0 + COARSE * max(own, 0.0))
-    return replace(one, ties=tuple(ties), evidence=evidence, log_odds=score, probability=calibrated(score))
-
-
-def calibrated(score: float) -> float:
-    """Return the probability that an effect is there, from its coarsened log odds: :data:`CALIBRATION`."""
-    scores, probabilities = zip(*CALIBRATION, strict=True)
-    return float(np.interp(score, scores, probabilities))
+    left = any(u.axis == one.candidate.axis for u in outcome.unexplained)
+    probability = calibrated(score, one.cross_validated, left)
+    return replace(
+        one, ties=tuple(ties), evidence=evidence, log_odds=score, probability=probability, structure_left=left
+    )

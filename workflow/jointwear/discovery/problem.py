@@ -9,8 +9,10 @@ import numpy as np
 
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.shared_drives import sticking
 from jointwear.effects import State, effect_torque, make_state
-from jointwear.measurement.motion import Measured, low_pass, measure, runs
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import Measured, measure, runs
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import gravity_regressor, inertial_regressor, prior_factor, to_joint_frame
@@ -20,6 +22,8 @@ from jointwear.robots.robot import Robot
 FEWEST_SAMPLES = 60
 #: Poses over which the mass matrix is averaged.
 POSES = 200
+#: Share of the discrepancy that stands for the friction of an axis whose friction the robot file does not know.
+UNKNOWN_FRICTION = 0.3
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
@@ -34,6 +38,7 @@ class Problem:
     inertial : (N, n, r) torque of each direction of the inertial prior at one standard deviation [N m].
     factor : (10 n, r) those directions.
     smear : (N, n, 3) what the filter behind the derivatives does to the rigid-body torque [N m], 0 if given.
+    moving : (N, n) samples in motion: those that can be judged, and those beside reversals and in shared stops too.
     judged : 0-based axes with enough usable training samples.
     """
 
@@ -49,6 +54,7 @@ class Problem:
     factor: np.ndarray
     inertial: np.ndarray
     smear: np.ndarray
+    moving: np.ndarray
     judged: tuple[int, ...]
 
     @cached_property
@@ -59,10 +65,23 @@ class Problem:
     @cached_property
     def fold_of_sample(self) -> np.ndarray:
         """(N_train,) fold of each training sample: its record, or one of four blocks of time if records are few."""
+        return self._folds(fewest=3)
+
+    @cached_property
+    def part_of_sample(self) -> np.ndarray:
+        """(N_train,) part of each training sample that a name has to predict: there are at least four.
+
+        Out of three records the other two have to extrapolate: what changes with time, or over a position that only one
+        of them visits, would fail for that alone. A written model is asked to extrapolate: its folds are the records.
+        """
+        return self._folds(fewest=4)
+
+    def _folds(self, fewest: int) -> np.ndarray:
+        """Return the record of each training sample, cut into blocks, four in all or more, if there are too few."""
         record = np.asarray(self.train_state.record)
         labels, first = np.unique(record, return_index=True)
         labels = labels[np.argsort(first)]
-        blocks = 1 if len(labels) >= 3 else int(np.ceil(4 / max(len(labels), 1)))
+        blocks = 1 if len(labels) >= fewest else int(np.ceil(4 / max(len(labels), 1)))
         fold = np.zeros(len(record), dtype=int)
         for i, label in enumerate(labels):
             index = np.flatnonzero(record == label)
@@ -82,8 +101,14 @@ class Problem:
 
     @cached_property
     def scale(self) -> np.ndarray:
-        """(n,) torque [N m] that stands for the friction of an axis when priors are set."""
+        """(n,) torque [N m] that stands for the friction of an axis when priors are set.
+
+        Where the robot file knows no friction, it is most of what the model lacks.
+        """
         level = 0.5 * (self.robot.coulomb_positive - self.robot.coulomb_negative)
+        square = np.where(self.usable, self.discrepancy[self.train] ** 2, 0.0).sum(axis=0)
+        lacking = np.sqrt(square / np.maximum(self.usable.sum(axis=0), 1))
+        level = np.where(level > 0, level, UNKNOWN_FRICTION * lacking)
         torque = np.sqrt(np.mean(self.state.torque**2, axis=0))
         return np.maximum(np.maximum(level, 0.03 * torque), 1e-6)
 
@@ -105,7 +130,9 @@ class Problem:
 
 def build_problem(recording: Recording, robot: Robot, settings: Settings, measured: Measured | None = None) -> Problem:
     """Set up the comparison of a split recording with `robot`; `measured` are its samples if already at hand."""
-    measured = leave_out_reversals(measured or measure(recording))
+    measured = measured or measure(recording)
+    moving = measured.usable
+    measured = leave_out_reversals(measured)
     dynamics = Dynamics(robot)
     q, v, a = measured.position, measured.velocity, measured.acceleration
     regressor = inertial_regressor(dynamics, q, v, a)
@@ -124,11 +151,15 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         tip_regressor=lambda: last,
         gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
     )
-    state = replace(state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side)
+    state = replace(
+        state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side, passes=measured.passes
+    )
     nominal = state.torque + effect_torque(robot, state)
     train = np.isin(measured.trajectory, recording.train)
     factor = prior_factor(robot, settings.inertial_prior)
     inertial = regressor @ factor
+    stuck = sticking(measured.usable & train[:, None], v, a, measured.torque - nominal, inertial)
+    measured = replace(measured, usable=measured.usable & ~stuck)
     counts = np.sum(measured.usable[train], axis=0)
     return Problem(
         robot=robot,
@@ -143,6 +174,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         factor=factor,
         inertial=inertial,
         smear=_smear(measured, state),
+        moving=moving,
         judged=tuple(int(j) for j in np.flatnonzero(counts >= FEWEST_SAMPLES)),
     )
 

@@ -12,7 +12,8 @@ from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whit
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import axis_bases
 from jointwear.effects import State, library
-from jointwear.measurement.motion import low_pass, runs
+from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.motion import runs
 
 #: Samples for each column of the saturated fit from which it may hold still more columns.
 ROOM = 15
@@ -65,6 +66,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     if used.sum() >= ROOM * sum(g.shape[1] for g in groups):
         groups += _sequential_columns(band_limited(raw, axis, cutoffs.timing, rate), axis)
         groups.append(_beside_reversals(raw, axis, label, rate))
+        groups += _columns_of_neighbours(state, axis)
     columns = np.concatenate(groups, axis=1)
     scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
     # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
@@ -90,6 +92,20 @@ def _sequential_columns(state: State, axis: int) -> list[np.ndarray]:
         for effect in library().values()
         if effect.identifiable and effect.sequential
         for nonlinear in effect.grid(state, axis)
+    ]
+
+
+def _columns_of_neighbours(state: State, axis: int) -> list[np.ndarray]:
+    """Return the columns of effects that turn with this axis and the next: what jumps with both follows no basis."""
+    joints = state.position.shape[1]
+    return [
+        effect.columns(state, axis, source, nonlinear)
+        for effect in library().values()
+        if effect.needs_source
+        for source in (axis - 1, axis + 1)
+        if 0 <= source < joints
+        for nonlinear in effect.grid(state, axis)
+        if all(nonlinear.values())
     ]
 
 

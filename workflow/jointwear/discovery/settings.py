@@ -6,6 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+#: Fields that the user gives, and limits of what is reported beside a verdict; the others decide it.
+USERS = ("inertial_prior", "groups")
+REPORTED = ("near_the_floor", "judged_speed", "visible", "parameter_error", "filter_error")
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -15,8 +19,10 @@ class Settings:
     ----------
     inertial_prior : relative standard deviation of the nominal inertial parameters; the user's.
     most_effects : no more effects than this are named; `most_on_axis` on one axis.
-    accept : evidence [nats], after the price of complexity and of searching, that an effect needs. "Very strong" in
-        the scale of Kass and Raftery (1995) starts at 5.
+    accept : evidence [nats], after the price of complexity and of searching, that an effect needs, and a parameter of
+        the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. Half of it is
+        enough for what only has to hold beside what has been found: a name beside the others or with inertial
+        parameters known less, a bend of a form, a parameter set free.
     certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
     block : length of such a block [s]; the noise forgets within a third of a second.
     smallest_share : drop of the mean squared error on records left out, over the noise variance of the axis, below
@@ -25,9 +31,19 @@ class Settings:
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
         and direction, because no form is known exactly.
+    parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
+        and forms are never exact.
+    filter_error : the same of the share of a fast wave that filters take: how much of it is in the acceleration, and
+        how much in the torque, is up to the controller.
     unexplained_p : structure is unexplained below this probability.
-    retuned_nats : evidence that a parameter of the model needs to be called wrong.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
+    wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
+    off_scale : factor by which the torque of an effect with one parameter may miss the size that the parameter gives
+        it: beyond it the torque has another shape.
+    cancelled : squared torque of an effect over the squared discrepancy of its axis from which it only cancels others.
+    nearly_all : share of the squared error beyond the noise of an axis that makes a name stand beside any structure
+        that is left there.
+    likely : probability from which an effect is named: nothing else is as likely.
     not_worse : error on left-out training records, over that of the given robot, up to which a model is written.
     near_the_floor : distance of the held-out error from the noise floor up to which nothing but noise is left.
     visible : energy over noise variance from which this motion shows an effect: what `accept` needs after the price of
@@ -48,9 +64,15 @@ class Settings:
     predicted: float = 0.15
     worst_record: float = -4.0
     form_error: float = 0.05
+    parameter_error: float = 0.01
+    filter_error: float = 0.3
     unexplained_p: float = 1e-8
-    retuned_nats: float = 8.0
     mass_sigmas: float = 3.0
+    wrongest_mass: float = 0.6
+    off_scale: float = 1.5
+    cancelled: float = 4.0
+    nearly_all: float = 0.8
+    likely: float = 0.5
     not_worse: float = 1.05
     near_the_floor: float = 0.10
     visible: float = 40.0

@@ -43,9 +43,11 @@ class NamedEffect:
     Attributes
     ----------
     tie_set : effects that explain the data as well, the named one first.
-    probability : that it is there, given the data and the library; calibrated from `log_odds`, which are coarsened.
+    probability : that it is there, given the data and the library; calibrated from `log_odds`, which are coarsened,
+        `cross_validated_gain` and `structure_left`.
     lowers_error : probability that it lowers the squared error [N m] on records left out.
     gain_share : drop of the mean squared error on records left out, over the noise variance of the axis.
+    structure_left : whether structure that no effect explains is left on its axis.
     repeated : share of the runs without one group of recordings that name it too, None where there are no groups.
     """
 
@@ -63,6 +65,7 @@ class NamedEffect:
     cross_validated_gain: float
     lowers_error: float
     gain_share: float
+    structure_left: bool = False
     repeated: float | None = None
 
 
@@ -101,8 +104,20 @@ class Suspect:
 
 
 @dataclass(frozen=True)
+class MissedGate:
+    """A gate that a candidate missed: what it reached and what the gate asks for."""
+
+    gate: str
+    reached: float
+    needed: float
+
+
+@dataclass(frozen=True)
 class Lost:
-    """A candidate that came close: the gate that refused it, what it reached and what the gate asks for."""
+    """A candidate that came close: the gate that refused it first, what it reached and what the gate asks for.
+
+    `gates` : every gate that it missed, this one included, in the order in which they were asked.
+    """
 
     effect: str
     axis: int | None
@@ -111,6 +126,7 @@ class Lost:
     gate: str
     reached: float
     needed: float
+    gates: tuple[MissedGate, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,10 @@ class White:
         """
         return self.problem.fold_of_sample[self.whiteners[axis].rows]
 
+    def parts(self, axis: int) -> np.ndarray:
+        """Return the part, out of at least four, that a name has to predict, of each whitened row of `axis`."""
+        return self.problem.part_of_sample[self.whiteners[axis].rows]
+
 
 def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
     """Whiten targets and base regression; inertial directions that the data cannot see are dropped."""

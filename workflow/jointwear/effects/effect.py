@@ -88,6 +88,7 @@ class Effect:
     regime : (state, axis, source, nonlinear) -> values (...,) of the argument; the argument of `shape` by default.
     needs_source : the effect comes from another axis. whole_arm : it acts on all axes at once.
     prior : robot -> prior standard deviations (k,) of the coefficients of an effect on the whole arm.
+    sound : parameters -> whether something with these parameters may exist at all, as a body; None: any may.
     leading : how many of the first coefficients an effect on the whole arm is known by; 0: all.
     writes : (content of a robot file, parameters) -> content in which the effect is part of the robot itself, for an
         effect that is no entry of `effects`.
@@ -124,6 +125,7 @@ class Effect:
     needs_source: bool = False
     whole_arm: bool = False
     prior: Callable[[Robot], np.ndarray] | None = None
+    sound: Callable[[Parameters], bool] | None = None
     leading: int = 0
     writes: Callable[[dict[str, Any], Parameters], dict[str, Any]] | None = None
     sequential: bool = False

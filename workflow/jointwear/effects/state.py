@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from jointwear.effects.rests import Rest, rests
 from jointwear.robots.robot import Robot
 
 
@@ -46,6 +47,8 @@ class State:
     gravity_regressor : function without arguments that returns the derivative of the torque by the vector of gravity
         in the base frame, shape (..., n, 3), or None.
     torque_kind : where the torque that is to be explained was taken: "motor", "command" or "link_sensor".
+    passes : frequencies [Hz] (...,) -> share that a filter of the torque that is to be explained lets pass, as that of
+        a recording at a high rate; None where all does.
     encoder_side : whether positions are those of the "motor" (or unknown), or of the "link".
     """
 
@@ -62,8 +65,10 @@ class State:
     gravity_regressor: Callable[[], np.ndarray] | None = None
     torque_kind: str = "motor"
     encoder_side: str = "motor"
+    passes: Callable[[np.ndarray], np.ndarray] | None = None
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
+    _rests: dict[tuple, list[Rest]] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "direction", np.sign(self.velocity))
@@ -72,6 +77,20 @@ class State:
     def has_temperature(self) -> bool:
         """Whether any temperature is known."""
         return bool(np.isfinite(self.temperature).any())
+
+    def passed(self, axis: int, waves: float) -> np.ndarray | float:
+        """Return the share (...,) that is left of a wave, `waves` in one radian of an axis, in the torque."""
+        return 1.0 if self.passes is None else self.passes(waves * np.abs(self.velocity[..., axis]) / (2 * np.pi))
+
+    def rests_of(self, axis: int, source: int | None = None, shares: tuple[float, float] = (1.0, 0.0)) -> list[Rest]:
+        """Return the stops of an axis, or of a drive that turns with `shares` of it and of another; unordered: none."""
+        key = (axis, source, *shares)
+        if key not in self._rests:
+            velocity = shares[0] * self.velocity[..., axis]
+            if source is not None:
+                velocity = velocity + shares[1] * self.velocity[..., source]
+            self._rests[key] = [] if self.record is None else rests(velocity, self.time, record_slices(self))
+        return self._rests[key]
 
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""

@@ -6,8 +6,10 @@ same bytes.
 
 from __future__ import annotations
 
+import json
 import math
 import os
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -35,6 +37,8 @@ CONVENTIONS = {
 RESULTS = "results"
 #: Attribute with that name.
 NAME = "result"
+#: Attribute with the checksum of all that is not numbers, which have checksums of their own.
+CHECKSUM = "jointwear_checksum"
 #: Attribute of a variable that holds finite numbers alone.
 FINITE = "finite"
 #: Size of the parts of a variable that have a checksum each: large enough not to matter, small enough to read slices.
@@ -91,11 +95,26 @@ def create_dataset(
             for name, content in variables.items():
                 _create_variable(dataset, name, content, sizes)
             yield dataset
+            dataset.setncattr(CHECKSUM, _checksum(dataset))
         os.replace(part, path)
     except (OSError, RuntimeError) as error:
         raise _unwritten(path, error) from None
     finally:
         remove(part)
+
+
+def _checksum(dataset: netCDF4.Dataset) -> str:
+    """Return the CRC-32 of names, shapes, attributes and text of a file; HDF5 has none for these."""
+
+    def attributes(holder: Any) -> dict[str, Any]:
+        return {k: np.asarray(holder.getncattr(k)).tolist() for k in sorted(holder.ncattrs()) if k != CHECKSUM}
+
+    content: list[Any] = [attributes(dataset), {name: len(d) for name, d in dataset.dimensions.items()}]
+    for name, variable in dataset.variables.items():
+        content.append([name, variable.dimensions, str(variable.dtype), attributes(variable)])
+        if variable.dtype is str:
+            content.append(np.asarray(variable[...]).tolist())
+    return f"{zlib.crc32(json.dumps(content, default=str).encode()):08x}"
 
 
 def _unwritten(path: Path, error: Exception) -> Exception:
@@ -210,12 +229,14 @@ def open_dataset(path: str | Path) -> Iterator[netCDF4.Dataset]:
 
 
 def _check_identity(dataset: netCDF4.Dataset, path: Path) -> None:
-    """Check that a file declares no more than it can hold, and that a result has the name it was written under."""
+    """Check that a file declares no more than it can hold, has the name it was written under, and is as written."""
     room = max(HARMLESS, LARGEST_RATIO * path.stat().st_size)
     for name, variable in dataset.variables.items():
         size = math.prod(variable.shape) * getattr(variable.dtype, "itemsize", 1)
         if size > room:
             raise InputError(f"{path}: variable '{name}' declares {size} bytes, more than a file of its size can hold")
+    if CHECKSUM in dataset.ncattrs() and dataset.getncattr(CHECKSUM) != _checksum(dataset):
+        raise InputError(f"{path}: was changed or damaged since it was written; delete it and run again")
     here = _own_name(path).get(NAME)
     written = dataset.__dict__.get(NAME)
     if here is not None and written is not None and written != here:

@@ -173,7 +173,7 @@ def _first_long_run(late: np.ndarray) -> int | None:
     return int(starts[long][0]) if long.any() else None
 
 
-_ARRAYS = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory")
+_ARRAYS = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory", "program")
 
 
 def join(parts: list[Ordered]) -> Ordered:

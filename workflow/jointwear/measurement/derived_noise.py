@@ -41,7 +41,7 @@ class DerivedNoise:
 
 
 def zero_phase_gain(share: np.ndarray) -> np.ndarray:
-    """Return the gain of the filter of :func:`jointwear.measurement.motion.low_pass` at `share` times its cut-off."""
+    """Return the gain of :func:`jointwear.measurement.filtering.low_pass` at `share` times its cut-off."""
     return 1.0 / (1.0 + share**8)
 
 

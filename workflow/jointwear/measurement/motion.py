@@ -9,14 +9,15 @@ missing, least-squares splines take the place of the filter: see :mod:`jointwear
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.signal import butter, sosfiltfilt
 
-from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
+from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
+from jointwear.measurement.filtering import SHORTEST, low_pass
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 
@@ -24,8 +25,6 @@ from jointwear.measurement.smoothing import END, smooth, widest_band
 HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 #: Samples below this share of the speed of the axis (95 % quantile), and below this speed [rad/s], count as rest.
 SLOW_SHARE, SLOW = 0.02, 0.02
-#: Shortest run of samples that a zero-phase filter is asked to handle.
-SHORTEST = 24
 #: Share of the rate at which a noise floor is read: the middle of the upper third of the band.
 FLOOR_AT = 5 / 12
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
@@ -62,6 +61,15 @@ class Measured:
     fitted: bool = False
     noise: DerivedNoise | None = None
 
+    @property
+    def passes(self) -> Callable[[np.ndarray], np.ndarray] | None:
+        """Frequencies [Hz] (...,) -> share that the filter of the torque lets pass; None where it was left alone."""
+        return partial(_share_passed, self.band) if np.isfinite(self.band) else None
+
+
+def _share_passed(band: float, frequency: np.ndarray) -> np.ndarray:
+    return zero_phase_gain(frequency / band)
+
 
 def runs(trajectory: np.ndarray) -> list[slice]:
     """Return one slice for each run of equal labels."""
@@ -95,19 +103,6 @@ def noise_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
     above = np.flatnonzero(smooth > 10 * floor)
     end = frequencies[above[-1]] if len(above) else frequencies[0]
     return floor, float(max(end, frequencies[1]))
-
-
-@lru_cache(maxsize=128)
-def _butterworth(cutoff: float, rate: float) -> np.ndarray:
-    return butter(4, cutoff, fs=rate, output="sos")
-
-
-def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
-    """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
-    if cutoff >= 0.45 * rate or len(values) < SHORTEST:
-        return values
-    pad = min(len(values) - 1, int(3 * rate / cutoff))
-    return sosfiltfilt(_butterworth(cutoff, rate), values, axis=0, padlen=pad)
 
 
 def _derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import csv
-import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jointwear.files import provenance
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.regular_files import check_regular
 from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.measurement.formats import Layout, read_log
 from jointwear.measurement.formats.arrow import holds_numbers
-from jointwear.measurement.formats.chunk import check_count
+from jointwear.measurement.formats.chunk import check_count, numbered_columns
 from jointwear.measurement.log_kinds import log_format
+from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.units import ROLES, UNITS, converted
 from jointwear.robots.robot_file import read_robot_file
 
+#: Time from sample to sample [s]: no drive closes its loop in a microsecond, and in a minute an arm has done its work.
+SHORTEST_STEP, LONGEST_STEP = 1e-6, 60.0
+#: Latest time [s], the year 2286 on a clock that counts from 1970.
+LATEST = 1e10
 _JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 
 
@@ -66,12 +71,21 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         if role not in found:
             raise InputError(f"{path}: has no {role} (looked for '{names[role]}'); name it under 'variables'")
     for role in list(found):
-        found[role] = converted(found[role], role, units.get(role), name)
+        values = without_sentinels(found[role]) if role in _JOINT_ROLES else found[role]
+        found[role] = converted(values, role, units.get(role), name)
+        if role in _JOINT_ROLES:
+            found[role] = possible(found[role], role)
+            if not np.isfinite(found[role]).any():
+                raise InputError(f"{path}: {role} holds no number that an arm can have")
+    _check_shapes(path, found)
+    _check_clock(path, found["time"])
     count = len(found["time"])
     if "trajectory" in found:
         labels = found["trajectory"]
-        if not np.isfinite(labels).all() or np.any(labels != np.round(labels)):
-            raise InputError(f"{path}: '{names['trajectory']}' must hold whole numbers")
+        with np.errstate(invalid="ignore"):
+            whole = (labels == np.round(labels)) & (np.abs(labels) <= LARGEST_LABEL)
+        if not whole.all():
+            raise InputError(f"{path}: '{names['trajectory']}' must hold whole numbers of at most {LARGEST_LABEL}")
         trajectory = labels.astype(int)
     else:
         trajectory = np.zeros(count, dtype=int)
@@ -98,12 +112,40 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     )
 
 
+def _check_shapes(path: Path, found: Mapping[str, np.ndarray]) -> None:
+    """Check that every role has a row for each sample and a column for each joint."""
+    count, joints = len(found["time"]), found["position"].shape[1]
+    for role in _JOINT_ROLES:
+        shape = np.shape(found.get(role, found["position"]))
+        if shape != (count, joints) and not (role == "temperature" and shape in ((count,), (count, 1))):
+            raise InputError(f"{path}: {role} has shape {shape}; {count} samples of {joints} joints are expected")
+
+
+def _check_clock(path: Path, time: np.ndarray) -> None:
+    """Check that samples follow each other as those of a controller can, and that they are of one life of an arm."""
+    known = time[np.isfinite(time)]
+    steps = np.diff(known)
+    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
+    if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
+        raise InputError(
+            f"{path}: the time rises by {step:.3g} s from sample to sample (allowed: {SHORTEST_STEP:g} to "
+            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: ms}}"
+        )
+    if len(known) and np.abs(known).max() > LATEST:
+        raise InputError(
+            f"{path}: the time reaches {known[np.argmax(np.abs(known))]:.3g} s (allowed: at most {LATEST:.0g} in "
+            "size); state its unit, as units: {time: ms}"
+        )
+
+
 def _from_netcdf(
     path: Path, names: Mapping[str, str], wanted: set[str]
 ) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     found, units = {}, {}
     with open_dataset(path) as dataset:
         for role, variable in names.items():
+            if not isinstance(variable, str):
+                raise InputError(f"{path}: 'variables' names a list for {role}; a netCDF file has one variable for it")
             if variable not in dataset.variables:
                 if role in wanted:
                     raise InputError(
@@ -152,6 +194,7 @@ def _read_table(path: Path) -> dict[str, np.ndarray]:
             with parquet.ParquetFile(path) as file:
                 check_count(path, len(file.schema_arrow.names))
                 table = file.read()
+            _check_unique(path, table.column_names)
             return {
                 name: np.asarray(column.to_numpy(), dtype=float)
                 for name, column in zip(table.column_names, table.columns, strict=True)
@@ -168,6 +211,7 @@ def _read_table(path: Path) -> dict[str, np.ndarray]:
                 raise InputError(f"{path}: is empty")
             header = [h.strip() for h in header]
             check_count(path, len(header))
+            _check_unique(path, header)
             rows = np.genfromtxt(file, delimiter=",", dtype=float, ndmin=2)
     except InputError:
         raise
@@ -182,17 +226,29 @@ def _read_table(path: Path) -> dict[str, np.ndarray]:
     return dict(zip(header, rows.T, strict=True))
 
 
+def _check_unique(path: Path, names: Sequence[str]) -> None:
+    twice = next((name for name, count in Counter(names).items() if name and count > 1), None)
+    if twice is not None:
+        raise InputError(f"{path}: names the column '{shown(twice)[1:-1]}' twice")
+
+
 def _from_table(path: Path, table: Mapping[str, np.ndarray], names: Mapping[str, str]) -> dict[str, np.ndarray]:
     found = {}
     for role, base in names.items():
-        if role in ("time", "trajectory", "temperature") and base in table:
+        if role in ("time", "trajectory", "temperature") and isinstance(base, str) and base in table:
             found[role] = table[base]
             continue
         if role not in _JOINT_ROLES:
             continue
-        numbered = sorted(
-            (int(m.group(1)), column) for column in table if (m := re.fullmatch(re.escape(base) + r"_(\d+)", column))
-        )
+        if not isinstance(base, str):
+            missing = [column for column in base if column not in table]
+            if missing:
+                raise InputError(
+                    f"{path}: has no column {shown(missing[0])} of numbers for {role}{nearest(missing[0], table)}"
+                )
+            found[role] = np.stack([table[column] for column in base], axis=1)
+            continue
+        numbered = numbered_columns(table, base)
         if not numbered:
             continue
         if [k for k, _ in numbered] != list(range(1, len(numbered) + 1)):

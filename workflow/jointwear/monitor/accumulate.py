@@ -9,6 +9,8 @@ import numpy as np
 
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.model import ModelTorque
+from jointwear.monitor.program_labels import add_labels, label_text
+from jointwear.monitor.reversals import Pulses, pulses
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, REGRESSORS, WindowStatistics, blank_statistics
 
 _P = len(REGRESSORS)
@@ -26,6 +28,7 @@ class WindowSettings:
     dead_band : (n,) speed [rad/s] below which an axis counts as at rest.
     torque_reference : (n,) torque [N m] that scales the histogram.
     guard : samples around a reversal that are left out, 0 for samples far apart.
+    reach : samples of :func:`jointwear.monitor.reversals.reach_of`, 0 where nothing is gathered at reversals.
     block : length [s] of the blocks of `score`; several times as long as the noise remembers.
     """
 
@@ -33,6 +36,7 @@ class WindowSettings:
     dead_band: np.ndarray
     torque_reference: np.ndarray
     guard: int = 1
+    reach: int = 0
     block: float = 2.0
 
 
@@ -59,6 +63,7 @@ def window_statistics(
     stretch: np.ndarray | None = None,
     temperature: np.ndarray | None = None,
     flags: np.ndarray | None = None,
+    program: np.ndarray | None = None,
     kept: slice = slice(None),
     dated: bool = False,
 ) -> WindowStatistics:
@@ -72,6 +77,7 @@ def window_statistics(
     stretch : (m,) label of the uninterrupted stretch; default one.
     temperature : (m, n) [degC], NaN where unknown.
     flags : (m,) or (m, n) bit fields found in reading.
+    program : (m,) label of the program that a sample belongs to, or None.
     kept : the samples that count; those outside only show what is around them.
     """
     stretch = np.zeros(len(time), dtype=int) if stretch is None else stretch
@@ -79,6 +85,7 @@ def window_statistics(
     used = moving(velocity, stretch, settings.dead_band, settings.guard) & np.isfinite(residual)
     if usable is not None:
         used &= usable
+    found = pulses(residual, model, used, stretch, settings.reach) if settings.reach else None
     time, position, velocity, torque, stretch = (x[kept] for x in (time, position, velocity, torque, stretch))
     used, m, n = used[kept].T, len(time), velocity.shape[1]
     columns = np.empty((n, _P + 1, m))
@@ -94,6 +101,8 @@ def window_statistics(
         flags = np.asarray(flags)[kept]
         flags = np.broadcast_to(flags[:, None] if flags.ndim == 1 else flags, (m, n))
     temperature = None if temperature is None else temperature[kept]
+    program = None if program is None else program[kept]
+    offset = kept.indices(len(residual))[0]
 
     index = np.floor(time / settings.length).astype(np.int64)
     rows, place = np.unique(index, return_inverse=True)
@@ -103,6 +112,10 @@ def window_statistics(
         piece, row = slice(a, b), int(place[a])
         _add_regression(total, row, columns[:, :, piece], used[:, piece], time[piece], stretch[piece], settings.block)
         _add_torque(total, row, torque[piece], settings.torque_reference)
+        if found is not None:
+            _add_pulses(total, row, found, slice(offset + a, offset + b))
+        if program is not None:
+            add_labels(total.labels, [row], [label_text(program[piece])])
         same = (stretch[a + 1 : b] == stretch[a : b - 1])[:, None]
         total.travel[row] += np.nansum(np.abs(np.diff(position[piece], axis=0)) * same, axis=0)
         total.samples[row] += b - a
@@ -164,6 +177,16 @@ def _add_regression(
     total.score[row] += (scores @ scores.transpose(0, 2, 1)) * inflation[:, None, None]
     occupied = np.add.reduceat(used, cuts, axis=1, dtype=np.int64) > 0
     total.blocks[row] += np.where(enough, occupied.sum(axis=1), 0)
+
+
+def _add_pulses(total: WindowStatistics, row: int, found: Pulses, piece: slice) -> None:
+    """Add one piece of a window, samples of `found`."""
+    square, near, far = found.square[:, piece], found.near[:, piece], found.far[:, piece]
+    total.pulse_near[row] += np.einsum("jk,jk->j", square, near)
+    total.pulse_far[row] += np.einsum("jk,jk->j", square, far)
+    total.near_count[row] += near.sum(axis=1)
+    total.far_count[row] += far.sum(axis=1)
+    total.turns[row] += found.turns[:, piece].sum(axis=1)
 
 
 def _local_fit(gram: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -27,6 +27,8 @@ from jointwear.monitor.windows import WindowStatistics
 
 CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
 LOAD, PROGRAM = 0.2, 0.05
+#: The same of programs that the log names: as much as friction may differ between any two motions.
+NAMED_PROGRAM = 0.3
 #: Of the features: speed (log of its mean, log of the ratio of root mean square and mean), gravity and inertial torque
 #: (root mean square over the friction), gravity against the motion (mean over the friction).
 FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
@@ -40,7 +42,7 @@ BEYOND = 0.004
 class Conditions:
     """`start`, `end` (w,) [s]; `temperature` (w, n) [degC], NaN unknown; `features` (w, n, f), NaN at rest; `speed`
     (w, n) root mean square of the moving axis [rad/s]; `load` (w,) share of :mod:`.payload`; `regime` (w,) of
-    :mod:`.regimes`, or None."""
+    :mod:`.regimes`, or None; `named`: by the log."""
 
     start: np.ndarray
     end: np.ndarray
@@ -49,6 +51,7 @@ class Conditions:
     speed: np.ndarray
     load: np.ndarray
     regime: np.ndarray | None
+    named: bool = False
 
     @property
     def shared(self) -> bool:
@@ -86,11 +89,13 @@ def operating_features(
 
 @dataclass(frozen=True)
 class Design:
-    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range."""
+    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range;
+    `programs`: columns of programs that the log names, whose normal is learnt when they first run."""
 
     matrix: np.ndarray
     prior: Posterior
     beyond: np.ndarray
+    programs: tuple[int, ...] = ()
 
 
 def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.ndarray | None) -> Design:
@@ -131,12 +136,17 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
         scales += list(FEATURES * PRODUCT_WARM)
     columns.append(conditions.load - float(np.median(conditions.load[baseline])))
     scales.append(LOAD)
+    programs: list[int] = []
     if conditions.regime is not None:
         names, counts = np.unique(conditions.regime[baseline & (conditions.regime >= 0)], return_counts=True)
-        for name in np.delete(names, np.argmax(counts)) if len(names) else ():
-            columns.append((conditions.regime == name).astype(float))
-            scales.append(PROGRAM)
-        columns.append(np.where(np.isin(conditions.regime, names), 0.0, np.nan))
+        usual_one = names[np.argmax(counts)] if len(names) else -1
+        for name in np.unique(conditions.regime[conditions.regime >= 0]):
+            if name != usual_one:
+                columns.append((conditions.regime == name).astype(float))
+                scales.append(NAMED_PROGRAM if conditions.named else PROGRAM)
+                programs.append(len(columns) - 1)
+        columns.append(np.where(conditions.regime >= 0, 0.0, np.nan))
         scales.append(PROGRAM)
     scale = np.array(scales)
-    return Design(np.stack(columns, axis=1), Posterior(np.zeros(len(scale)), np.diag(scale**2)), beyond)
+    prior = Posterior(np.zeros(len(scale)), np.diag(scale**2))
+    return Design(np.stack(columns, axis=1), prior, beyond, tuple(programs) if conditions.named else ())

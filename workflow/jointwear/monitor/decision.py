@@ -8,20 +8,25 @@ axis alarms where
 - the largest z_K over K >= 2 exceeds the threshold and the last two shifts both exceed :data:`TOLERATED`, or
 - z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once.
 
-A fall is the same with the sign turned. The threshold is that of :mod:`.null_runs`.
+A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts. The threshold
+is that of :mod:`.null_runs`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.dispersion import Dispersion, inflated
+from jointwear.monitor.dispersion import inflated
+from jointwear.monitor.normal_state import Posterior
 from jointwear.monitor.shifts import places_of_shifts
 
 #: Shifts looked back at; growth that is tolerated; growth and windows of a large step.
-SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.01, 0.03, 8
+SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.01, 0.03, 6
+#: Last shifts that must all lie below for a fall.
+FALLEN = 3
 
 
 @dataclass(frozen=True)
@@ -40,24 +45,29 @@ class Evidence:
 
 
 def shift_evidence(
-    residual: np.ndarray,
+    value: np.ndarray,
     variance: np.ndarray,
     design: np.ndarray,
-    covariance: np.ndarray,
+    normal: Sequence[Posterior],
+    which: np.ndarray,
     shift: np.ndarray,
-    dispersion: Dispersion,
+    memory: float,
+    between: np.ndarray,
     extra: np.ndarray,
 ) -> Evidence:
     """Return the evidence at every window.
 
     Parameters
     ----------
-    residual : (w,) log level less normal state and shared error; NaN where not judged.
-    variance : (w,) noise of the windows. design : (w, p). covariance : (p, p) of the normal state's coefficients.
-    shift : (w,) labels. extra : (w,) variance that all windows of a shift share (shared error, range).
+    value : (w,) log level less shared error; NaN where not judged. variance : (w,) noise of the windows.
+    design : (w, p). normal : normal states. which : (w,) the one that holds at each window, by what was known then.
+    shift : (w,) labels. memory : of windows within a shift. between : (w,) standard deviation between shifts.
+    extra : (w,) variance that all windows of a shift share (shared error, range).
     """
-    w = len(residual)
-    good = np.isfinite(residual) & np.isfinite(variance)
+    w = len(value)
+    means = np.stack([n.mean for n in normal])
+    covariances = np.stack([n.covariance for n in normal])
+    good = np.isfinite(value) & np.isfinite(variance)
     weight = np.where(good, 1.0 / np.where(good, variance, 1.0), 0.0)
     starts = np.concatenate([[True], np.diff(shift) != 0]) if w else np.zeros(0, dtype=bool)
     # Rows that are not judged may hold NaN in their design.
@@ -65,27 +75,28 @@ def shift_evidence(
     total = _running(weight, starts)
     count = _running(good.astype(float), starts)
     safe = np.where(total > 0, total, 1.0)
-    mean = _running(weight * np.where(good, residual, 0.0), starts) / safe
+    mean = _running(weight * np.where(good, value, 0.0), starts) / safe
     at = np.stack([_running(weight * clean[:, k], starts) for k in range(design.shape[1])], axis=1) / safe[:, None]
     shared = _running(weight * np.where(good, extra, 0.0), starts) / safe
-    own = inflated(count, dispersion.memory) / safe + dispersion.between**2 + shared
+    own = inflated(count, memory) / safe + shared
     seen = total > 0
     place = places_of_shifts(shift, SHIFTS + 4)
     order = _judged_first(place, seen)
     known = order >= 0
     index = np.maximum(order, 0)
-    r, v, x = mean[index], np.where(known, own[index], np.inf), at[index]
+    v, x = np.where(known, own[index] + between[:, None] ** 2, np.inf), at[index]
+    r = mean[index] - np.einsum("wkp,wp->wk", x, means[which])
     fall = np.full(w, -np.inf)
     growth = np.full(w, -np.inf)
     best_mean, best_std, best_shifts = np.zeros(w), np.full(w, np.inf), np.zeros(w, dtype=int)
     latest, latest_std = np.full(w, np.nan), np.full(w, np.nan)
     both_up = known[:, 0] & known[:, 1] & (r[:, 0] > TOLERATED) & (r[:, 1] > TOLERATED)
-    both_down = known[:, 0] & known[:, 1] & (r[:, 0] < -TOLERATED) & (r[:, 1] < -TOLERATED)
+    all_down = (known & (r < -TOLERATED))[:, :FALLEN].all(axis=1)
     for k in range(1, SHIFTS + 1):
         rows = np.flatnonzero(good & known[:, k - 1])
         if not len(rows):
             break
-        c = np.einsum("wkp,pq,wlq->wkl", x[rows, :k], covariance, x[rows, :k])
+        c = x[rows, :k] @ covariances[which[rows]] @ np.swapaxes(x[rows, :k], 1, 2)
         c[:, np.arange(k), np.arange(k)] += v[rows, :k]
         solved = np.linalg.solve(c, np.ones((len(rows), k, 1)))[..., 0]
         information = solved.sum(axis=1)
@@ -94,9 +105,9 @@ def shift_evidence(
         if k == 1:
             latest[rows], latest_std[rows] = centre, error
             whole = count[rows] >= STEP_WINDOWS
-            up, down = whole & (centre > STEP), whole & (centre < -STEP)
+            up, down = whole & (centre > STEP), np.zeros(len(rows), dtype=bool)
         else:
-            up, down = both_up[rows], both_down[rows]
+            up, down = both_up[rows], all_down[rows]
         rise = np.where(up, (centre - TOLERATED) / error, -np.inf)
         drop = np.where(down, (-centre - TOLERATED) / error, -np.inf)
         better = np.maximum(rise, drop) > np.maximum(growth[rows], fall[rows])

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from jointwear.measurement.filtering import SHORTEST, low_pass
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.measurement.motion import SHORTEST, low_pass
 
 #: Spread of the steps, over their median, up to which stamps count as even.
 EVEN = 0.05
@@ -148,7 +148,9 @@ def _differentiate(
     even = float(np.std(steps)) <= EVEN * step
     grid = time[0] + step * np.arange(count)
     x = values if even else CubicSpline(time, values)(grid)
-    smooth = np.stack([low_pass(x[:, j], cutoff[j], 1 / step) for j in range(x.shape[1])], axis=1)
+    smooth = np.empty_like(x)
+    for limit in np.unique(cutoff):
+        smooth[:, cutoff == limit] = low_pass(x[:, cutoff == limit], float(limit), 1 / step)
     first = _first_difference(smooth, step)
     second = _second_difference(smooth, step) if twice else first
     if even:

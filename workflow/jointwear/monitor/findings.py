@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects import get_effect
+from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.scale import ScaleStep
 from jointwear.monitor.shared_error import FINDING
@@ -31,14 +32,16 @@ def findings_of(
     level: Watch,
     steps: Sequence[ScaleStep],
     changed: np.ndarray,
+    conditions: Conditions,
 ) -> list[dict[str, Any]]:
     """Return the findings, each with `time` [s], `axes` (1-based), `kind` and `words` for the page.
 
     Parameters
     ----------
-    steps : changed scales. changed : (w, n) bool, axes with an open alarm.
+    steps : changed scales. changed : (w, n) bool, axes with an open alarm. conditions : of all windows.
     """
     found = _scales(statistics, steps) + _services(statistics, level, steps)
+    found += _programs(statistics, conditions, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     return sorted(found, key=lambda f: f["time"])
 
@@ -51,9 +54,8 @@ def _scales(statistics: WindowStatistics, steps: Sequence[ScaleStep]) -> list[di
         time = float(statistics.start[window])
         axes, factor = [s.axis + 1 for s in here], float(np.mean([s.factor for s in here]))
         words = (
-            f"The scale of the torque of {_axes_words(axes)} changed by {factor:.3g} at "
-            f"{moment_words(statistics, time)}: a gain, a unit or a torque constant, no wear. It is learnt anew from "
-            "there; enter the event as 'sensor'."
+            f"The scale of the torque of {_axes_words(axes)} changed by {factor:.3g}: a gain, a unit or a torque "
+            "constant, no wear. It is learnt anew from there; enter the event as 'sensor'."
         )
         result.append({"time": time, "axes": axes, "kind": "scale", "words": words})
     return result
@@ -71,11 +73,33 @@ def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleS
             if start.proposed and (j, start.window) not in explained:
                 time = float(statistics.start[start.window])
                 words = (
-                    f"Friction of axis {j + 1} fell at {moment_words(statistics, time)}: was it serviced or greased? "
-                    "It is learnt anew from there; enter the service under 'events' to confirm it, or look for "
-                    "another cause."
+                    f"Friction of axis {j + 1} fell: was it serviced or greased? It is learnt anew from there; enter "
+                    "the service under 'events' to confirm it, or look for another cause."
                 )
                 result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
+    return result
+
+
+def _programs(
+    statistics: WindowStatistics, conditions: Conditions, baseline: np.ndarray, level: Watch
+) -> list[dict[str, Any]]:
+    """One finding for each program that the motion shows and the baseline did not have, and until when it is learnt."""
+    if conditions.regime is None or conditions.named:
+        return []
+    result = []
+    for regime in np.setdiff1d(np.unique(conditions.regime[~baseline]), [*conditions.regime[baseline], -1]):
+        rows = np.flatnonzero(conditions.regime == regime)
+        judged = np.isfinite(level.residual[rows]).mean(axis=1) > 0.5
+        words = (
+            "A program began that the baseline did not have. What it changes is learnt from its differences to other "
+            "programs of the same shift, never from the level of a shift, so that wear does not become normal; "
+        )
+        if judged.any():
+            hours = float(np.argmax(judged)) * statistics.length / 3600
+            words += f"most axes could be judged in it after {hours:.3g} h of it."
+        else:
+            words += f"in its {len(rows) * statistics.length / 3600:.3g} h so far most axes could not be judged."
+        result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words})
     return result
 
 
@@ -92,8 +116,8 @@ def _returned(
             if max(means[k - 1 : k + 1]) < TOLERATED and max(means[: k - 1], default=0.0) > TOLERATED:
                 time = float(statistics.start[rows[shift[rows] == names[k - 1]][0]])
                 words = (
-                    f"Friction of axis {j + 1} came back to its normal state at {moment_words(statistics, time)}: was "
-                    "it serviced? Its alarm stays open until an event closes it."
+                    f"Friction of axis {j + 1} came back to its normal state: was it serviced? Its alarm stays open "
+                    "until an event closes it."
                 )
                 result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
                 break
@@ -112,8 +136,8 @@ def _shared(
         if abs(mean) > FINDING and not before:
             time = float(statistics.start[rows][0])
             words = (
-                f"All axes moved together by {100 * mean:+.0f} % from {moment_words(statistics, time)} on, which is no "
-                "wear of one axis: look at the temperature, the oil, the model and the unit of the torque."
+                f"All axes moved together by {100 * mean:+.0f} %, which is no wear of one axis: look at the "
+                "temperature, the oil, the model and the unit of the torque."
             )
             result.append({"time": time, "axes": [], "kind": "shared", "words": words})
         before = abs(mean) > FINDING

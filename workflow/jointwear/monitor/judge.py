@@ -14,16 +14,26 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.monitor.backlash import (
+    BACKLASH,
+    backlash_findings,
+    backlash_records,
+    backlash_series,
+    hidden_because,
+    raised_status,
+)
 from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import findings_of
+from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.payload import gravity_share
+from jointwear.monitor.programs import labelled_regimes, program_findings
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
 from jointwear.monitor.regimes import find_regimes, signatures
 from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
 from jointwear.monitor.series import Series, friction_series, sums_of, usual_speed
 from jointwear.monitor.shifts import shift_labels
-from jointwear.monitor.watching import Watch, watch
+from jointwear.monitor.watching import Watch, before_events, watch
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 
@@ -31,8 +41,10 @@ from jointwear.robots.robot import Robot
 DEFAULT_LIMIT = 20.0
 #: Rounds in which changed scales of the torque are looked for.
 MOST_STEPS = 3
-#: Share of the allowance of the charts for viscous friction alone, where the level that is judged leaves it out.
-VISCOUS_SHARE = 0.2
+#: Shares of the allowance: of the charts for viscous friction alone, where the level that is judged leaves it out, and
+#: for backlash; the rest is that of the level.
+VISCOUS_SHARE, BACKLASH_SHARE = 0.2, 0.1
+LEVEL_SHARE = 1.0 - VISCOUS_SHARE - BACKLASH_SHARE
 
 
 @dataclass(frozen=True)
@@ -69,7 +81,8 @@ class Judgement:
 
     `estimates`, `std` : name -> (w, n), change since the normal period; `units` : name -> unit. Names: `coulomb`
     [N m], the growth of friction that counts as Coulomb friction; `coulomb_percent` [%] of the level in the normal
-    period; `viscous` [N m s/rad] where the motion shows it. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`,
+    period; `viscous` [N m s/rad] where the motion shows it; `backlash` [%], of the torque
+    pulses at reversals of the load. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`,
     :data:`UNJUDGED`. `alarms` : records with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3):
     forecast at the last judged window, median, low and high; NaN where none is due, infinite where open.
     `reason` (w, n): why not judged, :class:`~jointwear.monitor.records.Reason`. `findings` :
@@ -86,13 +99,20 @@ class Judgement:
     findings: list[dict[str, Any]] = field(default_factory=list)
 
 
-def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: JudgeSettings) -> Judgement:
+def judge(
+    statistics: WindowStatistics,
+    baseline: int | np.ndarray,
+    settings: JudgeSettings,
+    known: dict[str, list[AxisNormal | None]] | None = None,
+) -> Judgement:
     """Judge all windows.
 
     Parameters
     ----------
     baseline : number of windows, from the first, that show the robot healthy, or which ones, (w,) bool.
+    known : normal states by name of the series, of a call that differs in the stated rate alone; filled where empty.
     """
+    known = {} if known is None else known
     first = np.arange(statistics.windows) < baseline if np.ndim(baseline) == 0 else np.asarray(baseline, dtype=bool)
     coulomb = np.asarray(settings.coulomb, dtype=float)
     series = friction_series(statistics, coulomb, settings.viscous, first)
@@ -100,50 +120,70 @@ def judge(statistics: WindowStatistics, baseline: int | np.ndarray, settings: Ju
     sums, noise = sums_of(statistics, coulomb, first)
     share, load = gravity_share(sums, noise)
     features, speed = operating_features(statistics, scale, share)
-    regime = find_regimes(signatures(statistics, scale), first)
-    conditions = Conditions(statistics.start, statistics.end, statistics.temperature, features, speed, load, regime)
-    shift = shift_labels(statistics.start, statistics.end, first)
+    regime = labelled_regimes(statistics.labels, first)
+    named = regime is not None
+    if not named:
+        regime = find_regimes(signatures(statistics), first)
+    warmth = statistics.temperature
+    conditions = Conditions(statistics.start, statistics.end, warmth, features, speed, load, regime, named)
+    steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
+    shift = shift_labels(statistics.start, statistics.end, first, steady)
     hours = statistics.length / 3600 if statistics.windows else 1.0
     rate = settings.false_alarms_per_1000_h / 1000 * hours
     events = event_windows(settings.events, statistics.start, statistics.axes)
     levels = ("coulomb", "friction")
-    candidates = [series[name] for name in levels]
-    level = watch(candidates, levels, conditions, first, shift, (1 - VISCOUS_SHARE) * rate, events)
     scale_of = scale_series(sums, noise)
-    scaled = watch([scale_of], ["scale"], conditions, first, shift, rate, events, services=False)
+    hidden = hidden_because(statistics, coulomb, first)
+    for name, candidates in (
+        ("level", [series[n] for n in levels]),
+        ("scale", [scale_of]),
+        ("viscous", [series["viscous"]]),
+        ("backlash", [backlash_series(statistics, np.array([not reason for reason in hidden]))]),
+    ):
+        if name not in known:
+            known[name] = learn_axes(
+                candidates, levels[: len(candidates)], conditions, before_events(first, events, statistics.axes), shift
+            )
     steps: list[ScaleStep] = []
     found: list[list[int]] = [[] for _ in range(statistics.axes)]
-    for _ in range(MOST_STEPS):
-        fresh = [
-            s
-            for s in scale_steps(level, scaled, shift)
-            if (s.axis, s.window) not in {(t.axis, t.window) for t in steps}
-        ]
+
+    def watched(name: str, share: float, **more: bool) -> Watch:
+        return watch(known[name], conditions, first, shift, share * rate, events, found, **more)
+
+    for turn in range(MOST_STEPS + 1):
+        level = watched("level", LEVEL_SHARE)
+        if turn == MOST_STEPS:
+            break
+        scaled = watched("scale", 1.0, services=False, common=False)
+        told = {(s.axis, s.window) for s in steps}
+        fresh = [s for s in scale_steps(level, scaled, shift) if (s.axis, s.window) not in told]
         if not fresh:
             break
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
-        level = watch(
-            candidates, levels, conditions, first, shift, (1 - VISCOUS_SHARE) * rate, events, found, level.axes
-        )
-        scaled = watch(
-            [scale_of], ["scale"], conditions, first, shift, rate, events, found, scaled.axes, services=False
-        )
-    viscous = watch([series["viscous"]], ["viscous"], conditions, first, shift, VISCOUS_SHARE * rate, events, found)
+    viscous = watched("viscous", VISCOUS_SHARE)
+    backlash = watched("backlash", BACKLASH_SHARE, services=False)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
-    alarms = teller.records() + paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate)
+    alarms = teller.records() + backlash_records(statistics, backlash)
+    alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate)
     estimates, std = _estimates(level, viscous, series, usual, coulomb)
+    estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
+    std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
+    status = raised_status(teller.status, backlash, CHANGED)
+    findings = findings_of(statistics, shift, first, level, steps, status == CHANGED, conditions)
+    findings += backlash_findings(hidden, float(statistics.start[0]))
+    findings += program_findings(statistics, first)
     return Judgement(
         estimates=estimates,
         std=std,
-        status=teller.status,
+        status=status,
         alarms=alarms,
-        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad"},
+        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad", BACKLASH: "%"},
         hours_to_limit=teller.hours_to_limit(),
         reason=teller.reasons(),
-        findings=findings_of(statistics, shift, first, level, steps, teller.status == CHANGED),
+        findings=findings,
     )
 
 

@@ -157,11 +157,11 @@ def relearnt(axis: AxisNormal, learnt: np.ndarray, shift: np.ndarray, prior: Pos
 
 
 #: After a service: standard deviation of the constant, and how far the other coefficients go back to their priors.
-SERVICE_STEP, SERVICE_SHARE = 0.3, 0.4
+SERVICE_STEP, SERVICE_SHARE = 0.3, 0.15
 
 
-def widened(axis: AxisNormal) -> Posterior:
+def widened(axis: AxisNormal, posterior: Posterior) -> Posterior:
     """Return the posterior as a prior for what comes after a service: new grease, another level."""
-    covariance = axis.fit.posterior.covariance + SERVICE_SHARE**2 * axis.design.prior.covariance
-    covariance[0, 0] = axis.fit.posterior.covariance[0, 0] + SERVICE_STEP**2
-    return Posterior(axis.fit.posterior.mean, covariance)
+    covariance = posterior.covariance + SERVICE_SHARE**2 * axis.design.prior.covariance
+    covariance[0, 0] = posterior.covariance[0, 0] + SERVICE_STEP**2
+    return Posterior(posterior.mean, covariance)

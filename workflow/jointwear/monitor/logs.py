@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -11,13 +12,16 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.clock import Clock, Ordered, join, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
-from jointwear.monitor.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.derivation import derive_motion
+from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
+from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
+from jointwear.monitor.derivation import Motion, derive_motion
 from jointwear.monitor.inspection import Inspector
 from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import outside_limits
+from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of
 from jointwear.monitor.windows import WindowStatistics, blank_statistics, merge
+from jointwear.robots.flange import FlangeLoad
 
 #: Samples of a block, and samples around it that are read along for filters and reversals.
 BLOCK, HALO = 40_000, 400
@@ -50,9 +54,11 @@ def log_statistics(
         np.array(survey.dead_band),
         np.array(survey.torque_reference),
         guard=guard_of(survey.rate),
+        reach=reach_of(survey.rate),
         block=survey.block,
     )
     inspector = Inspector(model, survey, path)
+    loads = FlangeLoad(model.robot)
     refused = inspector.refused
     parts: list[WindowStatistics] = []
     span = [np.inf, -np.inf]
@@ -60,7 +66,7 @@ def log_statistics(
         for around, kept in _blocks(path, layout, length, block):
             time = around.chunk.time[kept]
             span = [min(span[0], float(time.min())), max(span[1], float(time.max()))]
-            parts.append(_block_statistics(around, kept, model, survey, settings, inspector))
+            parts.append(_block_statistics(around, kept, model, loads, survey, settings, inspector))
             if len(parts) >= 32:
                 parts = [merge(parts)]
     except InputError as error:
@@ -100,6 +106,7 @@ def _block_statistics(
     around: Ordered,
     kept: slice,
     model: TorqueModel,
+    loads: FlangeLoad,
     survey: Survey,
     settings: WindowSettings,
     inspector: Inspector,
@@ -123,6 +130,8 @@ def _block_statistics(
     else:
         zeros = np.zeros_like(chunk.position)
         torque = ModelTorque(zeros, zeros, zeros)
+    torque, clear = _with_loads(around, motion, torque, usable, loads, least_mass(robot), settings, survey)
+    usable = usable & clear
     return window_statistics(
         chunk.time,
         motion.position,
@@ -134,9 +143,31 @@ def _block_statistics(
         stretch=around.stretch,
         temperature=motion.temperature,
         flags=flags,
+        program=chunk.program,
         kept=kept,
         dated=chunk.dated,
     )
+
+
+def _with_loads(
+    around: Ordered,
+    motion: Motion,
+    torque: ModelTorque,
+    usable: np.ndarray,
+    loads: FlangeLoad,
+    least: float,
+    settings: WindowSettings,
+    survey: Survey,
+) -> tuple[ModelTorque, np.ndarray]:
+    """Return the torque of the model with the loads that each window shows, and the samples clear of a switch."""
+    residual = around.chunk.torque - torque.total
+    used = usable & np.isfinite(residual)
+    used &= moving(motion.velocity, around.stretch, settings.dead_band, settings.guard)
+    label = np.floor(around.chunk.time / settings.length)
+    cuts = np.flatnonzero((np.diff(label) != 0) | (np.diff(around.stretch) != 0)) + 1
+    pieces = [slice(a, b) for a, b in itertools.pairwise([0, *cuts.tolist(), len(label)])] if len(label) else []
+    along = LoadsOnMotion(loads, motion.position, motion.velocity, motion.acceleration)
+    return with_loads(torque, residual, motion.velocity, used, pieces, 1 / max(survey.rate, 1e-3), along, least)
 
 
 def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray, fewest: int = 200) -> np.ndarray:

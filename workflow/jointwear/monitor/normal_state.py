@@ -61,26 +61,33 @@ def fit_normal_state(
 
     Parameters
     ----------
-    design : (w, p). value : (w,) log levels. noise : of the windows. shift : (w,) labels. prior : of the coefficients.
+    design : (w, p). value : (w,) log levels. noise : of the windows. shift : (w,) labels, rising.
+    prior : of the coefficients.
     """
     used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(noise.within)
     x, y, label = design[used], value[used], shift[used]
+    left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
+    if not used.any():
+        return NormalFit(prior, left, left_variance, np.zeros(0, dtype=int), np.zeros((0, *prior.covariance.shape)))
     # Neighbouring windows that remember each other tell less than as many independent ones.
     variance = noise.within[used] * (1 + noise.memory) / (1 - noise.memory)
     names, place = np.unique(label, return_inverse=True)
     precision0 = np.linalg.inv(prior.covariance)
-    p = x.shape[1]
     window_weight, shift_weight = np.ones(len(y)), np.ones(len(names))
+    # Shifts are runs of windows, so that sums over them are sums between their first windows.
+    first = np.flatnonzero(np.concatenate([[True], np.diff(place) != 0]))
+
+    def sums(values: np.ndarray) -> np.ndarray:
+        return np.add.reduceat(values, first, axis=0)
+
     for turn in range(ROUNDS):
-        grams, moments = np.zeros((len(names), p, p)), np.zeros((len(names), p))
         between = noise.between / shift_weight
-        for s in range(len(names)):
-            rows = place == s
-            weight = window_weight[rows] / variance[rows]
-            wx, wy = weight @ x[rows], float(weight @ y[rows])
-            share = between[s] / (1 + between[s] * weight.sum())
-            grams[s] = (x[rows].T * weight) @ x[rows] - share * np.outer(wx, wx)
-            moments[s] = x[rows].T @ (weight * y[rows]) - share * wx * wy
+        weight = window_weight / variance
+        weighted = weight[:, None] * x
+        total, wx, wy = sums(weight), sums(weighted), sums(weight * y)
+        share = between / (1 + between * total)
+        grams = sums(weighted[:, :, None] * x[:, None, :]) - share[:, None, None] * wx[:, :, None] * wx[:, None, :]
+        moments = sums(weighted * y[:, None]) - (share * wy)[:, None] * wx
         precision = precision0 + grams.sum(axis=0)
         information = precision0 @ prior.mean + moments.sum(axis=0)
         covariance = _inverse(precision)
@@ -88,21 +95,59 @@ def fit_normal_state(
         if turn == ROUNDS - 1:
             break
         error = y - x @ mean
-        for s in range(len(names)):
-            rows = place == s
-            weight = window_weight[rows] / variance[rows]
-            total = weight.sum()
-            level = between[s] * (weight @ error[rows]) / (1 + between[s] * total)
-            inner = error[rows] - level
-            window_weight[rows] = (FREEDOM + 1) / (FREEDOM + inner**2 / variance[rows])
-            size = (weight @ error[rows] / total) ** 2 / (noise.between + 1 / total)
-            shift_weight[s] = (FREEDOM + 1) / (FREEDOM + size)
-    left_covariance = np.stack([_inverse(precision - g) for g in grams]) if len(names) else np.zeros((0, p, p))
+        pulled = sums(weight * error)
+        inner = error - (between * pulled / (1 + between * total))[place]
+        window_weight = (FREEDOM + 1) / (FREEDOM + inner**2 / variance)
+        size = (pulled / total) ** 2 / (noise.between + 1 / total)
+        shift_weight = (FREEDOM + 1) / (FREEDOM + size)
+    left_covariance = np.stack([_inverse(precision - g) for g in grams])
     left_mean = np.einsum("spq,sq->sp", left_covariance, information - moments)
-    left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
     left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
     left_variance[used] = np.einsum("wp,wpq,wq->w", x, left_covariance[place], x)
     return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
+
+
+def introduced(
+    posterior: Posterior, design: np.ndarray, value: np.ndarray, variance: np.ndarray, between: float
+) -> Posterior:
+    """Return the posterior after the first shift of a program whose constant is not known: its level is learnt too.
+
+    Parameters
+    ----------
+    design : (w, p). value : (w,) log levels. variance : (w,) of the windows. between : variance that they share.
+    """
+    used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(variance)
+    if not used.any():
+        return posterior
+    x = design[used]
+    spread = np.diag(variance[used]) + between
+    gain = np.linalg.solve(x @ posterior.covariance @ x.T + spread, x @ posterior.covariance).T
+    mean = posterior.mean + gain @ (value[used] - x @ posterior.mean)
+    return Posterior(mean, posterior.covariance - gain @ x @ posterior.covariance)
+
+
+def taught(posterior: Posterior, design: np.ndarray, value: np.ndarray, variance: np.ndarray) -> Posterior:
+    """Return the posterior after a shift whose level is its own: only contrasts within the shift are learnt from.
+
+    What changes between shifts, wear among it, does not enter: the weighted mean of the shift is free.
+
+    Parameters
+    ----------
+    design : (w, p). value : (w,) log levels. variance : (w,) of the windows, memory of neighbours included.
+    """
+    used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(variance)
+    if used.sum() < 2:
+        return posterior
+    x, y, v = design[used], value[used], variance[used]
+    error = y - x @ posterior.mean
+    spread = v + np.einsum("wp,pq,wq->w", x, posterior.covariance, x)
+    error = error - np.average(error, weights=1 / spread)
+    weight = (FREEDOM + 1) / (FREEDOM + error**2 / spread) / v
+    x = x - weight @ x / weight.sum()
+    y = y - weight @ y / weight.sum()
+    before = _inverse(posterior.covariance)
+    covariance = _inverse(before + (x.T * weight) @ x)
+    return Posterior(covariance @ (before @ posterior.mean + x.T @ (weight * y)), covariance)
 
 
 def _inverse(matrix: np.ndarray) -> np.ndarray:

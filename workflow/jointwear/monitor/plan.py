@@ -11,12 +11,13 @@ import re
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from glob import glob, has_magic
+from glob import has_magic
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.json_documents import read_json
+from jointwear.files.patterns import matches
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.events import events_of
@@ -25,23 +26,29 @@ from jointwear.robots.robot_file import read_robot_file, robot_sources
 #: Keys of an entry that decide how a log is read; its windows depend on no other.
 READING_KEYS = (
     "variables", "units", "joints", "topic", "window", "dead_band", "torque_constant", "scale", "sign", "time_zone",
+    "program",
 )  # fmt: skip
 #: Where `learn_normal` leaves the robot file of a robot.
 LEARNED = "results/learned/{name}/robot.yaml"
+#: Shortest and longest length of time [s] in a config: a stroke of an arm, and the life of one.
+SHORTEST, LONGEST = 1.0, 3650 * 86400.0
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 
 def window_seconds(text: str | float) -> float:
     """Return the length of a window [s] from `1h`, `30min`, `600s`, `1d` or a number of seconds."""
     if isinstance(text, (int, float)):
-        return float(text)
-    match = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h|d)\s*", text)
-    try:
-        length = float(match[1]) * _SECONDS[match[2]]
-    except (TypeError, ValueError):
-        length = 0.0
-    if length <= 0:
-        raise InputError(f"'{text}' is no length of time (allowed: a number with s, min, h or d, as 1h)")
+        length = float(text)
+    else:
+        match = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h|d)\s*", text)
+        try:
+            length = float(match[1]) * _SECONDS[match[2]]
+        except (TypeError, ValueError):
+            raise InputError(
+                f"{shown(text)} is no length of time (allowed: a number with s, min, h or d, as 1h)"
+            ) from None
+    if not SHORTEST <= length <= LONGEST:
+        raise InputError(f"{shown(text)} is out of range (allowed: {SHORTEST:g} s to {LONGEST / 86400:g} d)")
     return length
 
 
@@ -54,7 +61,7 @@ def log_sources(path: str | Path) -> list[str]:
 
 
 def _natural(path: str) -> list[Any]:
-    return [(1, int(part), "") if part.isdigit() else (0, 0, part) for part in re.split(r"(\d+)", path)]
+    return [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in re.split(r"(\d{1,18})", path)]
 
 
 def _folder(pattern: str) -> Path:
@@ -74,18 +81,18 @@ def find_logs(patterns: Iterable[str], where: str = "logs") -> list[str]:
     """
     found: list[str] = []
     for pattern in patterns:
-        matches = glob(pattern, recursive=True)
-        if not matches:
+        matching = matches(pattern)
+        if not matching:
             folder = _folder(pattern)
             there = [p.name for p in folder.iterdir()] if folder.is_dir() else []
             hint = nearest(Path(pattern).name, there) if folder.is_dir() else f"; there is no folder {folder}"
             raise InputError(f"config: '{where}' holds '{pattern}', which matches no file{hint}")
         root = _folder(pattern).resolve()
-        known = [m for m in matches if log_format(m)]
+        known = [m for m in matching if log_format(m)]
         if not known:
             allowed = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
             raise InputError(
-                f"config: '{where}' holds '{pattern}', which matches '{matches[0]}': no kind of log "
+                f"config: '{where}' holds '{pattern}', which matches '{matching[0]}': no kind of log "
                 f"(allowed: {allowed})"
             )
         for match in known:
@@ -137,7 +144,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
                 f"config: '{where}.joints' names {len(joints)} joints, robot '{robot['name']}' has "
                 f"{len(robot['joints'])}"
             )
-        for key in ("torque_constant", "scale", "sign"):
+        for key in ("torque_constant", "scale", "sign", "dead_band"):
             given = entry.get(key)
             if isinstance(given, (list, tuple)) and len(given) != len(robot["joints"]):
                 raise InputError(

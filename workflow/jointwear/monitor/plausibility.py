@@ -20,6 +20,7 @@ from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion, unwrapped
+from jointwear.monitor.misreadings import check_readings, check_torque_moves, velocity_remedy, with_key
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -54,7 +55,8 @@ def check_first(
     _check_units(measured, robot, name)
     _check_velocity(chunk, unwrapped(chunk.position), stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
-        _as_discovery(measured, robot, name, measured)
+        check_torque_moves(measured, name)
+        check_readings(measured, robot, lambda samples: _as_discovery(samples, robot, name, samples), name)
     left = explained(Dynamics(robot), *_thinned(measured))
     known = left[np.isfinite(left)]
     if len(known) >= FEWEST_AXES and np.median(known) > MOST_LEFT:
@@ -150,10 +152,9 @@ def _check_velocity(chunk: Chunk, position: np.ndarray, stretch: np.ndarray, nam
         power = float(np.sum(moved**2))
         ratio = float(np.sum(told * moved)) / power
         if not 0.8 < ratio < 1.25:
-            hint = "; it looks like degrees" if 45 < ratio < 70 else ""
+            hint, remedy = velocity_remedy(ratio)
             raise Refused(
-                f"{name}: the velocity of joint {j + 1} is {ratio:.3g} times the change of its position{hint}",
-                "mend the units or the sign of the velocity, or leave it out: it is then derived",
+                f"{name}: the velocity of joint {j + 1} is {ratio:.3g} times the change of its position{hint}", remedy
             )
 
 
@@ -202,7 +203,7 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
     try:
         check_recording(recording, robot, lambda: against)
     except Refused as refusal:
-        raise Refused(str(refusal).replace(f"data set '{name}'", name, 1), refusal.suggestion) from None
+        raise Refused(str(refusal).replace(f"data set '{name}'", name, 1), with_key(refusal.suggestion)) from None
 
 
 def _busiest(velocity: np.ndarray, most: int) -> slice:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.conditions import Conditions
+from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.dispersion import inflated
 from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import Forecast
@@ -133,7 +134,9 @@ class Teller:
         part, spread = viscous.mean[k, j], viscous.mean_std[k, j]
         total = np.expm1(mean) * (1.0 if level.axes[j].source == "friction" else self._series["friction"].share[j])
         clear = np.isfinite(part) and part > VISCOUS_CLEAR * spread and part > VISCOUS_PART * total
-        return (VISCOUS if clear and level.axes[j].source == "friction" else COULOMB), float(mean), float(error)
+        if clear and level.axes[j].source == "coulomb":
+            return VISCOUS, float(part), float(spread)
+        return (VISCOUS if clear else COULOMB), float(mean), float(error)
 
     def reasons(self) -> np.ndarray:
         """Return why each window (w, n) is not judged, of :class:`Reason`."""
@@ -152,18 +155,22 @@ class Teller:
     def records(self) -> list[dict[str, Any]]:
         """Return the rows of alarms.csv."""
         result = []
-        statistic = np.where(np.isfinite(self._level.residual), np.maximum(self._level.growth, 0.0), np.nan)
+        # Which axis it is depends on the evidence for any change; the decision asks for more than what is tolerated.
+        level = self._level
+        statistic = np.where(np.isfinite(level.residual), np.maximum(level.mean / level.mean_std, 0.0), np.nan)
+        threshold = level.threshold + TOLERATED / level.mean_std
         for k, j in np.argwhere(self._told):
             name, mean, error = self._parts(k, j)
             values = [mean, mean - _Q80 * error, mean + _Q80 * error]
-            if self._level.alarm[k, j]:
+            by_level = self._level.alarm[k, j] and (name == COULOMB or self._level.axes[j].source == "friction")
+            if by_level:
                 changes = [self._level.axes[j].unit * float(np.expm1(v)) for v in values]
             else:
                 changes = [float(self._series["viscous"].unit[j]) * v for v in values]
             unit = "N m"
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
-            sure = axis_probability(statistic[k], self._level.threshold)[j] if self._level.alarm[k, j] else np.nan
+            sure = axis_probability(statistic[k], threshold[k])[j] if self._level.alarm[k, j] else np.nan
             expected = self.forecast(k, j, name)
             result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
         return result

@@ -1,10 +1,11 @@
 """Programs as the motion shows them: windows whose axes move alike are one regime.
 
-The signature of a window does not change with a speed override: of each axis its speed over the mean of all axes, the
-ratio of root mean square and mean speed, and its gravity torque. Regimes are found one after the other in the baseline
-(a window joins the nearest one that lies within :data:`ALIKE`, else it founds one); a regime counts from
-:data:`FEWEST` windows on. A later window that lies near none is a program that was never seen: it is not judged.
-Where most windows of the baseline found no regime, each being a mixture of its own, none is told apart.
+The signature of a window does not change with a speed override or a load: of each axis its speed over the mean of all
+axes, and the ratio of root mean square and mean speed. Regimes are found one after the other in the baseline (a window
+joins the nearest one that lies within :data:`ALIKE`, else it founds one); a regime counts from :data:`FEWEST` windows
+on. A later window that lies near none is a program that was never seen: it founds a regime too, and is not judged
+before its constant has been learnt (:func:`jointwear.monitor.normal_state.taught`). Where most windows of the baseline
+found no regime, each being a mixture of its own, none is told apart.
 """
 
 from __future__ import annotations
@@ -17,22 +18,18 @@ from jointwear.monitor.windows import WindowStatistics
 ALIKE, UNSEEN = 0.15, 0.3
 #: Fewest windows of a regime; share of the baseline's windows that regimes must hold.
 FEWEST, COVERED = 4, 0.7
-#: Gravity torques below this share of the friction count as none.
-_SMALL = 0.2
 
 
-def signatures(statistics: WindowStatistics, friction: np.ndarray) -> np.ndarray:
-    """Return the signature (w, 3 n) of every window, NaN where an axis rests; `friction` (n,) [N m]."""
+def signatures(statistics: WindowStatistics) -> np.ndarray:
+    """Return the signature (w, 2 n) of every window, NaN where an axis rests."""
     gram = statistics.gram
     with np.errstate(invalid="ignore", divide="ignore"):
         count = np.where(statistics.count > 0, statistics.count, np.nan).astype(float)
         speed = np.sqrt(gram[..., 2, 2] / count)
         mean = (gram[..., 0, 2] + gram[..., 1, 2]) / count
-        gravity = np.sqrt(gram[..., 3, 3] / count)
         logs = np.log(speed)
         share = logs - np.nanmean(np.where(np.isfinite(logs), logs, 0.0), axis=1, keepdims=True)
-        weight = np.log(gravity + _SMALL * np.maximum(friction, 1e-9))
-    return np.concatenate([share, np.log(speed / mean), weight], axis=1)
+    return np.concatenate([share, np.log(speed / mean)], axis=1)
 
 
 def find_regimes(signature: np.ndarray, baseline: np.ndarray) -> np.ndarray | None:
@@ -61,11 +58,20 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray) -> np.ndarray | No
     if sum(n for n in counts if n >= FEWEST) < COVERED * max(int(baseline.sum()), 1):
         return None
     result = np.full(len(signature), -1)
+    members = [FEWEST] * len(kept)
     for k in range(len(signature)):
         distance = _distances(signature[k], kept)
         best = int(np.argmin(distance))
-        if distance[best] <= UNSEEN:
-            result[k] = best
+        if distance[best] > UNSEEN and not baseline[k] and np.isfinite(signature[k]).any():
+            kept.append(signature[k].copy())
+            members.append(0)
+            best = len(kept) - 1
+        elif distance[best] > UNSEEN:
+            continue
+        members[best] += 1
+        result[k] = best
+    rare = np.array(members) < FEWEST
+    result[(result >= 0) & rare[result]] = -1
     return result
 
 

@@ -7,6 +7,7 @@ normal state, as friction is; where friction steps and this share steps with it,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,9 +16,9 @@ from jointwear.monitor.estimate import COLUMNS, Sums, column_estimate
 from jointwear.monitor.series import Series
 from jointwear.monitor.watching import Watch
 
-#: A scale explains growth where its step is this share of it at least, this many standard errors clear, and nearer to
-#: the growth than this share of it.
-PART, CLEAR, ALIKE = 0.5, 2.5, 0.5
+#: A scale explains growth where the growth is likelier as its step than as no step of it by this log likelihood ratio;
+#: smallest step. Of a second axis the factors are alike within this share, a third contradicts that many errors off.
+CLEAR, LEAST, ALIKE, AGAINST = 1.0, 0.01, 0.5, 2.5
 _GRAVITY, _INERTIAL = COLUMNS.index("gravity"), COLUMNS.index("inertial")
 #: Standard deviation of a window's scale above which it shows nothing.
 COARSEST = 0.25
@@ -55,7 +56,11 @@ def scale_series(sums: Sums, pooled: np.ndarray) -> Series:
 
 
 def scale_steps(level: Watch, scale: Watch, shift: np.ndarray) -> list[ScaleStep]:
-    """Return the first alarm or proposed service of each axis that a step of its scale explains."""
+    """Return the first alarm or proposed service of each axis that a step of its scale explains.
+
+    Where the scale of two axes steps at once, or the friction of another axis by as much, a common cause (unit, supply,
+    cabinet) is likely: axes whose own scale says nothing against the same factor take it over.
+    """
     found = []
     for j, axis in enumerate(level.axes):
         if axis is None or scale.axes[j] is None:
@@ -67,11 +72,36 @@ def scale_steps(level: Watch, scale: Watch, shift: np.ndarray) -> list[ScaleStep
             rows = slice(begin, k + 1) if sign > 0 else slice(k, _end(k, shift))
             step, error = _mean(scale, rows, j)
             size = float(level.mean[k, j]) if sign > 0 else step
-            clear = np.isfinite(step) and sign * step > CLEAR * error and sign * step > PART * sign * size
-            if clear and abs(step - size) < ALIKE * abs(size) + 2 * error and abs(step) > 0.01:
+            if np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR:
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
-    return found
+    return found + _joined(found, level, scale, shift)
+
+
+def _evidence(step: float, size: float, error: float) -> float:
+    """Return the log likelihood ratio of a scale that stepped by `size` over one that stayed."""
+    return (step**2 - (step - size) ** 2) / (2 * error**2)
+
+
+def _joined(found: Sequence[ScaleStep], level: Watch, scale: Watch, shift: np.ndarray) -> list[ScaleStep]:
+    more = []
+    for one in found:
+        near = [s for s in found if abs(int(shift[s.window]) - int(shift[one.window])) <= 1]
+        near = [s for s in near if abs(np.log(s.factor / one.factor)) < ALIKE * abs(np.log(one.factor))]
+        if one is not near[0]:
+            continue
+        size = float(np.mean([np.log(s.factor) for s in near]))
+        for j, axis in enumerate(level.axes):
+            if axis is None or any(s.axis == j for s in near):
+                continue
+            rows = slice(one.window, _end(one.window, shift))
+            steps = [_mean(w, rows, j) for w in (scale, level) if w.axes[j] is not None]
+            # One axis alone is no common cause, unless the friction of another steps with it by as much.
+            if len(near) < 2 and not abs(steps[-1][0] - size) < ALIKE * abs(size):
+                continue
+            if all(not np.isfinite(step) or abs(step - size) < AGAINST * error for step, error in steps):
+                more.append(ScaleStep(j, one.window, float(np.exp(size))))
+    return more
 
 
 def _begin(k: int, shifts: int, shift: np.ndarray) -> int:

@@ -74,6 +74,9 @@ def _location(residual: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, n
     total = robust.sum(axis=1)
     scatter = np.divide((robust * weight * (values - middle[:, None]) ** 2).sum(axis=1), np.maximum(total, 1e-300))
     error = np.divide(np.maximum(1.0, scatter), np.maximum(total, 1e-300))
+    # Where the axes fall into two camps, the larger one is not sure to be right.
+    plain = np.divide((weight * values).sum(axis=1), np.maximum(weight.sum(axis=1), 1e-300))
+    error = error + (plain - middle) ** 2
     return np.where(enough, middle, 0.0), np.where(enough, error, np.inf)
 
 
@@ -98,7 +101,9 @@ def _shrunk(location: np.ndarray, error: np.ndarray, usual: float) -> tuple[np.n
     mean = (1 - rare) * means[0] + rare * means[1]
     square = (1 - rare) * (variances[0] + means[0] ** 2) + rare * (variances[1] + means[1] ** 2)
     known = np.isfinite(error)
-    return np.where(known, mean, 0.0), np.where(known, square - mean**2, 0.0)
+    # Where too few axes are judged to tell, something may be shared all the same; a robot of few axes never can tell.
+    unknown = usual + RARE * WIDE**2 if known.any() else 0.0
+    return np.where(known, mean, 0.0), np.where(known, square - mean**2, unknown)
 
 
 def _slopes(

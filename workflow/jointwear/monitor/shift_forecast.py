@@ -14,9 +14,10 @@ from scipy.special import log_ndtr, ndtr
 
 from jointwear.monitor.forecast import Forecast
 
-#: lambda times the time since the onset, and mean and standard deviation of its prior.
-BENDS = np.linspace(-3.0, 5.0, 17)
-BEND, BEND_SPREAD = 0.5, 1.5
+#: lambda times the time since the onset, and mean and standard deviation of its prior: at an alarm a small part of the
+#: way to the limit is gone, over which laws bend little, and wear rather hastens than comes to rest.
+BENDS = np.linspace(-3.0, 5.0, 33)
+BEND, BEND_SPREAD = 0.45, 0.85
 #: Onsets between the normal period and now, as shares of the time between.
 ONSETS = np.concatenate([np.linspace(0.0, 0.9, 13), [0.94, 0.97]])
 #: Relative standard deviation of growth about its law; wander of the level, per root of a day; what no law knows of

@@ -1,7 +1,7 @@
 """Shifts: the runs of windows between two longer pauses, which share what one day brings (weather, product, oil).
 
-A robot that never stops has no pauses; its time is cut into equal parts instead, of a day where the baseline is long
-enough to hold several days.
+A robot that never stops has no pauses; its time is cut into equal parts instead, of a day, or as long as a working
+shift where one program runs alone; shorter where the baseline would not hold several of them.
 """
 
 from __future__ import annotations
@@ -10,16 +10,18 @@ import numpy as np
 
 #: A pause [h] that ends a shift, and the same in windows where they are long.
 PAUSE_HOURS, PAUSE_WINDOWS = 2.5, 2.0
-#: Longest shift [h]; where operation never stops, the baseline shall hold this many parts of at least so many windows.
-LONGEST_HOURS, PARTS, FEWEST_WINDOWS = 24.0, 6, 4
+#: Longest shift [h]; where operation never stops, the length [h] of a part of a steady one; the baseline shall hold
+#: this many parts of at least so many windows.
+LONGEST_HOURS, PART_HOURS, PARTS, FEWEST_WINDOWS = 24.0, 8.0, 6, 4
 
 
-def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray, steady: bool = False) -> np.ndarray:
     """Return the number of the shift of every window, rising from 0, (w,) int.
 
     Parameters
     ----------
     start, end : (w,) [s] borders of the windows in order of time. baseline : (w,) bool, windows of the baseline.
+    steady : one program runs alone, so that a day brings little that part of it does not.
 
     Notes
     -----
@@ -34,8 +36,9 @@ def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray) -> np
     first = np.array([start[run == r][0] for r in range(run[-1] + 1)])
     whole = np.array([end[run == r][-1] for r in range(run[-1] + 1)]) - first
     if whole.max() > longest and baseline.any():
+        most = PART_HOURS * 3600.0 if steady else longest
         part = float(baseline.sum()) * length / PARTS
-        longest = float(np.clip(part, FEWEST_WINDOWS * length, max(longest, FEWEST_WINDOWS * length)))
+        longest = float(np.clip(part, FEWEST_WINDOWS * length, max(most, FEWEST_WINDOWS * length)))
     else:
         longest = max(longest, FEWEST_WINDOWS * length)
     part = np.floor((start - first[run]) / longest + 1e-9).astype(np.int64)

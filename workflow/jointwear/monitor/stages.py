@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,11 +18,12 @@ from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.piece_files import read_pieces, write_pieces
-from jointwear.monitor.plan import window_seconds
+from jointwear.monitor.plan import READING_KEYS, window_seconds
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import read_survey, survey_log
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
+from jointwear.robots.robot_file import robot_sources
 
 #: Fewest windows of a baseline from which anything can be learnt.
 FEWEST_BASELINE = 8
@@ -87,6 +90,16 @@ def judge_windows(
     judge_pieces(pieces, robot, entry, state, alarms, name)
 
 
+def made_with(robot: str | Path, entry: Mapping[str, Any]) -> str:
+    """Return a digest of what windows depend on besides the log: the files of the robot, and how logs are read."""
+    digest = hashlib.sha256()
+    for path in robot_sources(str(robot)):
+        digest.update(Path(path).read_bytes() + b"\0")
+    reading = {key: entry[key] for key in READING_KEYS if key in entry}
+    digest.update(json.dumps(reading, sort_keys=True).encode())
+    return digest.hexdigest()
+
+
 def judge_pieces(
     pieces: Sequence[Piece],
     robot: str | Path,
@@ -102,8 +115,9 @@ def judge_pieces(
         reasons = [line for p in whole.pieces for line in p.refused]
         raise InputError(f"no log could be used: {reasons[0] if reasons else 'they hold no samples'}")
     kept = Path(state).parent / "baseline.nc"
-    statistics, baseline = with_kept_baseline(whole.statistics, entry["baseline"], kept)
-    keep_baseline(statistics, baseline, entry["baseline"], kept)
+    given = {**entry["baseline"], "made_with": made_with(robot, entry)}
+    statistics, baseline = with_kept_baseline(whole.statistics, given, kept)
+    keep_baseline(statistics, baseline, given, kept)
     whole = replace(whole, statistics=statistics)
     judgement = judge(statistics, baseline.mask, settings_of(arm, entry))
     if baseline.words:

@@ -8,17 +8,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from jointwear.monitor.conditions import Conditions
+from jointwear.monitor.conditions import Conditions, Design
 from jointwear.monitor.decision import Evidence, shift_evidence
-from jointwear.monitor.dispersion import inflated
-from jointwear.monitor.learning import AxisNormal, enough, learn_axes, relearnt, widened
-from jointwear.monitor.normal_state import Posterior
+from jointwear.monitor.dispersion import inflated, updated_between
+from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
+from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import BUDGET, Axis, null_threshold
-from jointwear.monitor.series import Series
 from jointwear.monitor.shared_error import SharedError, shared_error
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
+#: Standard deviation of leaving the baseline's range beyond which a window teaches no level, for so many shifts.
+FAR, LATEST_SHIFTS = 0.01, 8
 #: Standard deviation of a prediction beyond which the conditions count as unseen.
 UNSEEN = 0.06
 #: Share of the allowance that falls may use: they only propose a service.
@@ -61,31 +62,30 @@ class Watch:
 
 
 def watch(
-    series: Sequence[Series],
-    names: Sequence[str],
+    axes: list[AxisNormal | None],
     conditions: Conditions,
     baseline: np.ndarray,
     shift: np.ndarray,
     rate: float,
     events: Sequence[Sequence[int]] = (),
     proposed: Sequence[Sequence[int]] = (),
-    learnt: list[AxisNormal | None] | None = None,
     services: bool = True,
+    common: bool = True,
 ) -> Watch:
     """Watch one quantity.
 
     Parameters
     ----------
-    series, names : candidates for it, :func:`jointwear.monitor.learning.learn_axes`. baseline : (w,) bool.
-    shift : (w,) labels. rate : false alarms a window that all axes together may have.
+    axes : normal states, :func:`jointwear.monitor.learning.learn_axes`. baseline : (w,) bool. shift : (w,) labels.
+    rate : false alarms a window that all axes together may have.
     events : per axis, windows at which the config says that something was done to it.
-    proposed : the same, found in the logs themselves. learnt : normal states that are known already.
-    services : whether falls propose services.
+    proposed : the same, found in the logs themselves.
+    services : whether falls propose services. common : whether what all axes have in common is taken out.
     """
-    w, n = series[0].value.shape
+    w, n = len(shift), len(axes)
     events, proposed = events or [[]] * n, proposed or [[]] * n
-    axes = learnt or learn_axes(series, names, conditions, _first_part(baseline, events, n), shift)
     judged = [j for j in range(n) if axes[j] is not None]
+    first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
     fields = {name: np.full((w, n), np.nan) for name in ("residual", "std", "noise", "mean", "mean_std")}
     growth, fall = np.full((w, n), -np.inf), np.full((w, n), -np.inf)
     shifts = np.zeros((w, n), dtype=int)
@@ -99,26 +99,29 @@ def watch(
         threshold[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * rate / len(judged))
     falls = np.array([t if np.isfinite(t) else np.inf for t in threshold])
     # Services that falls propose change what comes after them: found one after the other, until none is left.
-    states = {j: _Axis(axes[j], baseline, shift, starts[j]) for j in judged}
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
+    states: dict[int, _Axis] = {}
+    again = judged
     for _ in range(_MOST_TURNS):
+        for j in again:
+            states[j] = _Axis(axes[j], baseline, shift, starts[j])
         raw, spread = np.full((w, n), np.nan), np.full((w, n), np.nan)
         for j, state in states.items():
             raw[:, j], spread[:, j] = state.residual, state.total_variance
-        shared = shared_error(raw, spread, baseline, shift)
-        again = False
+        if common:
+            shared = shared_error(raw, spread, baseline, shift)
+        again = []
         for j, state in states.items():
             evidence = state.judge(shared.value[:, j], shared.variance[:, j])
             hit = np.flatnonzero(evidence.fall > falls[j])
             hit = hit[~baseline[hit]]
             if services and len(hit):
-                begin = _begin_of_change(hit[0], int(evidence.shifts[hit[0]]), shift)
+                begin = max(_begin_of_change(hit[0], int(evidence.shifts[hit[0]]), shift), first_judged)
                 later = [s for s in starts[j] if s.window > hit[0]]
                 kept = [s for s in starts[j] if s.window <= hit[0]]
                 if not kept or kept[-1].window < begin:
                     starts[j] = [*kept, Start(begin, True), *later]
-                    states[j] = _Axis(axes[j], baseline, shift, starts[j])
-                    again = True
+                    again.append(j)
             state.evidence = evidence
         if not again:
             break
@@ -146,30 +149,47 @@ class _Axis:
 
     evidence: Evidence
 
-    def __init__(self, normal: AxisNormal, baseline: np.ndarray, shift: np.ndarray, starts: Sequence[Start]) -> None:
+    def __init__(
+        self,
+        normal: AxisNormal,
+        baseline: np.ndarray,
+        shift: np.ndarray,
+        starts: Sequence[Start],
+    ) -> None:
         self.normal, self.shift = normal, shift
         w = len(shift)
         matrix = normal.design.matrix
         self.residual, self.predicted = np.full(w, np.nan), np.full(w, np.nan)
         self.learning, self.unseen = np.zeros(w, dtype=bool), np.zeros(w, dtype=bool)
-        self.segments: list[tuple[slice, Posterior]] = []
+        self.segments: list[slice] = []
+        self.states: list[Posterior] = []
+        self.which = np.zeros(w, dtype=int)
         edges = [0, *[s.window for s in starts], w]
+        memory = normal.dispersion.memory
+        variance = normal.noise * (1 + memory) / (1 - memory)
+        posterior = normal.fit.posterior
+        bad = ~np.isfinite(matrix).all(axis=1)
         for k, (a, b) in enumerate(itertools.pairwise(edges)):
             part = slice(a, b)
-            if k == 0:
-                posterior, learnt = normal.fit.posterior, baseline
-            else:
+            learnt = baseline
+            if k > 0:
                 learnt = self._after(a, b)
-                fit = relearnt(normal, learnt, shift, widened(normal))
-                posterior = fit.posterior
-                self.learning[part] |= learnt[part] | (
-                    np.cumsum(learnt)[part] < min(RELEARNT_WINDOWS, learnt.sum() + 1)
-                )
-            expected, spread = posterior.predict(np.nan_to_num(matrix[part]))
-            bad = ~np.isfinite(matrix[part]).all(axis=1)
-            self.residual[part] = np.where(bad, np.nan, normal.series_value[part] - expected)
-            self.predicted[part] = spread + normal.design.beyond[part]
-            self.segments.append((part, posterior))
+                posterior = relearnt(normal, learnt, shift, widened(normal, posterior)).posterior
+                last = int(np.flatnonzero(learnt)[-1]) + 1 if learnt.any() else b
+                self.learning[a:last] = True
+            for s in np.unique(shift[part]):
+                rows = a + np.flatnonzero(shift[part] == s)
+                expected, spread = posterior.predict(np.nan_to_num(matrix[rows]))
+                self.residual[rows] = np.where(bad[rows], np.nan, normal.series_value[rows] - expected)
+                self.predicted[rows] = spread + normal.design.beyond[rows]
+                self.which[rows] = len(self.states)
+                self.states.append(posterior)
+                fresh = rows[~learnt[rows]]
+                new = fresh[_new_program(normal.design, posterior, fresh)]
+                between = normal.dispersion.between**2
+                posterior = introduced(posterior, matrix[new], normal.series_value[new], variance[new], between)
+                posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], variance[fresh])
+            self.segments.append(part)
         # In the baseline a window is held against what the other shifts predict for it.
         own = np.isfinite(normal.fit.left_out) & (np.arange(w) < edges[1])
         self.residual[own] = normal.fit.left_out[own]
@@ -179,6 +199,7 @@ class _Axis:
             self.unseen = beyond & np.isfinite(normal.series_value) & ~own
         hidden = self.unseen | self.learning
         self.residual[hidden] = np.nan
+        self.judged = np.isfinite(self.residual) & ~baseline
 
     @property
     def total_variance(self) -> np.ndarray:
@@ -186,28 +207,56 @@ class _Axis:
         return self.normal.noise + self.normal.dispersion.between**2 + self.predicted
 
     def _after(self, a: int, b: int) -> np.ndarray:
-        """Return the windows (w,) from which the axis is learnt anew: three shifts, and more until there are enough."""
+        """Return the windows (w,) from which the axis is learnt anew: three shifts, and more until there are enough.
+
+        What lies outside the temperatures of the baseline teaches no level, unless nothing else comes for long.
+        """
         learnt = np.zeros(len(self.shift), dtype=bool)
+        place = np.arange(len(self.shift))
+        part = (place >= a) & (place < b)
         seen = np.isfinite(self.normal.series_value)
+        usual = seen & (self.normal.design.beyond < FAR**2)
         for count, s in enumerate(np.unique(self.shift[a:b]), start=1):
-            rows = (self.shift == s) & (np.arange(len(self.shift)) >= a) & (np.arange(len(self.shift)) < b)
-            learnt |= rows
-            if count >= RELEARNT_SHIFTS and (learnt & seen).sum() >= RELEARNT_WINDOWS:
+            learnt |= part & (self.shift == s)
+            known = learnt & (usual if count < LATEST_SHIFTS else seen)
+            if len(np.unique(self.shift[known])) >= RELEARNT_SHIFTS and known.sum() >= RELEARNT_WINDOWS:
                 break
-        return learnt
+        return learnt & usual if (learnt & usual).sum() >= RELEARNT_WINDOWS else learnt
+
+    def _between(self, residual: np.ndarray) -> np.ndarray:
+        """Return the standard deviation between shifts (w,) as known at each window; `residual` (w,) where judged."""
+        dispersion = self.normal.dispersion
+        names, place = np.unique(self.shift, return_inverse=True)
+        rows = np.isfinite(residual)
+        weight = np.where(rows, 1.0 / np.where(rows, self.normal.noise, 1.0), 0.0)
+        total, count = np.bincount(place, weight, len(names)), np.bincount(place, rows, len(names))
+        some = np.where(count > 1, total, np.nan)
+        mean = np.bincount(place, weight * np.nan_to_num(residual), len(names)) / some
+        own = inflated(count, dispersion.memory) / some
+        segment = np.zeros(len(residual), dtype=int)
+        for part in self.segments[1:]:
+            segment[part.start :] += 1
+        last = np.zeros(len(names), dtype=int)
+        last[place] = segment
+        return updated_between(dispersion, mean, own, last)[place]
 
     def judge(self, shared: np.ndarray, shared_variance: np.ndarray) -> Evidence:
         """Return the evidence of all windows; each segment stands for itself."""
         parts = []
-        for part, posterior in self.segments:
+        residual = np.where(self.judged, self.residual - shared, np.nan)
+        between = self._between(residual)
+        value = np.where(self.judged, self.normal.series_value - shared, np.nan)
+        for part in self.segments:
             parts.append(
                 shift_evidence(
-                    (self.residual - shared)[part],
+                    value[part],
                     self.normal.noise[part],
                     self.normal.design.matrix[part],
-                    posterior.covariance,
+                    self.states,
+                    self.which[part],
                     self.shift[part],
-                    self.normal.dispersion,
+                    self.normal.dispersion.memory,
+                    between[part],
                     (shared_variance + self.normal.design.beyond)[part],
                 )
             )
@@ -215,7 +264,13 @@ class _Axis:
         return Evidence(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in names})
 
 
-def _first_part(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:
+def _new_program(design: Design, posterior: Posterior, rows: np.ndarray) -> np.ndarray:
+    """Return which windows `rows` run a program that the log names and whose normal is not known yet."""
+    unknown = [c for c in design.programs if posterior.covariance[c, c] > UNSEEN**2]
+    return (design.matrix[np.ix_(rows, unknown)] > 0).any(axis=1)
+
+
+def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:
     """Return the windows (w, n) of the baseline before the first event of each axis."""
     place = np.arange(len(baseline))
     return np.stack([baseline & (place < min(events[j], default=len(baseline))) for j in range(n)], axis=1)
@@ -223,13 +278,12 @@ def _first_part(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -
 
 def _threshold(axis: AxisNormal, conditions: Conditions, shift: np.ndarray, baseline: np.ndarray, rate: float) -> float:
     """Return the threshold of one axis for a rate of false alarms a window."""
-    rows = np.isfinite(axis.series_value)
+    rows = np.isfinite(axis.series_value) & baseline
     usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else 8.0
     noise = float(np.nanmedian(axis.noise))
     within = np.sqrt(noise * float(inflated(usual, axis.dispersion.memory)) / usual)
-    clean = axis.design.matrix[rows]
-    clean = clean[np.isfinite(clean).all(axis=1)]
-    normal = np.sqrt(float(np.median(axis.fit.posterior.predict(clean)[1]))) if len(clean) else 0.01
+    left = axis.fit.left_out_variance
+    normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else 0.01
     null = Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual))
     return null_threshold(null, rate)
 
@@ -241,4 +295,4 @@ def _begin_of_change(window: int, shifts: int, shift: np.ndarray) -> int:
     return int(np.argmax(shift == names[max(place - max(shifts, 1) + 1, 0)]))
 
 
-__all__ = ["Start", "Watch", "enough", "watch"]
+__all__ = ["Start", "Watch", "before_events", "enough", "watch"]

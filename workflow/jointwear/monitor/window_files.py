@@ -36,6 +36,12 @@ _LAYOUT: dict[str, tuple[tuple[str, ...], str, str | None]] = {
     "temperature": (_WA, "mean temperature, NaN where unknown", "degC"),
     "temperature_count": (_WA, "samples of the mean temperature", "1"),
     "torque_histogram": ((*_WA, "bin"), "samples of torque in equal bins", "1"),
+    "pulse_near": (_WA, "sum of squares of the quick part of the residual near reversals of the load", "N2 m2"),
+    "pulse_far": (_WA, "the same away from them", "N2 m2"),
+    "near_count": (_WA, "samples in pulse_near", "1"),
+    "far_count": (_WA, "samples in pulse_far", "1"),
+    "turns": (_WA, "reversals of the load in motion", "1"),
+    "labels": (("window",), "samples of each program that the log names", None),
     "flags": (_WA, "what was found in reading, a bit field", "1"),
 }
 
@@ -81,9 +87,11 @@ def read_statistics(path: str | Path) -> WindowStatistics:
     InputError : naming the file, if it is missing, broken, or was written by another version of this library.
     """
     with open_dataset(path) as dataset:
-        if "regressor" not in dataset.variables or tuple(read_variable(dataset, path, "regressor")) != REGRESSORS:
+        whole = {"regressor", *PER_WINDOW} <= set(dataset.variables)
+        if not whole or tuple(read_variable(dataset, path, "regressor")) != REGRESSORS:
             raise InputError(f"{path}: holds no window statistics of this version; delete it and run again")
         values = {name: read_variable(dataset, path, name) for name in PER_WINDOW}
         reference, dated = read_variable(dataset, path, "torque_reference"), bool(dataset.dated)
     values = {k: v.astype(np.int64) if v.dtype.kind == "i" else v for k, v in values.items()}
+    values["labels"] = np.array([str(text) for text in values["labels"]], dtype=object)
     return WindowStatistics(**values, torque_reference=reference, dated=dated)

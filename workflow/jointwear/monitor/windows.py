@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.measurement.flags import DISQUALIFYING, Flag
+from jointwear.monitor.program_labels import add_labels
 
 REGRESSORS = ("positive", "negative", "velocity", "gravity", "inertial")
 #: Bins of the torque histogram from -SPAN to +SPAN times the reference torque; 120 bins fall on [0, 1], so that 12
@@ -59,6 +60,11 @@ class WindowStatistics:
     temperature, temperature_count : (w, n) mean [degC] (NaN if unknown) and the samples that it is the mean of.
     torque_histogram : (w, n, HISTOGRAM_BINS) number of finite torque samples in equal bins from -HISTOGRAM_SPAN to
         HISTOGRAM_SPAN times `torque_reference` (n,) [N m]; what lies beyond counts in the outer bins.
+    pulse_near, pulse_far : (w, n) sums of the squares of the quick part of the residual [N2 m2] near reversals of the
+        load and away from them, `near_count`, `far_count` their numbers of samples, `turns` the reversals
+        (:mod:`jointwear.monitor.reversals`).
+    labels : (w,) samples of each program that the log names, as text (:mod:`jointwear.monitor.program_labels`);
+        empty without.
     flags : (w, n) bit field of :class:`Flag`.
     """
 
@@ -82,6 +88,12 @@ class WindowStatistics:
     temperature_count: np.ndarray
     torque_histogram: np.ndarray
     torque_reference: np.ndarray
+    pulse_near: np.ndarray
+    pulse_far: np.ndarray
+    near_count: np.ndarray
+    far_count: np.ndarray
+    turns: np.ndarray
+    labels: np.ndarray
     flags: np.ndarray
     dated: bool = False
 
@@ -137,10 +149,14 @@ class WindowStatistics:
 #: Fields with one row a window, and how the rows of two pieces of one window are put together.
 _SUMMED = (
     "gram", "moment", "square", "count", "samples", "residual_square", "freedom", "lag_square", "lag_count", "score",
-    "blocks", "stretches", "travel", "temperature_count", "torque_histogram",
+    "blocks", "stretches", "travel", "temperature_count", "torque_histogram", "pulse_near", "pulse_far", "near_count",
+    "far_count", "turns",
 )  # fmt: skip
 PER_WINDOW = tuple(f.name for f in fields(WindowStatistics) if f.name not in ("torque_reference", "dated"))
-_WHOLE = ("count", "samples", "lag_count", "blocks", "stretches", "temperature_count", "torque_histogram", "flags")
+_WHOLE = (
+    "count", "samples", "lag_count", "blocks", "stretches", "temperature_count", "torque_histogram", "near_count",
+    "far_count", "turns", "flags",
+)  # fmt: skip
 
 
 def blank_statistics(
@@ -154,8 +170,9 @@ def blank_statistics(
     values = {
         name: np.zeros(shapes.get(name, (w, n)), dtype=np.int64 if name in _WHOLE else float)
         for name in PER_WINDOW
-        if name not in ("start", "end")
+        if name not in ("start", "end", "labels")
     }
+    values["labels"] = np.full(w, "", dtype=object)
     values["temperature"][:] = np.nan
     return WindowStatistics(
         start=start,
@@ -189,6 +206,7 @@ def merge(parts: Sequence[WindowStatistics]) -> WindowStatistics:
     total = blank_statistics(keys * length, length, first.torque_reference, all(p.dated for p in parts))
     for name in _SUMMED:
         np.add.at(getattr(total, name), place, np.concatenate([getattr(p, name) for p in parts]))
+    add_labels(total.labels, place, np.concatenate([p.labels for p in parts]))
     np.maximum.at(total.torque_peak, place, np.concatenate([p.torque_peak for p in parts]))
     np.bitwise_or.at(total.flags, place, np.concatenate([p.flags for p in parts]))
     # A window that rests in one file and moves in another moves.

@@ -13,6 +13,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json
 from jointwear.files.regular_files import check_regular
 from jointwear.files.storage import open_dataset, read_variable
+from jointwear.publishing.figures.seal import unsealed
 
 
 def checksum(path: Path) -> str:
@@ -64,6 +65,8 @@ def check_whole(path: Path) -> None:
     except UnicodeDecodeError:
         raise InputError(f"{path}: is damaged: it is not text in UTF-8; delete it and run again") from None
     fault = _fault(path.suffix, text)
+    if path.suffix == ".svg":
+        unsealed(text, path)
     if fault:
         raise InputError(f"{path}: is cut or damaged: {fault}; delete it and run again")
 

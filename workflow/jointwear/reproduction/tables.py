@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import provenance
-from jointwear.files.storage import Variable, read_variables, write_dataset
+from jointwear.files.storage import Variable, open_dataset, read_variable, read_variables, write_dataset
 from jointwear.files.text_files import replace_text
 from jointwear.reproduction.grid import Cell, by_cell
 from jointwear.reproduction.published import Published, load_published
@@ -185,6 +185,16 @@ def write_table(
         variables[column] = Variable(("row",), content, column.replace("_", " "), units)
     write_dataset(f"{stem}.nc", variables, provenance.attributes(name.replace("_", " "), settings, made_from))
     replace_text(f"{stem}.csv", buffer.getvalue())
+
+
+def read_table(path: str | Path) -> list[Row]:
+    """Return the rows of a table from its netCDF file; what is missing is None."""
+    with open_dataset(path) as dataset:
+        columns = {name: read_variable(dataset, path, name).tolist() for name in dataset.variables}
+    return [
+        {k: None if isinstance(v, float) and np.isnan(v) else v for k, v in zip(columns, values, strict=True)}
+        for values in zip(*columns.values(), strict=True)
+    ]
 
 
 def write_tables(

@@ -154,14 +154,19 @@ def _of_a_body(inertia: np.ndarray) -> np.ndarray:
     return (axes * np.maximum(moments, ROUND_OFF * size)) @ axes.T
 
 
+#: Share of its nominal mass that a link keeps at least: the centre of mass of one with next to none would lie far
+#: outside of the arm, where no robot file may have it.
+LEAST_MASS = 0.02
+
+
 def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
     """Return mass, com and inertia of every link, in the layout of a robot file, after adding `delta` (10 n,)."""
     result = []
     for link, (mass, com, inertia) in enumerate(bodies(robot)):
         change = np.linalg.solve(to_joint_frame(robot, link), delta[10 * link : 10 * link + 10])
         pi = parameters_of_body(mass, com, inertia) + change
-        new_mass = float(max(pi[0], 0.0))
-        new_com = pi[1:4] / pi[0] if pi[0] > 1e-9 else np.zeros(3)
+        new_mass = float(max(pi[0], LEAST_MASS * mass, 0.0))
+        new_com = pi[1:4] / new_mass if new_mass > 1e-9 else np.zeros(3)
         about = matrix_of_six(pi[4:]) - new_mass * _skew(new_com).T @ _skew(new_com)
         if robot.links is not None:
             about = _of_a_body(about)

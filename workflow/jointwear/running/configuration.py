@@ -8,13 +8,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from datetime import date
-from glob import glob
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest
 from jointwear.files.numbers import check_numbers
+from jointwear.files.patterns import matches
 from jointwear.files.registered import is_registered, locate
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
@@ -113,7 +113,7 @@ def _log_pattern(pattern: Any) -> Any:
         return pattern
     if is_registered(pattern):
         return str(locate(pattern))
-    if not glob(pattern, recursive=True) and glob(str(ROOT / pattern), recursive=True):
+    if not matches(pattern) and matches(str(ROOT / pattern)):
         return str(ROOT / pattern)
     return pattern
 

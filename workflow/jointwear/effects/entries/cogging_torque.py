@@ -10,9 +10,19 @@ def _angle(state, axis, p):
     return p["order"] * state.drive.gear_ratio[axis] * state.position[..., axis]
 
 
+def _waves(state, axis, p):
+    return p["order"] * abs(float(state.drive.gear_ratio[axis]))
+
+
+def _height(state, axis, p):
+    """Return the torque at an amplitude of one, as far as the band of the recording lets it pass."""
+    # A fast wave shakes the joint: it is in its acceleration as much as in the torque, and both were filtered.
+    return np.ones(state.position.shape[:-1]) * state.passed(axis, _waves(state, axis, p)) ** 2
+
+
 def _columns(state, axis, source, p):
     angle = _angle(state, axis, p)
-    return np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+    return np.stack([np.sin(angle), np.cos(angle)], axis=-1) * _height(state, axis, p)[..., None]
 
 
 EFFECT = Effect(
@@ -29,7 +39,9 @@ EFFECT = Effect(
     source="Piccoli and Yim 2016",
     argument="motor angle",
     argument_unit="rad",
-    torque=lambda state, axis, source, p: p["amplitude"] * np.sin(_angle(state, axis, p) + p["phase"]),
+    torque=lambda state, axis, source, p: (
+        p["amplitude"] * _height(state, axis, p) * np.sin(_angle(state, axis, p) + p["phase"])
+    ),
     columns=_columns,
     parameters_of=lambda p, c: {
         **p,
@@ -39,6 +51,6 @@ EFFECT = Effect(
     grid=lambda state, axis: [{"order": float(k)} for k in range(1, 25)],
     needs=("gear", "motor torque"),
     bend=harmonics_bend(_columns),
-    waves=lambda state, axis, p: p["order"] * abs(float(state.drive.gear_ratio[axis])),
-    shape=lambda state, axis, p: (np.ones(state.position.shape[:-1]), np.mod(_angle(state, axis, p), 2 * np.pi)),
+    waves=_waves,
+    shape=lambda state, axis, p: (_height(state, axis, p), np.mod(_angle(state, axis, p), 2 * np.pi)),
 )

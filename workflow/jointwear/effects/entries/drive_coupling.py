@@ -3,10 +3,8 @@
 import numpy as np
 
 from jointwear.effects.effect import Bend, Effect, Parameter
+from jointwear.effects.rests import SLOW
 from jointwear.effects.tables import hats, knots_of
-
-#: Speed [rad/s] below which the shared drive may stick: its friction is then anything up to Coulomb friction.
-_STICKS = 0.02
 
 
 def _speed(state, axis, source, p):
@@ -14,9 +12,12 @@ def _speed(state, axis, source, p):
 
 
 def _columns(state, axis, source, p):
+    # Where the shared drive sticks its friction is anything up to Coulomb friction.
     # The share of this axis in viscous friction and inertia is part of its own numbers in the robot file.
     speed = _speed(state, axis, source, p)
-    level = np.where(np.abs(speed) > _STICKS, np.sign(speed), 0.0)
+    level = np.where(np.abs(speed) > SLOW, np.sign(speed), 0.0)
+    for rest in state.rests_of(axis, source, (p["own"], p["other"])):
+        level[rest.samples] = rest.sense(state.time[rest.samples])
     return np.stack([level, state.velocity[..., source], state.acceleration[..., source]], axis=-1)
 
 

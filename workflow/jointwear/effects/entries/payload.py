@@ -40,15 +40,27 @@ def _body_of(content):
     return float(content["mass"]), np.array(content["com"], dtype=float), inertia
 
 
+def _about_centre(total, farthest=np.inf):
+    """Return centre of mass (3,) and inertia (3, 3) about it of ten parameters with a mass."""
+    mass = float(total[0])
+    com = np.clip(total[1:4] / mass, -farthest, farthest)
+    about = matrix_of_six(total[4:]) - mass * (com @ com * np.eye(3) - np.outer(com, com))
+    return com, (about + about.T) / 2
+
+
+def _sound(parameters):
+    total = _numbers(parameters)
+    return bool(total[0] > 0) and bool(np.linalg.eigvalsh(_about_centre(total)[1])[0] >= 0)
+
+
 def _written(content, parameters):
     """Return the body of a robot file that is the sum of `content` and a payload; the nearest that is a body."""
     total = parameters_of_body(*_body_of(content)) + _numbers(parameters)
     mass = float(total[0])
     if mass <= 1e-9:
         return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
-    com = np.clip(total[1:4] / mass, -FARTHEST, FARTHEST)
-    about = matrix_of_six(total[4:]) - mass * (com @ com * np.eye(3) - np.outer(com, com))
-    moments, axes = np.linalg.eigh((about + about.T) / 2)
+    com, about = _about_centre(total, FARTHEST)
+    moments, axes = np.linalg.eigh(about)
     # A shade more than nothing, so that rounding makes no moment negative.
     least = 1e-10 * min(max(float(moments[-1]), 0.0), LARGEST)
     about = (axes * np.clip(moments, least, LARGEST)) @ axes.T
@@ -82,5 +94,6 @@ EFFECT = Effect(
     prior=_prior,
     # Mass and first moments; the inertia of what a hand holds is hardly ever seen.
     leading=4,
+    sound=_sound,
     writes=lambda content, p: {**content, "payload": _written(content.get("payload"), p)},
 )

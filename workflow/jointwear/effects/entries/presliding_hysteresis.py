@@ -1,4 +1,4 @@
-"""Friction that builds up over a short travel after each reversal (Dahl's model)."""
+"""Friction that builds up over a short travel after each reversal: Dahl's model, or a spring that slips."""
 
 import numpy as np
 from scipy.optimize import nnls
@@ -10,11 +10,12 @@ from jointwear.effects.state import record_slices
 DISTANCES = (4e-3, 1.0)
 
 
-def bristle(position, direction, distance):
-    """Return Dahl's state z in [-1, 1] along one record, shape (m,).
+def bristle(position, direction, distance, spring=0):
+    """Return the state z in [-1, 1] of the friction along one record, shape (m,).
 
-    dz/dq = (1 - s z)/x0 has the exact solution z = s + (z_r - s) exp(-|q - q_r|/x0) between reversals r. A joint
-    at rest holds z; a record starts settled because its past is unknown.
+    Dahl's dz/dq = (1 - s z)/x0 has the exact solution z = s + (z_r - s) exp(-|q - q_r|/x0) between reversals r; with
+    `spring` dz/dq = 1/x0 until the spring slips at z = s. A joint at rest holds z; a record starts settled because its
+    past is unknown.
     """
     moving = np.flatnonzero(direction)
     z = np.zeros(len(position))
@@ -28,7 +29,11 @@ def bristle(position, direction, distance):
     for a, b in zip(starts, stops, strict=True):
         run = moving[a:b]
         origin = position[run[0] - 1] if run[0] > 0 else position[run[0]]
-        z[run] = sense[a] + (value - sense[a]) * np.exp(-np.abs(position[run] - origin) / distance)
+        travel = np.abs(position[run] - origin)
+        if spring:
+            z[run] = np.clip(value + sense[a] * travel / distance, -1.0, 1.0)
+        else:
+            z[run] = sense[a] + (value - sense[a]) * np.exp(-travel / distance)
         value = z[run[-1]]
     still = np.flatnonzero(direction == 0)
     if len(still):
@@ -42,7 +47,7 @@ def _columns(state, axis, source, p):
     if state.record is not None:
         for part in record_slices(state):
             direction = state.direction[part, axis]
-            column[part] = bristle(state.position[part, axis], direction, p["distance"]) - direction
+            column[part] = bristle(state.position[part, axis], direction, p["distance"], p.get("spring", 0)) - direction
     return column[..., None]
 
 
@@ -60,8 +65,12 @@ def _written(parameters, knots, coefficients):
     distances = parameters["distance"] * np.array([1.0, *_FACTORS])
     allowed = np.clip(distances, DISTANCES[0], DISTANCES[1])
     travel = np.linspace(0.0, 3.0 * distances.max(), 400)[:, None]
-    wanted = np.exp(-travel / distances) @ np.array([parameters["level"], *coefficients])
-    levels, _ = nnls(np.exp(-travel / allowed), wanted)
+
+    def left(distance):
+        return np.maximum(1 - travel / (2 * distance), 0) if parameters.get("spring") else np.exp(-travel / distance)
+
+    wanted = left(distances) @ np.array([parameters["level"], *coefficients])
+    levels, _ = nnls(left(allowed), wanted)
     found = [
         {**parameters, "level": float(level), "distance": float(distance)}
         for level, distance in zip(levels, allowed, strict=True)
@@ -73,10 +82,11 @@ def _written(parameters, knots, coefficients):
 EFFECT = Effect(
     identifier="presliding_hysteresis",
     name="Pre-sliding hysteresis",
-    equation="Fc (z - sign(v)), dz/dq = (1 - sign(v) z)/x0",
+    equation="Fc (z - sign(v)), dz/dq = (1 - sign(v) z)/x0, or 1/x0 until z = sign(v)",
     parameters=(
         Parameter("level", "N m", 0.0, 1e4, "Fc, friction that builds up"),
         Parameter("distance", "rad", *DISTANCES, "x0, travel over which it builds up", 0.03),
+        Parameter("spring", "1", 0, 1, "0: Dahl's model, 1: a spring that slips", 0, fixed=True),
     ),
     confused_with=("actuation_delay", "stribeck_friction"),
     excitation="many reversals at different accelerations",
@@ -86,7 +96,8 @@ EFFECT = Effect(
     torque=lambda state, axis, source, p: p["level"] * _columns(state, axis, source, p)[..., 0],
     columns=_columns,
     parameters_of=lambda p, c: {**p, "level": float(c[0])},
-    grid=lambda state, axis: [{"distance": float(x)} for x in np.geomspace(0.005, 0.16, 7)],
+    grid=lambda state, axis: [{"distance": float(x), "spring": 0} for x in np.geomspace(0.005, 0.16, 7)],
+    alternatives=lambda p: [{**p, "spring": 1 - p.get("spring", 0)}],
     needs=("order",),
     bend=Bend(_bent, None, _written),
     sequential=True,

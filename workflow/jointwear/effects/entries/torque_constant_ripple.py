@@ -10,9 +10,18 @@ def _angle(state, axis, p):
     return p["order"] * state.drive.gear_ratio[axis] * state.position[..., axis]
 
 
+def _waves(state, axis, p):
+    return p["order"] * abs(float(state.drive.gear_ratio[axis]))
+
+
+def _height(state, axis, p):
+    """Return the torque at an amplitude of one, as far as the band of the recording lets it pass."""
+    return state.torque[..., axis] * state.passed(axis, _waves(state, axis, p))
+
+
 def _columns(state, axis, source, p):
     angle = _angle(state, axis, p)
-    return np.stack([np.sin(angle), np.cos(angle)], axis=-1) * state.torque[..., axis, None]
+    return np.stack([np.sin(angle), np.cos(angle)], axis=-1) * _height(state, axis, p)[..., None]
 
 
 EFFECT = Effect(
@@ -30,7 +39,7 @@ EFFECT = Effect(
     argument="motor angle",
     argument_unit="rad",
     torque=lambda state, axis, source, p: (
-        p["amplitude"] * state.torque[..., axis] * np.sin(_angle(state, axis, p) + p["phase"])
+        p["amplitude"] * _height(state, axis, p) * np.sin(_angle(state, axis, p) + p["phase"])
     ),
     columns=_columns,
     parameters_of=lambda p, c: {
@@ -41,6 +50,6 @@ EFFECT = Effect(
     grid=lambda state, axis: [{"order": float(k)} for k in range(1, 25)],
     needs=("gear", "motor torque"),
     bend=harmonics_bend(_columns),
-    waves=lambda state, axis, p: p["order"] * abs(float(state.drive.gear_ratio[axis])),
-    shape=lambda state, axis, p: (state.torque[..., axis], np.mod(_angle(state, axis, p), 2 * np.pi)),
+    waves=_waves,
+    shape=lambda state, axis, p: (_height(state, axis, p), np.mod(_angle(state, axis, p), 2 * np.pi)),
 )

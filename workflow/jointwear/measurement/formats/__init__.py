@@ -11,7 +11,8 @@ from pathlib import Path
 
 from jointwear.files.errors import InputError
 from jointwear.files.regular_files import check_regular
-from jointwear.measurement.formats.chunk import Chunk, Layout, layout_of
+from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.formats.layout import Layout, layout_of
 from jointwear.measurement.log_kinds import FORMATS, log_format
 
 

@@ -9,7 +9,9 @@ import pyarrow as pa
 from pyarrow import compute
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.formats.chunk import Chunk, Layout, make_chunk
+from jointwear.measurement.formats.chunk import Chunk, make_chunk
+from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.programs import joined_labels, label_of
 
 
 def chunk_of(
@@ -22,6 +24,9 @@ def chunk_of(
     """Return one record batch as a chunk; `columns` role -> names of its columns, `units` role -> unit in the log."""
     values, dated = {}, False
     for role, names in columns.items():
+        if role == "program":
+            values[role] = joined_labels(path, [_labels(batch.column(name)) for name in names])
+            continue
         arrays = []
         for name in names:
             column = batch.column(name)
@@ -79,6 +84,14 @@ def _seconds(column: pa.Array | pa.ChunkedArray, zone: str | None = None) -> np.
     if column.null_count:
         seconds = np.where(np.asarray(column.is_null()), np.nan, seconds)
     return seconds
+
+
+def _labels(column: pa.Array | pa.ChunkedArray) -> np.ndarray:
+    """Return the label of every row of a column."""
+    whole = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
+    coded = whole.dictionary_encode() if not pa.types.is_dictionary(whole.type) else whole
+    names = np.array([*(label_of(v) for v in coded.dictionary.to_pylist()), ""])
+    return names[coded.indices.fill_null(len(names) - 1).to_numpy(zero_copy_only=False)]
 
 
 def holds_numbers(kind: pa.DataType) -> bool:

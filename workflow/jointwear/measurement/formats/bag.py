@@ -14,7 +14,8 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from jointwear.files.errors import InputError, nearest
-from jointwear.measurement.formats.chunk import Chunk, Layout, make_chunk
+from jointwear.measurement.formats.chunk import Chunk, make_chunk
+from jointwear.measurement.formats.layout import Layout
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
@@ -37,6 +38,8 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         reader.open()
     except Exception as error:  # the library raises whatever a damaged file causes
         raise InputError(f"{path}: is truncated or not a ROS 2 bag ({_first_line(error)})") from None
+    if layout.program:
+        raise InputError(f"{path}: 'program.columns' names columns, and joint states have none; give 'program.logs'")
     try:
         connection = _connection(path, reader, layout)
         yield from _samples(path, reader, connection, layout, rows)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from jointwear.files.errors import InputError, nearest
-from jointwear.measurement.units import ROLES, converted
+from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.programs import with_log_name
+from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
+from jointwear.measurement.units import converted
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
-#: Sizes beyond which a number is none that an arm can have: it counts as missing.
-ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
 #: Numbers of time between these count as seconds since 1970 UTC: 2001 to 2286.
 UNIX_TIMES = (1e9, 1e10)
 _EPOCHS = (1e3, 1e6, 1e9)
@@ -27,7 +28,8 @@ class Chunk:
     """Samples of a robot with n joints, in the order of the log.
 
     `time` (m,) [s], since 1970 UTC where `dated`. `position`, `torque` (m, n) [rad], [N m]; `velocity`,
-    `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label or None.
+    `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label or None;
+    `program` (m,) text, empty where unknown, or None.
     """
 
     time: np.ndarray
@@ -37,55 +39,8 @@ class Chunk:
     acceleration: np.ndarray | None = None
     temperature: np.ndarray | None = None
     trajectory: np.ndarray | None = None
+    program: np.ndarray | None = None
     dated: bool = False
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Names and units of a robot's logs.
-
-    `names`: role -> name in the log, or a list of names, one an axis. `given`: roles that the config names, which
-    must be there. `units`: role -> unit. `joints`: names of the joints in messages, in order of the axes. `topic` of
-    a bag, or None. `torque_constant` [N m/A], where the torque is logged as current; `scale` of the torque; `sign` of
-    position and torque; each one an axis, or None. `time_zone` of stamps that do not name one (IANA), default UTC.
-    """
-
-    axes: int
-    joints: tuple[str, ...]
-    names: Mapping[str, str | Sequence[str]]
-    given: frozenset[str] = frozenset()
-    units: Mapping[str, str] = field(default_factory=dict)
-    topic: str | None = None
-    torque_constant: tuple[float, ...] | None = None
-    scale: tuple[float, ...] | None = None
-    sign: tuple[float, ...] | None = None
-    time_zone: str | None = None
-
-
-def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
-    """Return the layout that an entry of ``monitor.robots`` describes, for a robot with these joints.
-
-    Raises
-    ------
-    InputError : if a role is not known.
-    """
-    for key in ("variables", "units"):
-        for role in entry.get(key) or {}:
-            if role not in ROLES:
-                raise InputError(
-                    f"config: '{key}' has the role '{role}'{nearest(role, ROLES)} (allowed: {', '.join(ROLES)})"
-                )
-    variables = dict(entry.get("variables") or {})
-    return Layout(
-        axes=len(joint_names),
-        joints=tuple(entry.get("joints") or joint_names),
-        names={role: role for role in ROLES} | variables,
-        given=frozenset(variables),
-        units=dict(entry.get("units") or {}),
-        topic=entry.get("topic"),
-        time_zone=entry.get("time_zone"),
-        **{key: _each(entry.get(key), len(joint_names)) for key in ("torque_constant", "scale", "sign")},
-    )
 
 
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
@@ -101,13 +56,6 @@ def check_count(path: Path, count: int) -> None:
     """
     if count > MOST_COLUMNS:
         raise InputError(f"{path}: has {count} columns (allowed: at most {MOST_COLUMNS})")
-
-
-def _each(given: Any, axes: int) -> tuple[float, ...] | None:
-    """Return one number an axis of a key that may be one number, or None."""
-    if given is None:
-        return None
-    return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * axes
 
 
 def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str, list[str]]:
@@ -129,14 +77,19 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
         elif name in there and role not in ("position", "velocity", "acceleration", "torque"):
             found[role] = [name]
         elif role in JOINT_ROLES:
-            numbered = sorted(
-                (int(m.group(1)), c) for c in there if (m := re.fullmatch(re.escape(name) + r"_(\d+)", c))
-            )
+            numbered = numbered_columns(there, name)
             numbers = [k for k, _ in numbered]
             if numbers and (numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers)))):
                 raise InputError(f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)})")
             if numbered:
                 found[role] = [c for _, c in numbered]
+    for name in layout.program:
+        if name not in there:
+            raise InputError(
+                f"{path}: has no column '{name}' of 'program.columns'{nearest(name, there)} (it has: {_few(there)})"
+            )
+    if layout.program:
+        found["program"] = list(layout.program)
     for role in (*NEEDED, *sorted(layout.given)):
         if role not in found:
             name = layout.names[role]
@@ -145,10 +98,20 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
                 f"{path}: has no {role} (looked for '{shown}'){nearest(shown, there)}; name it under 'variables' "
                 f"(it has: {_few(there)})"
             )
+    wanted = {name for names in found.values() for name in names}
+    twice = next((name for name, count in Counter(there).items() if count > 1 and name in wanted), None)
+    if twice is not None:
+        raise InputError(f"{path}: names the column '{twice}' twice")
     for role, names in found.items():
         if role in JOINT_ROLES and len(names) != layout.axes and not (role == "temperature" and len(names) == 1):
             raise InputError(f"{path}: has {len(names)} columns of {role}, the robot has {layout.axes} joints")
     return found
+
+
+def numbered_columns(columns: Iterable[str], name: str) -> list[tuple[int, str]]:
+    """Return number and name of the columns `name`_1, `name`_2 ... of a joint role, sorted by number."""
+    form = re.compile(re.escape(name) + r"_([0-9]{1,6})")
+    return sorted((int(m.group(1)), c) for c in set(columns) if (m := form.fullmatch(c)))
 
 
 def _few(names: Sequence[str], most: int = 24) -> str:
@@ -168,12 +131,14 @@ def make_chunk(
     """
     found: dict[str, np.ndarray] = {}
     for role, raw in values.items():
+        if role == "program":
+            continue
         array = np.asarray(raw, dtype=float)
         unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
         if role == "torque":
             array, unit = _as_torque(path, array, unit, layout)
-        if role in SENTINEL_ROLES:
-            array = _without_sentinels(array)
+        if role in JOINT_ROLES:
+            array = without_sentinels(array)
         try:
             found[role] = converted(array, role, unit, str(path))
         except InputError as error:
@@ -194,10 +159,7 @@ def make_chunk(
         if role == "temperature" and (array.ndim == 1 or array.shape[1] == 1):
             array = np.broadcast_to(array.reshape(len(time), 1), (len(time), layout.axes))
         if array.shape == (len(time), layout.axes):
-            with np.errstate(invalid="ignore"):
-                absurd = np.abs(array) > ABSURD[role]
-            if absurd.any():
-                array = np.where(absurd, np.nan, array)
+            array = possible(array, role)
         else:
             raise InputError(
                 f"{path}: {role} has shape {array.shape}; {len(time)} samples of {layout.axes} joints are expected"
@@ -207,17 +169,17 @@ def make_chunk(
         found[role] = array
     trajectory = found.pop("trajectory", None)
     if trajectory is not None:
-        trajectory = np.where(np.isfinite(trajectory), trajectory, -1).astype(np.int64)
-    return Chunk(**found, trajectory=trajectory, dated=dated)
+        with np.errstate(invalid="ignore"):
+            known = np.abs(trajectory) <= LARGEST_LABEL
+        trajectory = np.where(known, trajectory, -1).astype(np.int64)
+    program = with_log_name(path, layout, values.get("program"), len(time))
+    return Chunk(**found, trajectory=trajectory, program=program, dated=dated)
 
 
 #: Roles that turn round with an axis.
 _SIGNED = ("position", "velocity", "acceleration", "torque")
 #: Currents and what they are in A; shares of a rated value that nothing turns into a torque.
 CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
-#: Numbers that loggers write where they know none, and roles in which a joint cannot have them.
-SENTINELS = (-999.0, -9999.0, -99999.0, 9999.0, 99999.0, -32768.0)
-SENTINEL_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 
 
 def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) -> tuple[np.ndarray, str | None]:
@@ -246,9 +208,3 @@ def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) 
             "'units: {torque: A}'"
         )
     return (array if layout.scale is None else array * np.array(layout.scale)), unit
-
-
-def _without_sentinels(array: np.ndarray) -> np.ndarray:
-    """Return values with NaN in place of numbers that stand for a missing one."""
-    missing = np.isin(array, SENTINELS)
-    return np.where(missing, np.nan, array) if missing.any() else array

@@ -10,7 +10,9 @@ import numpy as np
 
 from jointwear.files.errors import InputError, nearest
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.measurement.formats.chunk import NEEDED, Chunk, Layout, make_chunk
+from jointwear.measurement.formats.chunk import NEEDED, Chunk, make_chunk
+from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.programs import joined_labels
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
@@ -27,6 +29,12 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
                 raise InputError(
                     f"{path}: has no variable '{name}' for {role}{nearest(name, there)} (it has: {', '.join(there)})"
                 )
+        for name in layout.program:
+            if name not in there:
+                raise InputError(
+                    f"{path}: has no variable '{name}' of 'program.columns'{nearest(name, there)} (it has: "
+                    f"{', '.join(there)})"
+                )
         count = {role: there[name].shape[0] if there[name].ndim else 0 for role, name in names.items()}
         if len(set(count.values())) > 1:
             told = ", ".join(f"{role} {size}" for role, size in count.items())
@@ -42,6 +50,9 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             values = {
                 role: _floats(there[name], read_variable(dataset, path, name, part)) for role, name in names.items()
             }
+            if layout.program:
+                labels = [read_variable(dataset, path, name, part) for name in layout.program]
+                values["program"] = joined_labels(path, [np.asarray(x) for x in labels])
             if dated:
                 values["time"] = values["time"] * factor + origin
             yield make_chunk(path, values, layout, units, dated)

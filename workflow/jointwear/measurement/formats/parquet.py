@@ -10,15 +10,15 @@ from pyarrow import parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.arrow import chunk_of
-from jointwear.measurement.formats.chunk import Chunk, Layout, find_columns
+from jointwear.measurement.formats.chunk import Chunk, find_columns
+from jointwear.measurement.formats.layout import Layout
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
     """Yield the samples of a Parquet file; see :func:`jointwear.measurement.formats.read_log`."""
     try:
         with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20) as file:
-            names = list(dict.fromkeys(file.schema_arrow.names))
-            columns = find_columns(path, names, layout)
+            columns = find_columns(path, file.schema_arrow.names, layout)
             wanted = list(dict.fromkeys(c for group in columns.values() for c in group))
             for batch in file.iter_batches(batch_size=rows, columns=wanted, use_threads=False):
                 yield chunk_of(path, batch, columns, layout)

@@ -16,7 +16,8 @@ from pyarrow import csv as arrow_csv
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.arrow import chunk_of, stamps
-from jointwear.measurement.formats.chunk import Chunk, Layout, check_count, find_columns
+from jointwear.measurement.formats.chunk import Chunk, check_count, find_columns
+from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.units import UNITS
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
@@ -47,6 +48,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
     columns = find_columns(path, head.names, layout)
     wanted = list(dict.fromkeys(c for group in columns.values() for c in group))
     types: dict[str, pa.DataType] = {name: pa.float64() for name in wanted}
+    types |= {name: pa.string() for name in columns.get("program", [])}
     if head.first:
         place = head.names.index(columns["time"][0])
         cell = head.first[place].strip() if place < len(head.first) else ""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 from matplotlib.patches import Rectangle
 
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
+from jointwear.reproduction.tables import read_table
 
 _PANEL_COLUMNS = 2
 
@@ -18,14 +18,13 @@ def draw_detection_map(table: str | Path, output: str | Path) -> None:
 
     Parameters
     ----------
-    table : results/tables/table_iv.csv.
+    table : results/tables/table_iv.nc.
     output : SVG file.
     """
-    with open(table, encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    increases = sorted({float(r["increase_percent"]) for r in rows})
+    rows = read_table(table)
+    increases = sorted({r["increase_percent"] for r in rows})
     tasks = list(dict.fromkeys(r["task"] for r in rows))
-    axes_shown = sorted({int(r["axis"]) for r in rows})
+    axes_shown = sorted({r["axis"] for r in rows})
     columns = min(len(increases), _PANEL_COLUMNS)
     panels = -(-len(increases) // columns)
     figure = new_figure(panels * (0.46 * len(axes_shown) + 0.75), width=6.6 if columns > 1 or len(tasks) > 3 else 3.9)
@@ -33,21 +32,22 @@ def draw_detection_map(table: str | Path, output: str | Path) -> None:
     for k, increase in enumerate(increases):
         axes = figure.add_subplot(grid[k // columns, k % columns])
         for row in rows:
-            if float(row["increase_percent"]) != increase:
+            if row["increase_percent"] != increase:
                 continue
-            x, y = tasks.index(row["task"]), axes_shown.index(int(row["axis"]))
-            probability = float(row["detection_probability"])
+            x, y = tasks.index(row["task"]), axes_shown.index(row["axis"])
+            probability = row["detection_probability"]
             colour = palette.mix(palette.SEQUENTIAL, probability)
             ink = palette.text_on(colour)
             axes.add_patch(
                 Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, edgecolor=palette.PAPER, linewidth=1.5)
             )
-            ours = f"{100 * probability:.0f} %" + (f", {float(row['hour_median']):.0f} h" if row["hour_median"] else "")
+            hour = row["hour_median"]
+            ours = f"{100 * probability:.0f} %" + ("" if hour is None else f", {hour:.0f} h")
             axes.text(x, y - 0.2, ours, ha="center", va="center", color=ink, fontsize=8.5, fontweight="bold")
             if row["verdict"] == "not comparable":
                 paper = "paper: not run"
             else:
-                paper = f"paper: {float(row['published']):.0f} h" if row["published"] else "paper: ×"
+                paper = "paper: ×" if row["published"] is None else f"paper: {row['published']:.0f} h"
             axes.text(x, y + 0.24, paper, ha="center", va="center", color=ink, fontsize=7.5)
         axes.set(
             xlim=(-0.5, len(tasks) - 0.5),
@@ -62,7 +62,7 @@ def draw_detection_map(table: str | Path, output: str | Path) -> None:
         axes.tick_params(length=0)
         for spine in axes.spines.values():
             spine.set_visible(False)
-    detected = sum(float(r["detection_probability"]) >= 0.5 for r in rows)
+    detected = sum(r["detection_probability"] >= 0.5 for r in rows)
     name = "Detection probability and median hour of every run"
     save(
         figure,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +9,15 @@ from matplotlib.patches import Rectangle
 
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
+from jointwear.reproduction.tables import Row, read_table
 
 
-def _matrix(rows: list[dict[str, str]], column: str) -> np.ndarray:
-    size = max((int(row["row_axis"]) for row in rows), default=0)
+def _matrix(rows: list[Row], column: str) -> np.ndarray:
+    size = max((row["row_axis"] for row in rows), default=0)
     matrix = np.full((size, size), np.nan)
     for row in rows:
-        if row[column]:
-            matrix[int(row["row_axis"]) - 1, int(row["column_axis"]) - 1] = float(row[column])
+        if row[column] is not None:
+            matrix[row["row_axis"] - 1, row["column_axis"] - 1] = row[column]
     return matrix
 
 
@@ -26,12 +26,11 @@ def draw_lag_map(table: str | Path, output: str | Path, replicate: int) -> None:
 
     Parameters
     ----------
-    table : results/tables/table_ii.csv; without rows (the grid lacks the run) the figure says so.
+    table : results/tables/table_ii.nc; without rows (the grid lacks the run) the figure says so.
     output : SVG file.
     replicate : named in the figure, 1-based.
     """
-    with open(table, encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_table(table)
     if not rows:
         figure = new_figure(0.8)
         figure.text(0.5, 0.5, "The run of Table II is not in the grid of this configuration.", ha="center", va="center")
@@ -71,7 +70,7 @@ def draw_lag_map(table: str | Path, output: str | Path, replicate: int) -> None:
         for spine in axes.spines.values():
             spine.set_visible(False)
     first = rows[0]
-    run = f"{first['task']}, wear of {first['increase_percent']} % on axis {first['axis']}"
+    run = f"{first['task']}, wear of {first['increase_percent']:g} % on axis {first['axis']}"
     name = f"Lag [h] at maximum correlation, {run}"
     save(
         figure,

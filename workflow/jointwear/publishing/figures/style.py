@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.figures import palette
+from jointwear.publishing.figures.seal import sealed
 
 WIDTH = 6.6  # inches; 10 pt text is then 10 px or more on a page that shows the figure 480 px wide
 _SETTINGS = {
@@ -80,4 +81,4 @@ def save(figure: Figure, path: str | Path, title: str, description: str) -> None
     opening, bracket, content = rest.partition(">")
     about = f"\n <title>{escape(title)}</title>\n <desc>{escape(description)}</desc>"
     lines = (head + tag + opening + bracket + about + content).splitlines()
-    replace_text(path, "\n".join(line.rstrip() for line in lines) + "\n")
+    replace_text(path, sealed("\n".join(line.rstrip() for line in lines) + "\n"))

@@ -13,7 +13,6 @@ from jointwear.files.storage import read_variables
 from jointwear.publishing.figures.curves import divergence_curves, friction_curves, residual_curves
 from jointwear.publishing.report import detection_rates, drivers, figure_scores, torque_limits
 from jointwear.publishing.report.result_tables import (
-    read_table,
     score_design,
     score_detection,
     score_lags,
@@ -22,6 +21,7 @@ from jointwear.publishing.report.result_tables import (
 from jointwear.reproduction import readings
 from jointwear.reproduction.grid import by_cell, cell_of
 from jointwear.reproduction.published import Published, load_published
+from jointwear.reproduction.tables import read_table
 from jointwear.robots.robot_file import read_robot_file
 
 TABLES = ("table_ii", "table_iii", "table_iv", "table_v", "table_vi")

@@ -9,8 +9,12 @@ from pathlib import Path
 from markupsafe import Markup
 
 from jointwear.files.errors import InputError
+from jointwear.files.regular_files import read_text
 from jointwear.publishing.figures.palette import themed
+from jointwear.publishing.figures.seal import unsealed
 
+#: Largest picture; the largest that the workflow draws has a hundredth of it. Bytes.
+LARGEST = 64 << 20
 _SVG = "http://www.w3.org/2000/svg"
 _DROPPED = {"metadata", "title", "desc", "script", "foreignObject"}
 _REFERENCE = re.compile(r"url\(#([^)]+)\)")
@@ -39,12 +43,15 @@ def inline_svg(path: str | Path, prefix: str) -> Markup:
     InputError : if the file is missing, is not SVG, or has no description.
     """
     try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError) as error:
+        root = ElementTree.fromstring(unsealed(read_text(path, LARGEST), path))
+    except ElementTree.ParseError as error:
         raise InputError(f"{path}: cannot be read as SVG ({error}); delete it and run again") from None
     description = root.findtext(f"{{{_SVG}}}desc")
     if not description:
         raise InputError(f"{path}: has no description; delete it and run again")
+    box = re.fullmatch(r"(?:[-0-9.e]+ ){2}([0-9.]+) [0-9.]+", root.attrib.get("viewBox", ""))
+    if box is None:
+        raise InputError(f"{path}: has no view box of four numbers; delete it and run again")
     for parent in list(root.iter()):
         for child in list(parent):
             if child.tag.rpartition("}")[2] in _DROPPED:
@@ -56,7 +63,7 @@ def inline_svg(path: str | Path, prefix: str) -> Markup:
         element.attrib.clear()
         element.attrib.update({n: _local(n, v, prefix) for n, v in plain.items() if not n.startswith("on")})
     # A narrow figure stays narrow, so that its text is as large as elsewhere: one point is 1.55 pixels at most.
-    width = float(root.attrib["viewBox"].split()[2])
+    width = float(box[1])
     for size in ("width", "height", "version"):
         root.attrib.pop(size, None)
     root.attrib.update(

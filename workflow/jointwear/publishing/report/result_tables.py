@@ -2,29 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.files.storage import open_dataset, read_variable
 from jointwear.reproduction.verdicts import AGREES, CLOSE, DIFFERS, HOUR_TOLERANCE, NOT_COMPARABLE
 
 Row = dict[str, Any]
 VERDICTS = (AGREES, CLOSE, DIFFERS, NOT_COMPARABLE)
-
-
-def read_table(path: str | Path) -> list[Row]:
-    """Return the rows of a result table from its netCDF file; what is missing is None."""
-    with open_dataset(path) as dataset:
-        columns = {name: read_variable(dataset, path, name).tolist() for name in dataset.variables}
-    return [
-        {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in zip(columns, values, strict=True)}
-        for values in zip(*columns.values(), strict=True)
-    ]
 
 
 def count_verdicts(verdicts: Iterable[str]) -> dict[str, int]:

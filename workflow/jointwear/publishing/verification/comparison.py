@@ -18,7 +18,8 @@ import numpy as np
 
 from jointwear.files.errors import InputError, shown
 from jointwear.files.json_documents import read_json
-from jointwear.files.storage import open_dataset, read_variable
+from jointwear.files.storage import CHECKSUM, open_dataset, read_variable
+from jointwear.publishing.figures.seal import unsealed
 
 TOLERANCE = 1e-6  # of each number; single precision holds 6e-8
 #: Numbers below this share of the largest of their variable count as if they were that large: what is left where large
@@ -28,7 +29,7 @@ EQUAL, CLOSE, DIFFERENT, MISSING = "equal", "equal within tolerance", "different
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _VARYING_KEYS = ("source",)
 #: Attributes of a file that say when and by what it was written, not what it holds.
-_VARYING_ATTRIBUTES = ("history", "source", "workflow_version")
+_VARYING_ATTRIBUTES = ("history", "source", "workflow_version", CHECKSUM)
 #: Elements that may stand inside a varying one: words, links and tables, but no pictures or scripts.
 _PLAIN_TAGS = frozenset(
     ["a", "b", "caption", "code", "div", "h3", "p", "small", "span", "table", "tbody", "td", "th", "thead", "tr"]
@@ -211,6 +212,8 @@ class _Plain(HTMLParser):
 
 def _text(path: Path) -> str:
     text = path.read_text(encoding="utf-8")
+    if path.suffix == ".svg":
+        return unsealed(text, path)
     if path.suffix != ".html":
         return text
     page = _Plain()

@@ -108,6 +108,9 @@ def judge(
         {
             "evidence": e.get("evidence_nats"),
             "probability": e.get("probability"),
+            "log_odds": e.get("log_odds"),
+            "share": e.get("cross_validated_gain"),
+            "left": e.get("structure_left"),
             "right": any(_matches(e, t) for t in hidden),
         }
         for e in named

@@ -14,7 +14,7 @@ from jointwear.studies.challenge.plan import part_batches
 from jointwear.studies.challenge.scores import SHARES, UPPER_LIMITS, reached
 from jointwear.studies.challenge.separability import IDENTIFIABLE, SEPARABLE
 from jointwear.studies.challenge.tiers import COUNTS, DRAWINGS, EFFECTS, FULL, TARGETS, TIERS
-from jointwear.studies.world.page import world_context
+from jointwear.studies.world.page import limits_context, world_context
 
 _WORDS = {
     "identifiable_share": "single effects that the motion can show (identifiable)",
@@ -159,6 +159,7 @@ def write_page(
     command: str | None = None,
     drawing: int | None = None,
     world_path: str | None = None,
+    limits_path: str | None = None,
 ) -> None:
     """Write the page from the scores (and, where they were run, those of the peers).
 
@@ -166,7 +167,7 @@ def write_page(
     ----------
     part : a seed set or its first batches. command : what makes the scores, where they were not made just now.
     drawing : of the seed set that was run; default the present one.
-    world_path : summary of the tier "world", where it is kept.
+    world_path, limits_path : summary of the tier "world", and what moving the limits does there, where they are kept.
 
     Raises
     ------
@@ -200,6 +201,7 @@ def write_page(
         "confusion": {name: confusion_table(content["confusion"]) for name, content in tiers.items()},
         "calibration": {name: calibration_points(content["calibration"]) for name, content in tiers.items()},
         "world": world_context(read_json(world_path)) if world_path else None,
+        "limits": limits_context(read_json(limits_path)) if limits_path else None,
         "peers": read_json(peers_path) if peers_path else None,
         "identifiable": IDENTIFIABLE,
         "separable": SEPARABLE,

@@ -38,8 +38,10 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
     write_json(output, {**head, "tiers": content["tiers"]})
 
 
-def write_stored_page(stored: str | Path, peers: str | None, output: str | Path, world: str | None = None) -> None:
-    """Write the page from the summary that is kept with the project, with `peers` and `world` where they are kept."""
+def write_stored_page(
+    stored: str | Path, peers: str | None, output: str | Path, world: str | None = None, limits: str | None = None
+) -> None:
+    """Write the page from the summary that is kept with the project, with `peers`, `world` and `limits` if kept."""
     content = read_json(stored)
     write_page(
         str(stored),
@@ -50,4 +52,5 @@ def write_stored_page(stored: str | Path, peers: str | None, output: str | Path,
         content["command"],
         content["drawing"],
         world,
+        limits,
     )

@@ -11,7 +11,7 @@ from jointwear.statistics.randomness import generator
 from jointwear.studies.shop_floor.arms import HEAVY, LIGHT, ArmType, robot_data
 from jointwear.studies.shop_floor.closed_loop import SAMPLES, Controller, draw_controller
 from jointwear.studies.shop_floor.confounders import THERMOMETERS, present, scenario_of
-from jointwear.studies.shop_floor.gear import Gear, Wear, draw_gear, draw_wear
+from jointwear.studies.shop_floor.gear import NEW_GAP, Gear, Wear, draw_gear, draw_wear
 from jointwear.studies.shop_floor.heat import Body, draw_body, warm
 from jointwear.studies.shop_floor.month import (
     BASELINE_DAYS,
@@ -84,10 +84,18 @@ class Cell:
         size, pace = self.running_in
         fresh = 1 + size * np.exp(-hour[:, None] / pace)
         coulomb, viscous = coulomb * fresh, viscous * fresh
-        if self.wear is not None:
+        if self.wear is not None and self.wear.kind != "backlash":
             grown = coulomb if self.wear.kind == "coulomb" else viscous
             grown[:, self.wear.axis] *= 1 + self.wear.growth(hour)
         return coulomb, viscous, gain
+
+    def gaps(self, hour: np.ndarray) -> np.ndarray | None:
+        """Return the lost motion (w, n) [rad]; None where the gears of this robot have none."""
+        if self.wear is None or self.wear.kind != "backlash":
+            return None
+        gap = np.full((len(hour), len(self.arm.home)), NEW_GAP)
+        gap[:, self.wear.axis] += self.wear.growth(hour)
+        return gap
 
     def random(self, *key: str | int) -> np.random.Generator:
         """Return random numbers of this robot by the name of their use."""

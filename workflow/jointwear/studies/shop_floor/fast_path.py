@@ -8,7 +8,7 @@ along the program, with its mass matrix for the accelerations that differ from t
 from __future__ import annotations
 
 import tempfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +16,10 @@ from scipy.signal import butter, sosfiltfilt
 
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
+from jointwear.monitor.carried import with_loads
 from jointwear.monitor.model import ModelTorque, TorqueModel
+from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of, survey_log
 from jointwear.monitor.windows import WindowStatistics, merge
 from jointwear.robots.robot import Robot
@@ -25,6 +27,7 @@ from jointwear.studies.shop_floor.arms import robot_data, robot_of
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.closed_loop import RATE, at_phase
 from jointwear.studies.shop_floor.log_files import columns_of, write_log
+from jointwear.studies.shop_floor.programs import Job
 from jointwear.studies.shop_floor.sensing import Signals, signals_of
 
 #: Length of a window [s]; windows of the first log, whose survey decides how all are read.
@@ -71,7 +74,12 @@ def statistics_of(cell: Cell, survey: Survey | None = None) -> WindowStatistics:
     survey = survey or survey_of(cell)
     robot = nominal_robot(cell)
     settings = WindowSettings(
-        WINDOW, np.array(survey.dead_band), np.array(survey.torque_reference), guard_of(survey.rate), survey.block
+        WINDOW,
+        np.array(survey.dead_band),
+        np.array(survey.torque_reference),
+        guard_of(survey.rate),
+        reach_of(survey.rate),
+        survey.block,
     )
     return merge([_statistics(s, robot, cell, survey, settings) for s in signals_of(cell)])
 
@@ -95,6 +103,25 @@ def _statistics(
     kept = inside.ravel()
     time = (signals.begin[:, None] + sample / RATE).ravel()[kept]
 
+    def whole(values: np.ndarray) -> np.ndarray:
+        return values.reshape(w * m, n)
+
+    residual, every = whole(signals.torque - total), np.repeat(np.arange(w), m)
+    used = usable.ravel()[:, None] & np.isfinite(residual)
+    used &= moving(whole(velocity), every, settings.dead_band, settings.guard)
+    phase, square = signals.phase.ravel(), np.repeat(signals.override**2, m)
+
+    pieces = [slice(k * m, k * m + int(count)) for k, count in enumerate(signals.samples)]
+    model, clear = with_loads(
+        ModelTorque(whole(total), whole(gravity), whole(inertial)),
+        residual,
+        whole(velocity),
+        used,
+        pieces,
+        1 / RATE,
+        _JobLoads(signals.job, phase, square),
+    )
+
     def rows(values: np.ndarray) -> np.ndarray:
         return values.reshape(w * m, n)[kept]
 
@@ -106,14 +133,30 @@ def _statistics(
         rows(signals.position),
         rows(velocity),
         torque,
-        ModelTorque(rows(total), rows(gravity), rows(inertial)),
+        ModelTorque(*(values[kept] for values in (model.total, model.gravity, model.inertial))),
         settings,
-        usable=np.repeat(usable.ravel()[kept][:, None], n, axis=1),
+        usable=(usable.ravel()[:, None] & clear)[kept],
         stretch=np.repeat(np.arange(w), m)[kept],
         temperature=rows(temperature) if cell.thermometer != "none" else None,
         flags=flags,
         dated=True,
     )
+
+
+@dataclass(frozen=True)
+class _JobLoads:
+    """Torques of loads along the phases (k,) of a job at a squared override (k,)."""
+
+    job: Job
+    phase: np.ndarray
+    square: np.ndarray
+
+    def unit(self, rows: np.ndarray) -> np.ndarray:
+        parts = at_phase(self.job.load, self.phase[rows])
+        return np.stack([parts[:, 0], parts[:, 1] * self.square[rows, None, None]])
+
+    def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
+        return np.einsum("smkn,mk->smn", self.unit(rows), moments)
 
 
 def _derived(signals: Signals, cell: Cell, cutoff: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:

@@ -21,6 +21,8 @@ from jointwear.studies.shop_floor.arms import FRICTION_ERROR, ArmType
 REFERENCE = 25.0
 #: Width [rad/s] over which friction changes sign.
 TURN = 0.004
+#: Lost motion [rad] of a new gear where gears have any, about half a minute of arc.
+NEW_GAP = 1.5e-4
 SHAPES = ("straight", "accelerating", "saturating", "late")
 
 
@@ -77,8 +79,8 @@ def draw_gear(arm: ArmType, random: np.random.Generator) -> Gear:
 
 @dataclass(frozen=True)
 class Wear:
-    """Growth of the `coulomb` or `viscous` friction of one 0-based `axis` from `onset` [h], by `full` at `onset` +
-    `duration` [h], in one of :data:`SHAPES`."""
+    """Growth of one 0-based `axis` from `onset` [h], by `full` at `onset` + `duration` [h], in one of :data:`SHAPES`:
+    of its `coulomb` or `viscous` friction, or of its lost motion [rad] (`backlash`)."""
 
     axis: int
     kind: str

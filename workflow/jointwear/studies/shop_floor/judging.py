@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,18 @@ LATER = 24.0
 
 
 def product_judge(
-    statistics: WindowStatistics, entry: dict[str, Any], cell: Cell
+    statistics: WindowStatistics, entry: dict[str, Any], cell: Cell, known: dict[str, Any] | None = None
 ) -> tuple[list[dict[str, Any]], np.ndarray]:
-    """The judge of the monitor as a user calls it."""
+    """The judge of the monitor as a user calls it; `known` is kept between calls that differ in the rate alone."""
     baseline = choose_baseline(statistics, entry["baseline"])
-    judgement = judge(statistics, baseline.mask, settings_of(nominal_robot(cell), entry))
+    judgement = judge(statistics, baseline.mask, settings_of(nominal_robot(cell), entry), known)
     return judgement.alarms, judgement.status
+
+
+def outcomes(cell: Cell, statistics: WindowStatistics, rates: Sequence[float]) -> list[dict[str, Any]]:
+    """Return the facts of one robot at several stated rates; what is normal is learnt once."""
+    one = partial(product_judge, known={})
+    return [outcome(cell, statistics, rate, one) for rate in rates]
 
 
 def outcome(cell: Cell, statistics: WindowStatistics, rate: float, judged: Judge = product_judge) -> dict[str, Any]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-#: Robot-months of the reported figures, and how many share a job.
-REPORTED, TOGETHER = 60, 20
+#: First robot-month of the reported figures, how many there are, and how many share a job. The months before the first
+#: have been reported on once, with the judgement before this one: they say nothing new of it.
+FIRST, REPORTED, TOGETHER = 60, 200, 20
 #: Stated rates [false alarms per 1,000 h].
 RATES = (0.3, 1.0, 3.0)
 
@@ -13,9 +14,9 @@ def batch_of(index: int) -> str:
     return f"{index // TOGETHER:03d}"
 
 
-def batches(robots: int = REPORTED) -> list[str]:
-    """Return the names of the batches of so many robots, in order."""
-    return sorted({batch_of(index) for index in range(robots)})
+def batches(robots: int = REPORTED, first: int = FIRST) -> list[str]:
+    """Return the names of the batches of so many robots from the `first` on, in order."""
+    return sorted({batch_of(index) for index in range(first, first + robots)})
 
 
 def robots_of(batch: str) -> range:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
 from jointwear.studies.shop_floor.arms import ArmType, robot_data, robot_of
 
@@ -71,7 +72,8 @@ class Job:
 
     `program`; `true` and `model` (m, 2, n): gravity and dynamic torque [N m] at full speed of the arm as built with its
     load, and of the robot file without; `inertia` (n,) mean diagonal of the mass matrix [kg m2] as built, `nominal`
-    (m, n) that of the robot file along the path.
+    (m, n) that of the robot file along the path; `load` (m, 2, 4, n): what unit loads add to gravity and dynamic
+    torque at full speed, :class:`jointwear.robots.flange.FlangeLoad`.
     """
 
     program: Program
@@ -79,6 +81,7 @@ class Job:
     model: np.ndarray
     inertia: np.ndarray
     nominal: np.ndarray
+    load: np.ndarray
 
 
 def bodies_along(robot: Robot, program: Program) -> np.ndarray:
@@ -120,4 +123,8 @@ class Jobs:
             loaded = robot_of({**self._built, "payload": {**self._built["payload"], "mass": mass}})
             true = true + program.carrying[:, None, None] * (bodies_along(loaded, program) - true)
         diagonal = inertia_along(nominal, program)
-        return Job(program, true, bodies_along(nominal, program), inertia_along(bare, program).mean(axis=0), diagonal)
+        unit = FlangeLoad(nominal).unit(program.position, program.velocity, program.acceleration)
+        return Job(
+            program, true, bodies_along(nominal, program), inertia_along(bare, program).mean(axis=0), diagonal,
+            np.moveaxis(unit, 0, 1),
+        )  # fmt: skip

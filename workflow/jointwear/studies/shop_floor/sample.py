@@ -15,7 +15,7 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.studies.shop_floor.cell import SEEDS
-from jointwear.studies.shop_floor.judging import outcome
+from jointwear.studies.shop_floor.judging import outcomes
 from jointwear.studies.shop_floor.kept import kept_robot
 from jointwear.studies.shop_floor.plan import RATES
 from jointwear.studies.shop_floor.scores import summary
@@ -83,8 +83,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for index in range(given.first, given.first + given.robots):
         cell, statistics, refused = kept_robot(given.seeds, index, given.keep)
         before = time.process_time()
-        for rate in given.rates:
-            facts.append(outcome(cell, statistics, rate) | {"refused": refused})
+        for fact in outcomes(cell, statistics, given.rates):
+            facts.append(fact | {"refused": refused})
+            rate = fact["rate"]
             if given.alarms:
                 f = facts[-1]
                 print(

@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.closed_loop import RATE, SAMPLES, Driven, Runs, at_phase, drive
+from jointwear.studies.shop_floor.lost_motion import drive_with_gaps
 from jointwear.studies.shop_floor.programs import Job
 
 #: The month begins on Monday 2026-03-02T00:00:00Z, in seconds since 1970.
@@ -55,7 +56,11 @@ def signals_of(cell: Cell, chosen: np.ndarray | None = None) -> Iterator[Signals
         override, still = month.override[hours[rows]], cell.still[rows]
         phase = phases[rows] * np.array([job.program.period for job in jobs])[which]
         runs = Runs(phase, override, cell.oil[hours[rows]], coulomb[rows], viscous[rows])
-        driven = drive(jobs, which, cell.gear, cell.controller, runs)
+        gaps = cell.gaps((begin[rows] - START) / 3600)
+        if gaps is None:
+            driven = drive(jobs, which, cell.gear, cell.controller, runs)
+        else:
+            driven = drive_with_gaps(jobs, which, cell.arm, cell.gear, cell.controller, runs, gaps)
         path = phase[:, None] + np.where(still, 0.0, override)[:, None] * np.arange(SAMPLES) / RATE
         for k, job in enumerate(jobs):
             whole = np.flatnonzero(which == k)

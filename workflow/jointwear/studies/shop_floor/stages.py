@@ -11,7 +11,7 @@ import numpy as np
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.statistics.intervals import counted_share
 from jointwear.studies.shop_floor.aims import aims
-from jointwear.studies.shop_floor.judging import outcome
+from jointwear.studies.shop_floor.judging import outcomes
 from jointwear.studies.shop_floor.kept import kept_robot, simulate_robots
 from jointwear.studies.shop_floor.plan import RATES, robots_of
 from jointwear.studies.shop_floor.scores import curve, poisson_rate, summary
@@ -28,7 +28,7 @@ def judge_batch(seed_set: str, batch: str, windows: str | Path, output: str | Pa
     facts = []
     for index in robots_of(batch):
         cell, statistics, refused = kept_robot(seed_set, index, folder)
-        facts += [outcome(cell, statistics, rate) | {"refused": refused} for rate in RATES]
+        facts += [fact | {"refused": refused} for fact in outcomes(cell, statistics, RATES)]
     write_json(output, {"facts": facts})
 
 

@@ -10,12 +10,12 @@ from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import write_json
 from jointwear.publishing.report.result_tables import (
     Row,
-    read_table,
     score_detection,
     score_lags,
     score_values,
 )
 from jointwear.reproduction.readings import ambiguities
+from jointwear.reproduction.tables import read_table
 
 #: Of each table: the columns that name a cell, and the one that is compared. Tables V and VI are read at the paper's
 #: hours, so that a wrong hour of detection does not count again as a wrong torque.

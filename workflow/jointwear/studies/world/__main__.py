@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
-from jointwear.studies.world.plan import KINDS, SETS, cases
+from jointwear.studies.world.plan import KINDS, SETS, Case, cases
 from jointwear.studies.world.scores import WORDS, score
 from jointwear.studies.world.stages import solve_case
 
@@ -54,6 +54,15 @@ def line(row: dict[str, Any]) -> str:
     )
 
 
+def _solved(case: Case) -> list[dict[str, Any]]:
+    """Return the judged row of a case, or nothing where its plant cannot be integrated."""
+    try:
+        return [solve_case(case)]
+    except ArithmeticError as error:
+        print(f"   {case.name} is no case: {error}", file=sys.stderr)
+        return []
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Parse arguments, run, print."""
     parser = argparse.ArgumentParser(prog="python -m jointwear.studies.world", description=__doc__)
@@ -77,13 +86,14 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.jobs > 1:
             with ProcessPoolExecutor(given.jobs) as pool:
-                for row in pool.map(solve_case, chosen):
-                    rows.append(row)
-                    print(line(row), flush=True)
+                for row in pool.map(_solved, chosen):
+                    rows += row
+                    print(*map(line, row), sep="\n", end="\n" if row else "", flush=True)
         else:
             for case in chosen:
-                rows.append(solve_case(case))
-                print(line(rows[-1]), flush=True)
+                row = _solved(case)
+                rows += row
+                print(*map(line, row), sep="\n", end="\n" if row else "", flush=True)
     except InputError as error:
         print(error, file=sys.stderr)
         return 1

@@ -34,6 +34,16 @@ def world_context(summary: Mapping[str, Any]) -> dict[str, Any]:
     return {**summary, "table": rows, "missed": missed, "points": points}
 
 
+def limits_context(stored: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is kept of the limits with its table in words."""
+    words = ", ".join(f"{stored['right'][kind]} of {count} {kind}" for kind, count in stored["judged"].items() if count)
+    rows = [
+        {**entry, "words": ", ".join(f"{kind} {n:+d}" for kind, n in entry["right"].items() if n) or "the same"}
+        for entry in stored["limits"]
+    ]
+    return {**stored, "words": words, "table": rows}
+
+
 def _shown(name: str, found: Mapping[str, Any]) -> str:
     if found["value"] is None:
         return "no cases"

@@ -36,13 +36,19 @@ def solve_case(case: Case) -> dict[str, Any]:
 def answer_batch(seed_set: str, index: int, output: str | Path) -> None:
     """Make the cases of a batch, give them to discovery, and write the judged rows as JSON.
 
+    A plant that cannot be integrated with its time step is no case; its name is listed under `left_out`.
+
     Raises
     ------
     InputError : if the packages of the plants are not installed.
     """
-    rows = [solve_case(case) for case in batches(seed_set)[index]]
-    content = {"sources": sources_digest(), "cases": rows}
-    write_json(output, content)
+    rows, left_out = [], []
+    for case in batches(seed_set)[index]:
+        try:
+            rows.append(solve_case(case))
+        except ArithmeticError:
+            left_out.append(case.name)
+    write_json(output, {"sources": sources_digest(), "cases": rows, "left_out": left_out})
 
 
 def sources_digest() -> str:
@@ -65,8 +71,9 @@ def write_scores(rows_paths: Sequence[str | Path], part: str, rows_path: str | P
     contents = [read_json(path) for path in rows_paths]
     rows = [row for content in contents for row in content["cases"]]
     sources = sorted({content["sources"] for content in contents})
+    left_out = [name for content in contents for name in content["left_out"]]
     write_json(rows_path, {"cases": rows})
-    write_json(scores_path, summary(rows, part, sources))
+    write_json(scores_path, {**summary(rows, part, sources), "left_out": left_out})
 
 
 def summary(rows: Sequence[dict[str, Any]], part: str, sources: Sequence[str]) -> dict[str, Any]:

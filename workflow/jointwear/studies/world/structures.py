@@ -71,7 +71,8 @@ def payload(scales: Scales, rng: np.random.Generator, axis: int | None = None) -
 
     def build(drafted):
         last = drafted.link(drafted.chain.joints - 1)
-        last.add_body(name="box", pos=place, mass=mass, inertia=inertia, explicitinertial=True)
+        # Without a place of its own the centre of mass would be twice as far away as the body.
+        last.add_body(name="box", pos=place, mass=mass, inertia=inertia, explicitinertial=True, ipos=np.zeros(3))
 
     parameters = {"mass": mass} | {f"moment_{a}": float(mass * place[k]) for k, a in enumerate("xyz")}
     return Hidden("payload", None, "welded_box", mass, "kg", parameters, build=build)

@@ -1,0 +1,132 @@
+"""Backlash: pulses of the torque where the load of a gear reverses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_monitor_core import SETTINGS, residuals, statistics_of
+
+from jointwear.monitor.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.backlash import BACKLASH, FEWEST_TURNS, backlash_series, hidden_because
+from jointwear.monitor.judge import CHANGED, judge
+from jointwear.monitor.model import ModelTorque
+from jointwear.monitor.reversals import SLOWEST, pulses, reach_of
+from jointwear.studies.shop_floor.cell import draw_cell
+from jointwear.studies.shop_floor.closed_loop import RATE, SAMPLES, Runs, at_phase
+from jointwear.studies.shop_floor.gear import NEW_GAP
+from jointwear.studies.shop_floor.lost_motion import drive_with_gaps
+
+WINDOWS = 150
+
+
+@pytest.fixture(scope="module")
+def plant():
+    """Six windows of new gears and six with a gap of a milliradian in all axes, as window statistics."""
+    cell = draw_cell("choose", 1)
+    w, n = 12, 6
+    job = cell.jobs(0, float(cell.month.mass[cell.logged[0]]))
+    runs = Runs(np.zeros(w), np.ones(w), np.full((w, n), 30.0), np.ones((w, n)), np.ones((w, n)))
+    gap = np.full((w, n), NEW_GAP)
+    gap[6:] = 1e-3
+    driven = drive_with_gaps([job], np.zeros(w, dtype=int), cell.arm, cell.gear, cell.controller, runs, gap)
+    phase = np.broadcast_to(np.arange(SAMPLES) / RATE, (w, SAMPLES))
+    bodies = at_phase(job.true, phase)
+    velocity = at_phase(job.program.velocity, phase) + driven.rate
+    level = np.array(cell.arm.coulomb)
+    random = np.random.default_rng(3)
+    torque = driven.torque + 0.01 * level * random.standard_normal(driven.torque.shape)
+    total = bodies.sum(axis=2) + level * np.sign(velocity) + np.array(cell.arm.viscous) * velocity
+    rows = {"position": at_phase(job.program.position, phase), "velocity": velocity, "torque": torque}
+    flat = {name: values.reshape(-1, n) for name, values in rows.items()}
+    model = ModelTorque(*(x.reshape(-1, n) for x in (total, bodies[:, :, 0], bodies[:, :, 1])))
+    time = (3600.0 * np.arange(w)[:, None] + np.arange(SAMPLES) / RATE).ravel()
+    settings = WindowSettings(3600.0, np.full(n, 0.02), 10 * level, reach=reach_of(RATE))
+    found = window_statistics(time, model=model, settings=settings, stretch=np.repeat(np.arange(w), SAMPLES), **flat)
+    return found, np.stack([level, level], axis=1)
+
+
+def test_a_gap_in_the_gear_shows_as_pulses_where_the_load_reverses(plant):
+    statistics, coulomb = plant
+    reasons = hidden_because(statistics, coulomb, np.arange(12) < 6)
+    assert not reasons[0]
+    series = backlash_series(statistics, np.array([not reason for reason in reasons]))
+    new, worn = series.value[:6, 0], series.value[6:, 0]
+    assert worn.mean() - new.mean() > 0.5
+    assert new.std() < 0.1
+    assert np.sqrt(series.variance[:, 0]).max() < 0.2
+
+
+def test_where_the_gear_stays_on_one_flank_or_friction_rules_backlash_cannot_be_judged(plant):
+    statistics, coulomb = plant
+    reasons = hidden_because(statistics, coulomb, np.arange(12) < 6)
+    assert "one direction" in reasons[1]
+    assert "friction" in reasons[5]
+    slow = replace(statistics, near_count=0 * statistics.near_count, far_count=0 * statistics.far_count)
+    assert all("too far apart" in r for r in hidden_because(slow, coulomb, np.arange(12) < 6)[:1])
+    assert reach_of(0.9 * SLOWEST) == 0
+
+
+def test_noise_ripple_and_scale_leave_the_ratio_as_it_is():
+    m = 6000
+    random = np.random.default_rng(0)
+    bodies = 5.0 * np.sin(np.arange(m) / 40.0)[:, None]
+    model = ModelTorque(bodies + 1.0, np.zeros((m, 1)), bodies)
+    used = np.ones((m, 1), dtype=bool)
+    residual = random.standard_normal((m, 1))
+
+    def ratio(values):
+        found = pulses(values, model, used, np.zeros(m), 5)
+        assert 0.1 < found.near.mean() < 0.9
+        return (found.square * found.near).sum() / found.near.sum() / (found.square * found.far).sum() * found.far.sum()
+
+    assert ratio(residual) == pytest.approx(1.0, abs=0.15)
+    assert ratio(7.0 * residual) == pytest.approx(ratio(residual))
+    # What lies within reach of a gap in the samples is not known.
+    stretch = (np.arange(m) >= 3000).astype(int)
+    whole = pulses(residual, model, used, stretch, 5)
+    assert not (whole.near | whole.far)[:, 2995:3006].any()
+
+
+def with_pulses(growth, seed=0):
+    """Statistics of three axes of which the second has pulses that grow by `growth` (w,)."""
+    statistics = statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), seed))
+    random, shape = np.random.default_rng(seed), (WINDOWS, 3)
+    count = 300
+    statistics.near_count[:], statistics.far_count[:] = count, count
+    statistics.turns[:] = FEWEST_TURNS
+    statistics.gram[:, :, 4, 4] *= 40
+    noise = 0.5 * statistics.residual_square / statistics.freedom
+    for name in ("pulse_near", "pulse_far"):
+        getattr(statistics, name)[:] = noise * random.chisquare(count / 4, shape) * 4
+    statistics.pulse_near[:, 1] *= (1 + growth) ** 2
+    return statistics
+
+
+def alarms_of(judgement):
+    return [a for a in judgement.alarms if a["quantity"] == BACKLASH]
+
+
+def test_growing_play_alarms_under_its_own_name_and_steady_play_does_not():
+    growth = np.clip((np.arange(WINDOWS) - 90) / 40.0, 0, 1)
+    worn = judge(with_pulses(growth), 72, SETTINGS)
+    found = alarms_of(worn)
+    assert found
+    assert {a["axis"] for a in found} == {2}
+    assert found[0]["time"] > 90 * 3600
+    assert found[0]["unit"] == "%"
+    assert found[0]["change_low"] < found[0]["change"] < found[0]["change_high"]
+    assert worn.status[-1, 1] == CHANGED
+    assert not [a for a in worn.alarms if "friction" in a["quantity"]]
+    assert worn.estimates[BACKLASH][-1, 1] == pytest.approx(100, abs=40)
+    for seed in range(3):
+        assert not alarms_of(judge(with_pulses(np.zeros(WINDOWS), seed), 72, SETTINGS))
+
+
+def test_axes_whose_backlash_cannot_be_judged_are_named_with_the_reason():
+    statistics = with_pulses(np.zeros(WINDOWS))
+    statistics.turns[:, 0] = 0
+    told = [f for f in judge(statistics, 72, SETTINGS).findings if f["kind"] == BACKLASH]
+    assert [f["axes"] for f in told] == [[1]]
+    assert "one flank" in told[0]["words"]

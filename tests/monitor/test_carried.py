@@ -1,0 +1,84 @@
+"""The load at the flange that no log tells."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jointwear.monitor.carried import LoadsOnMotion, find_load, near_switch, with_loads
+from jointwear.monitor.model import ModelTorque
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
+from jointwear.studies.shop_floor.arms import LIGHT, robot_data, robot_of
+
+STEP = 0.1
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """Half a minute of a light arm: position, velocity, acceleration, and torque of unit loads."""
+    random = np.random.default_rng(7)
+    time = STEP * np.arange(300)
+    pace, phase = random.uniform(0.6, 1.6, 6), random.uniform(0, 6, 6)
+    home, reach = np.array(LIGHT.home), 0.6 * np.array(LIGHT.reach)
+    angle = pace * time[:, None] + phase
+    position = home + reach * np.sin(angle)
+    velocity, acceleration = reach * pace * np.cos(angle), -reach * pace**2 * np.sin(angle)
+    unit = FlangeLoad(robot_of(robot_data(LIGHT))).unit(position, velocity, acceleration)
+    return position, velocity, acceleration, unit
+
+
+def columns_of(velocity):
+    return np.stack([velocity > 0, -(velocity < 0).astype(float), velocity], axis=0).transpose(2, 0, 1)
+
+
+def test_unit_loads_add_up_to_a_payload(motion):
+    position, velocity, acceleration, unit = motion
+    data = robot_data(LIGHT)
+    bare, loaded = (Dynamics(robot_of({**data, "payload": {**data["payload"], "mass": m}})) for m in (0.0, 4.0))
+    more = loaded.rigid_body_torque(position, velocity, acceleration)
+    more = more - bare.rigid_body_torque(position, velocity, acceleration)
+    # Its inertia about the flange is of second order in the distance of its centre.
+    assert np.einsum("smkn,k->mn", unit, [4.0, 0.0, 0.08, 0.32]) == pytest.approx(more, abs=0.02 * np.abs(more).max())
+
+
+@settings(max_examples=8, deadline=None)
+@given(mass=st.floats(2.0, 8.0), begin=st.integers(20, 140), length=st.integers(60, 150), worn=st.floats(0.0, 1.0))
+def test_mass_and_switches_are_found_whatever_the_friction(motion, mass, begin, length, worn):
+    velocity, unit = motion[1], motion[3]
+    random = np.random.default_rng(length)
+    carried = (np.arange(300) >= begin) & (np.arange(300) < begin + length)
+    torque = np.einsum("smkn,k->mn", unit, [mass, 0.0, 0.0, 0.06 * mass]) * carried[:, None]
+    torque = torque + worn * np.array(LIGHT.coulomb) * np.sign(velocity) + 0.1 * random.standard_normal(velocity.shape)
+    load = find_load(torque, columns_of(velocity), unit.sum(axis=0), np.abs(velocity) > 0.02, STEP)
+    assert load.moments[0] == pytest.approx(mass, rel=0.05)
+    assert load.moments[3] == pytest.approx(0.06 * mass, abs=0.05 * mass)
+    assert np.mean(load.carried == carried) > 0.97
+
+
+def test_friction_and_noise_are_no_load_and_a_load_becomes_part_of_the_model(motion):
+    velocity, unit = motion[1], motion[3]
+    along = LoadsOnMotion(FlangeLoad(robot_of(robot_data(LIGHT))), *motion[:3])
+    used = np.abs(velocity) > 0.02
+    noise = 0.3 * np.random.default_rng(1).standard_normal(velocity.shape)
+    torque = 4.0 * np.sign(velocity) + noise
+    assert find_load(torque, columns_of(velocity), unit.sum(axis=0), used, STEP) is None
+    zeros = np.zeros_like(velocity)
+    plain = ModelTorque(zeros, zeros, zeros)
+    whole = [slice(0, 300)]
+    same, clear = with_loads(plain, torque, velocity, used, whole, STEP, along)
+    assert not same.total.any()
+    assert clear.all()
+    torque = torque + 5.0 * unit.sum(axis=0)[:, 0] * (np.arange(300) >= 150)[:, None]
+    found, clear = with_loads(plain, torque, velocity, used, whole, STEP, along)
+    left = (torque - 4.0 * np.sign(velocity) - found.total)[clear & used]
+    assert np.std(left) < 1.3 * np.std(noise)
+    assert found.gravity + found.inertial == pytest.approx(found.total)
+    assert 0 < (~clear[:, 0]).sum() < 20
+
+
+def test_samples_around_a_switch_are_left_out():
+    near = near_switch(np.arange(100) >= 50, 0.02)
+    assert near[50]
+    assert not near[:30].any()
+    assert near.sum() < 40

@@ -1,0 +1,76 @@
+"""What an entry of a monitored robot may ask for: patterns of files, lengths of time, numbers for each axis."""
+
+import os
+import time
+
+import pytest
+
+from jointwear.files import patterns
+from jointwear.files.errors import InputError
+from jointwear.files.patterns import matches
+from jointwear.monitor.plan import check_robots, find_logs, in_order, window_seconds
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    for name in ("a/b/1.csv", "a/2.csv", "3.csv", ".hidden/4.csv", "a/[x]/5.csv"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    for name in ("a/up", "a/b/up", "a/b/self"):
+        os.symlink(tmp_path, tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("pattern", "found"),
+    [
+        ("**/*.csv", {"3.csv", "a/2.csv", "a/b/1.csv", "a/[x]/5.csv"}),
+        ("a/**/*.csv", {"a/2.csv", "a/b/1.csv", "a/[x]/5.csv"}),
+        ("a/**/b/**/*.csv", {"a/b/1.csv"}),
+        ("./*.csv", {"3.csv"}),
+        (".hidden/*", {".hidden/4.csv"}),
+        ("none/**/*.csv", set()),
+        ("a/b/**", {"a/b", "a/b/1.csv"}),
+    ],
+)
+def test_what_a_pattern_matches(folder, pattern, found):
+    begin = time.monotonic()
+    assert set(matches(pattern)) == found
+    assert {os.path.join(folder, name) for name in found} == set(matches(os.path.join(folder, pattern)))
+    # Links in circles: glob itself would take for ever.
+    assert time.monotonic() - begin < 2
+
+
+def test_a_pattern_for_everything_is_refused(folder, monkeypatch):
+    monkeypatch.setattr(patterns, "MOST_ENTRIES", 3)
+    with pytest.raises(InputError, match=r"\*\*/\*\.csv: \*\* looks at more than 3 files"):
+        matches("**/*.csv")
+
+
+def test_names_in_any_script_are_sorted(folder):
+    names = ["log_²", "log_10", "log_2", "log_٣", "log_" + "9" * 200]
+    assert in_order(names)[:2] == ["log_2", "log_٣"]
+    for name in names:
+        (folder / f"{name}.csv").touch()
+    assert len(find_logs(["log_*.csv"])) == len(names)
+
+
+@pytest.mark.parametrize("length", [1e-320, 0.5, 1e12, "0.0001s", "9" * 400 + "h", "99999d", float("inf")])
+def test_a_window_has_a_length_that_an_arm_lives(length):
+    with pytest.raises(InputError, match=r"out of range \(allowed: 1 s to 3650 d\)"):
+        window_seconds(length)
+
+
+@pytest.mark.parametrize("text", ["1.2.3h", "h", "-1h", "nanh", "1e3s", "٣h"])
+def test_a_window_is_a_number_and_a_unit(text):
+    with pytest.raises(InputError, match="is no length of time"):
+        window_seconds(text)
+
+
+@pytest.mark.parametrize("key", ["torque_constant", "scale", "sign", "dead_band"])
+def test_a_list_has_one_number_for_each_joint(root, key):
+    entry = {"logs": ["x"], "robot": str(root / "config/robots/puma560.yaml"), "baseline": {"windows": 8}}
+    check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 6}}}})
+    with pytest.raises(InputError, match=f"'monitor.robots.arm.{key}' has 7 numbers, robot 'puma560' has 6 joints"):
+        check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 7}}}})

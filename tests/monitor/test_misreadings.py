@@ -1,0 +1,87 @@
+"""A first log that is read wrongly is refused for the right reason, with the key that mends it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from monitor_logs import columns, layout, make_log, model, write_parquet
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.checks import Refused
+from jointwear.monitor.survey import survey_log
+
+LENGTH = 12.0
+#: Torque per current [N m/A] and rated torque [N m] of each axis; exchange of axes 2 and 3.
+CONSTANT, RATED = np.array([25.0, 30.0, 20.0, 5.0, 5.0, 4.0]), np.array([97.0, 186.0, 89.0, 24.0, 20.0, 21.0])
+ORDER = [0, 2, 1, 3, 4, 5]
+LOG = make_log(40.0, noise=0.01)
+DEGREE = 180 / np.pi
+
+
+def turned(axis):
+    return np.where(np.arange(6) == axis - 1, -1.0, 1.0)
+
+
+def survey(tmp_path, roles=("position", "torque"), entry=None, **changed):
+    path = write_parquet(tmp_path / "log.parquet", columns(replace(LOG, **changed), *roles))
+    return survey_log(str(path), layout(**(entry or {})), model(), LENGTH)
+
+
+WRONG = {
+    "current": ({"torque": LOG.torque / CONSTANT}, "looks like a current", "torque_constant"),
+    "current, two axes exchanged": ({"torque": (LOG.torque / CONSTANT)[:, ORDER]}, "looks like a current", "scale"),
+    "per mille of a rating": ({"torque": 1e3 * LOG.torque / RATED}, "share of a rating", "scale"),
+    "mN m": ({"torque": 1e3 * LOG.torque}, "looks like mN m", "units: {torque: mN m}"),
+    "motor's side": ({"torque": LOG.torque / 60}, "multiple of the model's", "scale"),
+    "torque turned": ({"torque": LOG.torque * turned(2)}, "sign of the torque of joint 2", "'scale' with -1"),
+    "axis turned": (
+        {"torque": LOG.torque * turned(3), "position": LOG.position * turned(3)},
+        "sign of joint 3 looks flipped",
+        "'sign' with -1",
+    ),
+    "axes exchanged": (
+        {"torque": LOG.torque[:, ORDER], "position": LOG.position[:, ORDER]},
+        "joints 2 and 3 look swapped",
+        "'variables'",
+    ),
+    "degrees": ({"position": DEGREE * LOG.position}, "look like degrees", "units: {position: deg}"),
+    "degrees, one axis turns on and on": (
+        {"position": DEGREE * LOG.position + 3600 * (np.arange(6) == 5)},
+        "look like degrees",
+        "units: {position: deg}",
+    ),
+    "thousandths of a radian": ({"position": 1e3 * LOG.position}, "another unit", "'variables'"),
+    "no torque": ({"torque": 0 * LOG.torque}, "keeps one value", "'variables'"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_the_reason_and_the_key_are_right(tmp_path, name):
+    changed, reason, key = WRONG[name]
+    with pytest.raises(Refused) as refused:
+        survey(tmp_path, **changed)
+    assert reason in str(refused.value)
+    assert key in refused.value.suggestion
+
+
+@pytest.mark.parametrize(("factor", "key"), [(DEGREE, "velocity: deg/s"), (1 / DEGREE, "position: deg")])
+def test_a_velocity_in_another_unit_than_the_position_is_told(tmp_path, factor, key):
+    with pytest.raises(InputError, match=key):
+        survey(tmp_path, ("position", "velocity", "torque"), velocity=factor * LOG.velocity)
+
+
+@pytest.mark.parametrize(
+    ("changed", "entry"),
+    [
+        ({"torque": LOG.torque / CONSTANT}, {"torque_constant": CONSTANT.tolist(), "units": {"torque": "A"}}),
+        ({"torque": 1e3 * LOG.torque / RATED}, {"scale": (1e-3 * RATED).tolist()}),
+        ({"torque": LOG.torque * turned(2)}, {"scale": turned(2).tolist()}),
+        ({"torque": LOG.torque * turned(3), "position": LOG.position * turned(3)}, {"sign": turned(3).tolist()}),
+        ({"position": DEGREE * LOG.position}, {"units": {"position": "deg"}}),
+        ({}, {}),
+    ],
+)
+def test_the_keys_mend_it(tmp_path, changed, entry):
+    assert max(x for x in survey(tmp_path, entry=entry, **changed).left if x is not None) < 0.02

@@ -1,0 +1,52 @@
+"""Windows of programs that the log names: each has its own normal, one that was never seen is not judged."""
+
+from __future__ import annotations
+
+import numpy as np
+from test_monitor_core import SETTINGS, residuals, statistics_of
+
+from jointwear.monitor.judge import HEALTHY, UNJUDGED, judge
+from jointwear.monitor.program_labels import add_labels, label_text, window_programs
+from jointwear.monitor.programs import labelled_regimes
+from jointwear.monitor.records import Reason
+
+
+def labelled(growth, names, seed=0):
+    statistics = statistics_of(residuals(len(names), growth, seed))
+    statistics.labels[:] = [label_text(np.array([name] * 80)) for name in names]
+    return statistics
+
+
+def test_a_program_of_the_baseline_has_its_own_level():
+    names = ["weld", "pick"] * 75
+    growth = np.where(np.arange(150)[:, None] % 2, 0.08, 0.0) * np.ones(3)
+    judgement = judge(labelled(growth, names), 72, SETTINGS)
+    assert not judgement.alarms
+    assert (judgement.status[80:] == HEALTHY).all()
+
+
+def test_a_program_that_was_never_seen_cannot_be_judged_yet():
+    names = ["weld"] * 120 + ["pick"] * 30
+    growth = np.zeros((150, 3))
+    growth[120:] = 0.3
+    judgement = judge(labelled(growth, names), 72, SETTINGS)
+    assert not judgement.alarms
+    assert (judgement.status[120:126] == UNJUDGED).all()
+    assert (judgement.reason[120:126] == Reason.CONDITIONS).all()
+    told = [f for f in judgement.findings if f["kind"] == "program"]
+    assert "'pick'" in told[0]["words"]
+    assert told[0]["time"] == 120 * 3600.0
+    assert (judgement.status[80:120] == HEALTHY).all()
+    # Later its level is known.
+    assert (judgement.status[-5:] == HEALTHY).all()
+
+
+def test_windows_that_mix_programs_are_a_program_of_their_own():
+    total = np.full(2, "", dtype=object)
+    add_labels(total, [0, 0, 1], [label_text(np.array(["a"] * 30)), label_text(np.array(["b"] * 30)), ""])
+    add_labels(total, [0], [label_text(np.array(["c"] * 2 + [""] * 5))])
+    assert window_programs(total) == ["a + b", ""]
+    assert labelled_regimes(np.full(3, "", dtype=object), np.ones(3, dtype=bool)) is None
+    labels = np.array([label_text(np.array([name])) for name in "aaaabbbbab"], dtype=object)
+    regime = labelled_regimes(labels, np.arange(10) < 4)
+    assert regime.tolist() == [0] * 4 + [1] * 4 + [0, 1]

@@ -1,0 +1,43 @@
+"""Torques of a load at the flange, against the dynamics of a robot that carries it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
+from jointwear.robots.robot import Link, load_robot
+
+ROBOT = load_robot(Path(__file__).parents[2] / "config/robots/puma560.yaml")
+#: A body almost without inertia about its centre.
+THIN = 1e-12 * np.eye(3)
+
+
+def torques(load, motion):
+    dynamics = Dynamics(replace(ROBOT, payload=load))
+    gravity = dynamics.gravity_torque(motion[0])
+    return np.stack([gravity, dynamics.rigid_body_torque(*motion) - gravity])
+
+
+@settings(max_examples=10, deadline=None)
+@given(
+    seed=st.integers(0, 10**6), mass=st.floats(0.1, 20), centre=st.lists(st.floats(-0.3, 0.3), min_size=3, max_size=3)
+)
+def test_unit_loads_are_the_linear_part_of_a_payload(seed, mass, centre):
+    motion = np.random.default_rng(seed).normal(size=(3, 20, 6))
+    centre = np.array(centre)
+    flange = FlangeLoad(ROBOT)
+    bare, alone = torques(None, motion), torques(Link(mass, 0 * centre, THIN), motion)
+    there, opposite = (torques(Link(mass, sign * centre, THIN), motion) for sign in (1, -1))
+    unit = flange.unit(*motion)
+    size = np.abs(there).max()
+    assert mass * unit[:, :, 0] == pytest.approx(alone - bare, abs=1e-8 * size)
+    first = np.einsum("smkn,k->smn", unit[:, :, 1:], mass * centre)
+    # What is even in the centre is of second order in it.
+    assert first == pytest.approx((there - opposite) / 2, abs=1e-8 * size)
+    moments = np.tile([mass, *(mass * centre)], (20, 1))
+    assert flange.torque(*motion, moments) == pytest.approx(np.einsum("smkn,mk->smn", unit, moments), abs=1e-8 * size)

@@ -1,0 +1,123 @@
+"""What is said of the limits of discovery, and of the probability of its names."""
+
+from dataclasses import asdict, fields, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jointwear.discovery.calibration import FEATURES, calibrated
+from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
+from jointwear.discovery.settings import REPORTED, USERS, Settings
+from jointwear.studies.world.calibration import cross_fitted, fit, names_of, summary
+from jointwear.studies.world.page import limits_context
+from jointwear.studies.world.sensitivity import FACTORS, GATES, NOT_ASKED, can_matter, lines, table, variants
+
+
+def test_fewer_than_twenty_limits_decide_and_each_has_its_meaning():
+    deciding = [f.name for f in fields(Settings) if f.name not in (*USERS, *REPORTED)]
+    assert len(deciding) < 20
+    for name in deciding:
+        assert f"    {name} : " in Settings.__doc__ or f"`{name}`" in Settings.__doc__
+    # None is a limit of a score.
+    assert 60.0 not in asdict(Settings()).values()
+    assert 0.02 not in asdict(Settings()).values()
+
+
+def test_every_limit_moves_both_ways_and_alone():
+    base = Settings()
+    moved = variants(base)
+    deciding = {f.name for f in fields(Settings)} - {*USERS, *REPORTED, *NOT_ASKED}
+    assert {name for name, _ in moved} == deciding
+    for (name, factor), settings in moved.items():
+        assert {k for k, v in asdict(settings).items() if v != getattr(base, k)} == {name}
+        assert factor in FACTORS
+        if name in ("certainty", "likely", "nearly_all", "unexplained_p"):
+            assert 0.0 < getattr(settings, name) < 1.0
+
+
+def rows_of(changed, right):
+    keys = [f"{name} {factor:g}" for name, factor in variants(Settings())]
+    plain = {"names": ["a"], "right": True}
+    found = {key: {"names": ["b"], "right": right} if changed in key else plain for key in keys} | {" 1": plain}
+    return [{"case": "x", "kind": "single", "identifiable": True, "found": found}]
+
+
+def test_the_table_counts_what_a_limit_changes():
+    entries = {
+        (e["limit"], e["names_change"], e["right"]["single"]) for e in table(rows_of("accept", False), Settings())
+    }
+    assert ("accept", 1, -1) in entries
+    assert ("certainty", 0, 0) in entries
+    stored = {
+        "cases": 1,
+        "judged": {"single": 1},
+        "right": {"single": 1},
+        "limits": table(rows_of("accept", False), Settings()),
+    }
+    assert any("accept" in line and "single -1" in line for line in lines(stored))
+
+
+def refused(gate):
+    return Refusal(Candidate("payload", None, None), 30.0, gate, 0.0, 1.0)
+
+
+def test_a_limit_is_moved_only_where_it_can_matter():
+    base, empty = Settings(), Outcome(None, None, None, None)
+    for name, (words, less) in GATES.items():
+        more = next(factor for factor in FACTORS if factor != less)
+        assert not can_matter(empty, name, less, base)
+        assert not can_matter(empty, name, more, base)
+        assert can_matter(replace(empty, refusals=[refused(words)]), name, less, base)
+    assert all(can_matter(empty, "accept", factor, base) for factor in FACTORS)
+    seen = Unexplained(0, "time", "s", 0.0, 1.0, 1e-9, 20.0)
+    assert can_matter(replace(empty, profile=[seen]), "unexplained_p", 1.3, base)
+    assert not can_matter(replace(empty, profile=[seen]), "unexplained_p", 0.7, base)
+
+
+def test_the_page_shows_the_table():
+    stored = {"cases": 1, "judged": {"single": 1, "two": 0}, "right": {"single": 1, "two": 0}, "command": "x"}
+    shown = limits_context({**stored, "limits": table(rows_of("accept", False), Settings())})
+    assert shown["words"] == "1 of 1 single"
+    assert {r["words"] for r in shown["table"]} == {"single -1", "the same"}
+
+
+def world_rows(rng, count):
+    """Return rows whose names are right as often as a known function of their features says."""
+    rows = []
+    for _ in range(count):
+        log_odds, share, left = rng.exponential(50.0), rng.uniform(0.0, 1.0), rng.random() < 0.3
+        right = rng.random() < 1 / (1 + np.exp(-(0.5 * np.arcsinh(log_odds) + share - left - 0.5)))
+        rows.append({"names": [{"log_odds": log_odds, "share": share, "left": left, "right": right}]})
+    return rows
+
+
+def test_a_fit_is_calibrated_on_names_that_it_has_not_seen():
+    rows = world_rows(np.random.default_rng(np.random.SeedSequence(3)), 600)
+    error, count = cross_fitted(rows)
+    assert count == 600
+    assert error < 0.06
+    stored = summary(rows, "drawn")
+    assert stored["features"] == list(FEATURES)
+    _, odds, share, left = stored["coefficients"]
+    assert odds > 0
+    assert share > 0
+    assert left < 0
+
+
+@given(wrong=st.integers(0, 3))
+def test_few_names_do_not_make_a_fit_certain(wrong):
+    rows = [{"names": [{"log_odds": 50.0, "share": 0.9, "left": False, "right": k >= wrong}]} for k in range(20)]
+    features, right, _ = names_of(rows)
+    probability = 1 / (1 + np.exp(-(features @ fit(features, right))))
+    assert np.all(probability < 1.0)
+    assert np.all(probability < 0.96)
+    assert probability.mean() == pytest.approx(right.mean(), abs=0.05)
+
+
+@given(log_odds=st.floats(-1e3, 1e6), share=st.floats(-1.0, 1.0))
+def test_structure_that_is_left_makes_no_name_more_probable(log_odds, share):
+    assert 0.0 <= calibrated(log_odds, share, True) <= calibrated(log_odds, share, False) <= 1.0
+    assert calibrated(log_odds, share, False) <= calibrated(log_odds + 10.0, share, False) + 1e-12

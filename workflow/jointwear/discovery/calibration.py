@@ -1,0 +1,41 @@
+"""From the coarsened log odds of a name to the probability that it is right, as fitted on choosing cases."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from scipy.special import expit
+
+from jointwear.files.json_documents import read_json
+
+#: The fit with its source, written by `python -m jointwear.studies.world.calibration --store`.
+FILE = Path(__file__).with_name("calibration.json")
+#: What the probability depends on.
+FEATURES = ("one", "asinh of the log odds", "share of what the axis lacks", "structure is left on the axis")
+
+
+def features(log_odds: float, share: float, left: bool) -> tuple[float, ...]:
+    """Return the values of :data:`FEATURES` for a name.
+
+    Parameters
+    ----------
+    log_odds : coarsened, against its rivals. share : of the squared error beyond the noise that it explains in records
+        left out. left : whether its axis stays unexplained.
+    """
+    return 1.0, float(np.arcsinh(log_odds)), float(np.clip(share, 0.0, 1.0)), float(left)
+
+
+def calibrated(log_odds: float, share: float, left: bool) -> float:
+    """Return the probability that a name is right; parameters as of :func:`features`.
+
+    No name is given whose log odds are below zero, so that no fit has seen one: there they count as they are.
+    """
+    probability = float(expit(np.dot(_coefficients(), features(log_odds, share, left))))
+    return min(probability, float(expit(log_odds))) if log_odds < 0 else probability
+
+
+@cache
+def _coefficients() -> tuple[float, ...]:
+    return tuple(read_json(FILE)["coefficients"])

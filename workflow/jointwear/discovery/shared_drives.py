@@ -1,0 +1,73 @@
+"""Samples in which a drive that two joints share sticks: no model can be judged by them.
+
+Motor 6 of many wrists turns with q5 + q6. Where that sum stands still for an instant its friction is anything up to
+Coulomb friction, on both joints. A few such samples in a hundred are enough to make the noise look many times larger.
+They are left out where the data show a shared drive: friction that jumps with the sum explains much of what is missing
+elsewhere, and what it leaves near the jump is far larger than elsewhere.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+#: Speed [rad/s] of a shared drive below which it may stick between two samples.
+STICKS = 0.05
+#: The residual there, over that elsewhere, from which it does, and fewest samples that say so.
+STANDS_OUT, FEWEST = 3.0, 5
+#: Largest share of the squared residual elsewhere that the friction of the shared drive may leave.
+EXPLAINED = 0.7
+#: Largest share of samples that may be left out: joints that turn as one all the time are made to, by their program.
+MADE_TO = 0.2
+#: Samples that the regression is made of, at most.
+SAMPLES = 3000
+#: Ridge of the regression as a share of the mean square of its columns.
+RIDGE = 1e-6
+
+
+def sticking(
+    usable: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, missing: np.ndarray, inertial: np.ndarray
+) -> np.ndarray:
+    """Return the samples (N, n) at which the axis shares a drive that sticks with one of its neighbours.
+
+    Parameters
+    ----------
+    usable : (N, n) samples of each axis to look at. velocity, acceleration : (N, n) [rad/s], [rad/s2].
+    missing : (N, n) measured less nominal torque [N m]. inertial : (N, n, r) torque of errors of the inertia [N m].
+    """
+    stuck = np.zeros_like(usable)
+    for pair in pairwise(range(usable.shape[1])):
+        for sign in (1.0, -1.0):
+            speed = velocity[:, pair[0]] + sign * velocity[:, pair[1]]
+            slow = np.abs(speed) < STICKS
+            for axis, other in (pair, pair[::-1]):
+                used = usable[:, axis]
+                if not FEWEST <= np.sum(used & slow) <= MADE_TO * used.sum():
+                    continue
+                v, a = velocity[:, axis], acceleration[:, axis]
+                own = np.stack([v > 0, v < 0, v, a], axis=1).astype(float)
+                base = np.concatenate([own, inertial[:, axis]], axis=1)
+                shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)
+                if _sticks(base, shared, missing[:, axis], used, slow):
+                    stuck[:, axis] |= slow
+    return stuck
+
+
+def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.ndarray, slow: np.ndarray) -> bool:
+    """Return whether the columns (N, 3) of a shared drive explain what is `missing` (N,), but for its slow samples."""
+    rows = np.flatnonzero(used & ~slow)
+    rows = rows[:: -(-len(rows) // SAMPLES)]
+    columns = np.concatenate([base, shared], axis=1)
+    inside = np.flatnonzero(used & slow)
+    x, y = columns[rows], missing[rows]
+    gram, right = x.T @ x, x.T @ y
+    gram += RIDGE * np.diag(np.maximum(np.diag(gram), 1e-12))
+    count = base.shape[1]
+    alone = y - x[:, :count] @ np.linalg.solve(gram[:count, :count], right[:count])
+    theta = np.linalg.solve(gram, right)
+    left = y - x @ theta
+    if left @ left > EXPLAINED * (alone @ alone):
+        return False
+    near = missing[inside] - columns[inside] @ theta
+    return bool(np.mean(near**2) > STANDS_OUT**2 * np.mean(left**2))

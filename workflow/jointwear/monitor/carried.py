@@ -1,0 +1,197 @@
+"""The load at the flange that no log tells: how much, where its centre is, and when it is carried.
+
+A load adds (m, m c) . u to the torques of the axes, u the torques of a unit mass at the flange and of unit first
+moments about it (linear in them, see Khalil and Dombre 2002, chapter 12). Within a window it is picked up and put down,
+which is a switch c(t) in {0, 1}:
+
+    residual_j(t) = nuisances_j(t) + c(t) (m, m c) . u_j(t) + noise_j(t),
+
+with the nuisances of the regression (friction both ways and viscous, gravity and inertial torque) free in every axis.
+Switch and moments are found in turn, all axes together. A load is accepted only where it explains most of what the
+model leaves; then its torque belongs to the model, and what a load does to the estimates of friction goes with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from jointwear.monitor.model import ModelTorque
+from jointwear.robots.flange import FlangeLoad
+from jointwear.robots.robot import Robot
+
+#: Rounds of finding switch and moments in turn; a few suffice, as each is a least-squares step.
+ROUNDS = 12
+#: Time [s] over which the switch is told from the residuals, and what is left out around it: a gripper needs as long.
+SMOOTH, EDGE = 0.5, 0.3
+#: Factor by which the variance left by the model must fall (geometric mean over the axes) for a load to be accepted.
+CLEAR = 4.0
+#: Time [s] between samples that suffices to find a load. Fewest of them.
+STEP, FEWEST = 0.1, 60
+
+
+@dataclass(frozen=True)
+class Load:
+    """`moments` (4,): mass [kg] and first moments [kg m] in the frame of the flange; `carried` (m,) bool."""
+
+    moments: np.ndarray
+    carried: np.ndarray
+
+
+class UnitTorques(Protocol):
+    """Torques of loads at samples of a motion, by their indices (k,)."""
+
+    def unit(self, rows: np.ndarray) -> np.ndarray:
+        """Return gravity and inertial torque (2, k, 4, n) of unit mass [N m/kg] and first moments [N m/(kg m)]."""
+
+    def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
+        """Return gravity and inertial torque (2, k, n) [N m] of loads `moments` (k, 4)."""
+
+
+@dataclass(frozen=True)
+class LoadsOnMotion:
+    """Torques of loads at the flange along a motion, arrays (m, n)."""
+
+    flange: FlangeLoad
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+    def unit(self, rows: np.ndarray) -> np.ndarray:
+        """See :class:`UnitTorques`."""
+        return self.flange.unit(self.position[rows], self.velocity[rows], self.acceleration[rows])
+
+    def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
+        """See :class:`UnitTorques`."""
+        return self.flange.torque(self.position[rows], self.velocity[rows], self.acceleration[rows], moments)
+
+
+def least_mass(robot: Robot) -> float:
+    """Return the mass [kg] that can be missing: the payload of the robot file, counted negative."""
+    return 0.0 if robot.payload is None else -robot.payload.mass
+
+
+def with_loads(
+    model: ModelTorque,
+    residual: np.ndarray,
+    velocity: np.ndarray,
+    used: np.ndarray,
+    pieces: Sequence[slice],
+    step: float,
+    torques: UnitTorques,
+    least: float = 0.0,
+) -> tuple[ModelTorque, np.ndarray]:
+    """Return the model with the loads that the samples show, and which samples (m, n) are not near a switch.
+
+    Parameters
+    ----------
+    model : torques (m, n) without the loads. residual : (m, n) torque less that of the model. used : (m, n) samples
+        that count, moving ones. pieces : uninterrupted samples in which one load may be. step : [s] between samples.
+    torques : of loads at samples. least : smallest mass [kg].
+    """
+    clear = np.ones(used.shape, dtype=bool)
+    every = max(round(STEP / step), 1)
+    index = [np.arange(piece.start, piece.stop, every) for piece in pieces]
+    rows = np.concatenate(index) if index else np.zeros(0, dtype=int)
+    if not len(rows):
+        return model, clear
+    units = torques.unit(rows).sum(axis=0)
+    v, on = velocity[rows], used[rows]
+    columns = np.stack([v > 0, -(v < 0).astype(float), v, model.gravity[rows], model.inertial[rows]])
+    columns = np.where(on, columns, 0.0).transpose(2, 0, 1)
+    moments, at = np.zeros((len(used), 4)), 0
+    for piece, samples in zip(pieces, index, strict=True):
+        own = slice(at, at + len(samples))
+        at = own.stop
+        load = find_load(residual[samples], columns[:, :, own], units[own], on[own], every * step, least)
+        if load is None:
+            continue
+        carried = np.repeat(load.carried, every)[: piece.stop - piece.start]
+        moments[piece] = carried[:, None] * load.moments
+        clear[piece] &= ~near_switch(carried, step)[:, None]
+    loaded = np.flatnonzero(moments.any(axis=1))
+    if not len(loaded):
+        return model, clear
+    parts = np.stack([model.total, model.gravity, model.inertial])
+    torque = torques.torque(loaded, moments[loaded])
+    parts[:, loaded] += np.stack([torque.sum(axis=0), *torque])
+    return ModelTorque(*parts), clear
+
+
+def find_load(
+    residual: np.ndarray, columns: np.ndarray, unit: np.ndarray, used: np.ndarray, step: float, least: float = 0.0
+) -> Load | None:
+    """Return the load of one window, None where none explains the residual.
+
+    Parameters
+    ----------
+    residual : (m, n) torque less that of the model. columns : (n, p, m) regressors of the nuisances.
+    unit : (m, 4, n) torque of unit loads. used : (m, n) samples that count. step : [s] between samples.
+    least : smallest mass [kg].
+    """
+    rows = used.any(axis=1)
+    axes = np.flatnonzero(used.sum(axis=0) >= FEWEST)
+    if rows.sum() < FEWEST or not len(axes):
+        return None
+    on = used[:, axes].T.astype(float)
+    bases = [_basis(columns[j] * on[k]) for k, j in enumerate(axes)]
+    raw = np.where(used, residual, 0.0)[:, axes].T
+    plain = np.stack([_without(b, r) for b, r in zip(bases, raw, strict=True)])
+    count = on.sum(axis=1)
+    before = np.maximum((plain**2).sum(axis=1) / count, 1e-12)
+    loads = unit[:, :, axes].transpose(2, 0, 1) * on[..., None]
+    width = max(round(SMOOTH / step), 1)
+    best, lowest = None, 0.0
+    for start in _starts(plain, loads, before, width):
+        carried, weight = start, 1.0 / before
+        for _ in range(ROUNDS):
+            shown = loads * carried[None, :, None]
+            shown = np.stack([_without(b, s) for b, s in zip(bases, shown, strict=True)])
+            gram = np.einsum("j,jmk,jml->kl", weight, shown, shown)
+            scale = np.sqrt(np.maximum(np.diag(gram), 1e-30))
+            moment = np.einsum("j,jmk,jm->k", weight, shown, plain) / scale
+            moments = np.linalg.lstsq(gram / np.outer(scale, scale), moment, rcond=1e-8)[0] / scale
+            error = plain - shown @ moments
+            after = np.maximum((error**2).sum(axis=1) / count, 1e-12)
+            torque = loads @ moments
+            gain = (torque * (2 * (error + carried * torque) - torque) / after[:, None]).sum(axis=0)
+            fresh = _smooth(gain, width) > 0
+            done = np.array_equal(fresh, carried)
+            carried, weight = fresh, 1.0 / after
+            if done or not carried.any():
+                break
+        left = float(count @ np.log(after / before) / count.sum())
+        if carried.any() and moments[0] > least and left < lowest:
+            best, lowest = Load(moments, carried), left
+    return best if lowest < -np.log(CLEAR) else None
+
+
+def _starts(plain: np.ndarray, loads: np.ndarray, variance: np.ndarray, width: int) -> list[np.ndarray]:
+    """Switches (m,) to begin with: carried throughout, and where the residual looks like a mass."""
+    inner = _smooth(np.einsum("jm,jm->m", plain / variance[:, None], loads[..., 0]), width)
+    return [np.ones(plain.shape[1], dtype=bool), inner > 0]
+
+
+def _basis(columns: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis (m, r) of the space of columns (p, m)."""
+    size = np.sqrt((columns**2).sum(axis=1))
+    shown = columns[size > 0] / size[size > 0, None]
+    left, values, _ = np.linalg.svd(shown.T, full_matrices=False)
+    return left[:, values > 1e-6]
+
+
+def _without(basis: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return values - basis @ (basis.T @ values)
+
+
+def _smooth(values: np.ndarray, width: int) -> np.ndarray:
+    return np.convolve(values, np.ones(width), mode="same")
+
+
+def near_switch(carried: np.ndarray, step: float) -> np.ndarray:
+    """Return the samples (m,) within :data:`EDGE` of picking up or putting down."""
+    turn = np.concatenate([[False], carried[1:] != carried[:-1]])
+    return _smooth(turn.astype(float), 2 * round(EDGE / step) + 1) > 0.5

@@ -1,0 +1,152 @@
+"""Torques that a unit load at the flange asks of the joints, for many samples at once.
+
+A mass m with its centre at c (frame of the payload) adds (m, m c) . u to the torques as long as its inertia about the
+flange is left out: u are the torques of a unit mass at the frame's origin and of unit first moments along its axes
+(linear, see Khalil and Dombre 2002, chapter 12). Positions, velocities and accelerations of the frames come from the
+recursion of Luh, Walker and Paul (1980) outwards; inwards only the last body has a mass. Arrays have the components
+first, (3, m).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from jointwear.robots.dynamics import TIP, build_model
+from jointwear.robots.robot import Robot
+
+
+class FlangeLoad:
+    """Unit torques of a load in the frame of a robot's payload."""
+
+    def __init__(self, robot: Robot) -> None:
+        model = build_model(robot)
+        data = model.createData()
+        still = np.zeros(model.nq)
+        pin.computeJointJacobians(model, data, still)
+        self._steps = []
+        for joint in range(1, model.njoints):
+            place = model.jointPlacements[joint]
+            twist = pin.getJointJacobian(model, data, joint, pin.LOCAL)[:, joint - 1]
+            self._steps.append((place.rotation, place.translation, twist[3:], twist[:3]))
+        frame = pin.SE3.Identity() if robot.urdf is not None else model.frames[model.getFrameId(TIP)].placement
+        self._tip = (frame.rotation, frame.translation)
+        self._gravity = np.asarray(robot.gravity, dtype=float)[:, None]
+
+    def unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """Return gravity and inertial torque (2, m, 4, n) of unit mass [N m/kg] and unit first moments [N m/(kg m)]
+        along a motion (m, n)."""
+        joints, tip = self._frames(position, velocity, acceleration)
+        held = np.broadcast_to(-self._gravity, tip.place.shape)
+        out = np.empty((2, 4, len(joints), len(position)))
+        for j, joint in enumerate(joints):
+            reach = joint.reach(tip.place)
+            out[0, 0, j], out[1, 0, j] = _dot(reach, held), _dot(reach, tip.pushed)
+            for k in range(3):
+                edge = tip.turn[:, k]
+                out[0, k + 1, j] = joint.couple(_cross(edge, held))
+                out[1, k + 1, j] = _dot(reach, tip.swung(edge)) + joint.couple(_cross(edge, tip.pushed))
+        return out.transpose(0, 3, 1, 2)
+
+    def torque(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, moments: np.ndarray
+    ) -> np.ndarray:
+        """Return gravity and inertial torque (2, m, n) [N m] of loads `moments` (m, 4), mass [kg] and first moments
+        [kg m] of each sample."""
+        joints, tip = self._frames(position, velocity, acceleration)
+        held = np.broadcast_to(-self._gravity, tip.place.shape)
+        mass, centre = moments[:, 0], np.einsum("ikm,mk->im", tip.turn, moments[:, 1:])
+        forces = (mass * held, mass * tip.pushed + tip.swung(centre))
+        couples = (_cross(centre, held), _cross(centre, tip.pushed))
+        out = np.empty((2, len(joints), len(position)))
+        for j, joint in enumerate(joints):
+            reach = joint.reach(tip.place)
+            for k in range(2):
+                out[k, j] = _dot(reach, forces[k]) + joint.couple(couples[k])
+        return out.transpose(0, 2, 1)
+
+    def _frames(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
+    ) -> tuple[list[_Joint], _Frame]:
+        """Return the joints as they lie, and the frame of the payload."""
+        m = len(position)
+        q, v, a = (np.ascontiguousarray(x.T) for x in (position, velocity, acceleration))
+        frame = _Frame(np.broadcast_to(np.eye(3)[:, :, None], (3, 3, m)), *(np.zeros((3, m)) for _ in range(4)))
+        joints = []
+        for k, (fixed, offset, angular, linear) in enumerate(self._steps):
+            frame = frame.placed(fixed, offset)
+            turning = not linear.any()
+            way = _along(frame.turn, angular if turning else linear)
+            joints.append(_Joint(way, frame.place, turning))
+            if turning:
+                frame = replace(
+                    frame,
+                    turn=_turned(frame.turn, angular, q[k]),
+                    spin=frame.spin + way * v[k],
+                    spun=frame.spun + way * a[k] + v[k] * _cross(frame.spin, way),
+                )
+            else:
+                pushed = frame.pushed + way * a[k] + 2 * v[k] * _cross(frame.spin, way) + q[k] * frame.swung(way)
+                frame = replace(frame, place=frame.place + q[k] * way, pushed=pushed)
+        return joints, frame.placed(*self._tip)
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """A frame that moves: rotation (3, 3, m), place, angular velocity and acceleration, acceleration (3, m)."""
+
+    turn: np.ndarray
+    place: np.ndarray
+    spin: np.ndarray
+    spun: np.ndarray
+    pushed: np.ndarray
+
+    def swung(self, arm: np.ndarray) -> np.ndarray:
+        """Return the acceleration that a point fixed to the frame has beyond that of its origin."""
+        return _cross(self.spun, arm) + _cross(self.spin, _cross(self.spin, arm))
+
+    def placed(self, rotation: np.ndarray, offset: np.ndarray) -> _Frame:
+        """Return a frame fixed to this one."""
+        arm = _along(self.turn, offset)
+        turn = np.stack([_along(self.turn, column) for column in rotation.T], axis=1)
+        return replace(self, turn=turn, place=self.place + arm, pushed=self.pushed + self.swung(arm))
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """Direction and place (3, m) of a joint that turns or slides."""
+
+    way: np.ndarray
+    centre: np.ndarray
+    turning: bool
+
+    def reach(self, place: np.ndarray) -> np.ndarray:
+        """Return what a force at a place is multiplied with."""
+        return _cross(self.way, place - self.centre) if self.turning else self.way
+
+    def couple(self, couple: np.ndarray) -> np.ndarray | float:
+        """Return the torque of a couple."""
+        return _dot(self.way, couple) if self.turning else 0.0
+
+
+def _along(turn: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    return turn[:, 0] * vector[0] + turn[:, 1] * vector[1] + turn[:, 2] * vector[2]
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _turned(turn: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Return rotations (3, 3, m) times a turn by angles (m,) about a fixed unit axis (Rodrigues)."""
+    x, y, z = axis
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    first = np.einsum("ijm,jk->ikm", turn, skew)
+    second = np.einsum("ijm,jk->ikm", first, skew)
+    return turn + np.sin(angle) * first + (1 - np.cos(angle)) * second

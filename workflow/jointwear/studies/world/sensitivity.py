@@ -1,0 +1,233 @@
+"""What 30 % more or less of every limit of discovery does: python -m jointwear.studies.world.sensitivity --cases 24.
+
+The noise and the dictionary of a case do not depend on the limits: they are made once, and only the decision is taken
+again. Verdicts are judged by their names; what the written model predicts is not asked.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from jointwear.discovery.candidates import LINK_MASS, build_dictionary
+from jointwear.discovery.decide import decide
+from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.settings import REPORTED, USERS, Settings
+from jointwear.discovery.whitening import White, whiten
+from jointwear.files.errors import InputError
+from jointwear.files.json_documents import write_json
+from jointwear.measurement.recording import split
+from jointwear.studies.challenge.judge import judge
+from jointwear.studies.challenge.solve import with_words
+from jointwear.studies.world.answers import TOLERATED
+from jointwear.studies.world.case import WorldCase, generate
+from jointwear.studies.world.plan import Case, cases
+from jointwear.studies.world.setting import INERTIAL_PRIOR
+from jointwear.studies.world.stages import sources_digest
+
+#: Each limit is multiplied by these.
+FACTORS = (0.7, 1.3)
+#: Kind of case -> field of a judged row that says whether the answer is right.
+RIGHT = {"single": "exact_set", "two": "two_exact", "nothing": "no_name", "outside": "unknown_only"}
+#: Limits that these cases do not ask: of the written model, after the names, and of groups of recordings.
+NOT_ASKED = ("not_worse", "weak_nats")
+
+
+def variants(settings: Settings) -> dict[tuple[str, float], Settings]:
+    """Return the settings with each limit moved: (field, factor) -> settings; whole numbers move by one at least."""
+    result = {}
+    for name, value in asdict(settings).items():
+        if name in (*USERS, *REPORTED, *NOT_ASKED) or not isinstance(value, (int, float)):
+            continue
+        for factor in FACTORS:
+            moved = factor * value
+            if isinstance(value, int):
+                moved = min(value - 1, round(moved)) if factor < 1 else max(value + 1, round(moved))
+            elif name in ("certainty", "likely", "nearly_all"):
+                # Of a probability or share the distance to one is what a limit is about, of a tiny one its logarithm.
+                moved = 1.0 - (1.0 - value) / factor
+            elif name == "unexplained_p":
+                moved = value**factor
+            result[name, factor] = replace(settings, **{name: moved})
+    return result
+
+
+#: Limits that are a gate: the words by which a refusal tells it, and the factor by which it asks for less.
+GATES = {
+    "certainty": ("probability of a smaller error on records left out", 0.7),
+    "smallest_share": ("drop of the squared error over the noise variance", 0.7),
+    "predicted": ("nats gained on records left out", 0.7),
+    "worst_record": ("nats gained on the", 1.3),
+    "cancelled": ("its square over that of the discrepancy of its axis", 1.3),
+    "off_scale": ("its parameters within their bounds", 1.3),
+    "mass_sigmas": ("standard deviations of the inertial prior by which the mass is off", 0.7),
+    "likely": ("probability, given the data and the library", 0.7),
+}
+
+
+def can_matter(outcome: Outcome, name: str, factor: float, settings: Settings) -> bool:
+    """Return False where a moved limit provably leaves a decision as it is, so that it need not be taken again.
+
+    A gate that asks for less changes nothing where it refused nothing; one that asks for more nothing where no name, no
+    suspect and no link mass ever passed.
+    """
+    if name in GATES:
+        words, less = GATES[name]
+        if factor == less:
+            return any(r.gate.startswith(words) for r in outcome.refusals)
+        passed = outcome.named or outcome.suspects or any(r.gate in _LATE for r in outcome.refusals)
+        return bool(passed)
+    if name == "most_effects":
+        return len(outcome.named) >= settings.most_effects - 1 or bool(outcome.suspects)
+    if name == "most_on_axis":
+        axes = [n.candidate.axis for n in [*outcome.named, *(n for n, _ in outcome.suspects)]]
+        return any(axes.count(a) >= settings.most_on_axis for a in axes)
+    if name == "nearly_all":
+        return bool(outcome.suspects) or any(n.structure_left for n in outcome.named)
+    if name == "unexplained_p":
+        moved = settings.unexplained_p**factor
+        low, high = sorted((moved, settings.unexplained_p))
+        return any(low <= u.p_value <= high and u.nats > settings.accept for u in outcome.profile)
+    if name in ("form_error", "block"):
+        return bool(outcome.named or outcome.suspects or (name == "block" and outcome.refusals))
+    return True
+
+
+#: Gates that are asked after a name was accepted.
+_LATE = ("nats beside the other effects", "probability, given the data and the library")
+
+
+def answers(case: Case, wanted: Mapping[tuple[str, float], Settings]) -> dict[str, Any]:
+    """Return what a case is and, for the limits as they are and each variant, the names and whether they are right."""
+    with tempfile.TemporaryDirectory() as folder:
+        world = generate(case, folder)
+        base = Settings(inertial_prior=INERTIAL_PRIOR)
+        problem = build_problem(split(with_words(world.recording, world.told)), world.robot, base)
+        white = whiten(problem, estimate_noise(problem))
+        dictionary = build_dictionary(white)
+        plain = decide(white, dictionary)
+        found = {" 1": judged(world, plain)}
+        for (name, factor), settings in wanted.items():
+            key = f"{name} {factor:g}"
+            if can_matter(plain, name, factor, base):
+                moved: White = replace(white, problem=replace(problem, settings=settings))
+                found[key] = judged(world, decide(moved, dictionary))
+            else:
+                found[key] = found[" 1"]
+        kind = world.facts["kind"]
+        return {"case": case.name, "kind": kind, "identifiable": _identifiable(world), "found": found}
+
+
+def _identifiable(world: WorldCase) -> bool:
+    nothing = {"verdict": "none", "effects": []}
+    return judge(world.facts, nothing, None, None)["identifiable"] is not False
+
+
+def judged(world: WorldCase, outcome: Outcome) -> dict[str, Any]:
+    """Return the names of an outcome and whether they are right, None where the question does not apply."""
+    effects = [
+        {
+            "effect": n.candidate.effect,
+            "axis": None if n.candidate.axis is None else n.candidate.axis + 1,
+            "source_axis": None if n.candidate.source is None else n.candidate.source + 1,
+        }
+        for n in outcome.named
+        if n.candidate.effect != LINK_MASS
+    ]
+    word = "unknown" if outcome.unexplained else "effects" if effects else "none"
+    row = judge(world.facts, {"verdict": word, "effects": effects}, None, None)
+    row["no_name"] = not effects
+    if row["kind"] == "outside":
+        strangers = [e for e in effects if e["effect"] not in TOLERATED.get(str(world.facts["subject"]), set())]
+        row["unknown_only"] = not strangers and (word == "unknown" or bool(effects))
+    field = RIGHT.get(row["kind"])
+    return {"names": sorted(map(str, row["named"])), "right": None if field is None else bool(row[field])}
+
+
+def table(rows: Sequence[Mapping[str, Any]], settings: Settings) -> list[dict[str, Any]]:
+    """Return one entry per limit and factor: cases whose names change, and right answers more or less, by kind."""
+    result = []
+    for (name, factor), moved in variants(settings).items():
+        key = f"{name} {factor:g}"
+        changed, difference = 0, dict.fromkeys(RIGHT, 0)
+        for row in rows:
+            before, after = row["found"][" 1"], row["found"][key]
+            changed += before["names"] != after["names"]
+            if before["right"] is not None and row["identifiable"]:
+                difference[row["kind"]] += int(after["right"]) - int(before["right"])
+        result.append(
+            {
+                "limit": name,
+                "value": getattr(settings, name),
+                "moved_to": round(getattr(moved, name), 12),
+                "names_change": changed,
+                "right": difference,
+            }
+        )
+    return result
+
+
+def summary(rows: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
+    """Return what is stored: the table with what it was made from."""
+    counts = {kind: [r for r in rows if r["kind"] == kind and r["identifiable"]] for kind in RIGHT}
+    return {
+        "seeds": "choose",
+        "cases": len(rows),
+        "which": [r["case"] for r in rows],
+        "judged": {kind: len(mine) for kind, mine in counts.items()},
+        "right": {kind: sum(bool(r["found"][" 1"]["right"]) for r in mine) for kind, mine in counts.items()},
+        "command": command,
+        "sources": sources_digest(),
+        "limits": table(rows, Settings(inertial_prior=INERTIAL_PRIOR)),
+    }
+
+
+def lines(stored: Mapping[str, Any]) -> Iterable[str]:
+    """Yield the table in words."""
+    judged_cases = ", ".join(f"{kind} {stored['right'][kind]} of {n}" for kind, n in stored["judged"].items())
+    yield f"{stored['cases']} choosing cases; right as the limits stand: {judged_cases}"
+    yield f"{'limit':18s} {'value':>9s} {'moved to':>9s} {'names change':>13s}  right answers more or less"
+    for entry in stored["limits"]:
+        moved = ", ".join(f"{kind} {n:+d}" for kind, n in entry["right"].items() if n) or "none"
+        limit = f"{entry['limit']:18s} {entry['value']:9.4g} {entry['moved_to']:9.4g}"
+        yield f"{limit} {entry['names_change']:13d}  {moved}"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Parse arguments, run, print, store."""
+    parser = argparse.ArgumentParser(prog="python -m jointwear.studies.world.sensitivity", description=__doc__)
+    parser.add_argument("--cases", type=int, default=24, help="how many choosing cases, in the order of the plan")
+    parser.add_argument("--skip", type=int, default=0, help="leave out the first so many")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--save", type=Path, help="write the table as JSON")
+    given = parser.parse_args(arguments)
+    chosen = cases("choose")[given.skip : given.skip + given.cases]
+    one = partial(answers, wanted=variants(Settings(inertial_prior=INERTIAL_PRIOR)))
+    try:
+        if given.jobs > 1:
+            with ProcessPoolExecutor(given.jobs) as pool:
+                rows = list(pool.map(one, chosen))
+        else:
+            rows = [one(case) for case in chosen]
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 1
+    command = f"python -m jointwear.studies.world.sensitivity --cases {given.cases} --skip {given.skip}"
+    stored = summary(rows, command)
+    print(*lines(stored), sep="\n")
+    if given.save:
+        write_json(given.save, stored)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
