@@ -22,7 +22,7 @@ from jointwear.studies.joint_fit.records import write_experiments
 from jointwear.studies.recovery.export import robot_data, task_data, write_yaml
 from jointwear.studies.side_by_side.experiments import write_closest
 from jointwear.studies.side_by_side.figures import draw_hours
-from jointwear.studies.side_by_side.summary import COMPARED, beside, changed_readings, write_chapter
+from jointwear.studies.side_by_side.summary import COMPARED, as_printed, beside, changed_readings, write_chapter
 
 ROOT = Path(__file__).resolve().parents[2]
 LITERAL = ROOT / "config/examples/literal.yaml"
@@ -70,6 +70,12 @@ def test_rows_of_two_experiments_stand_beside_each_other():
     ]
     with pytest.raises(ValueError, match="cells of two experiments differ"):
         beside({"literal": first, "closest": second[::-1]}, ("axis",), "hour")
+
+
+def test_a_cell_that_few_replicates_detect_has_no_hour():
+    assert as_printed({"detection_probability": 0.4, "hour_median": 90.0})["hour_median"] is None
+    assert as_printed({"detection_probability": 0.5, "hour_median": 90.0})["hour_median"] == 90.0
+    assert as_printed({"reproduced": 3}) == {"reproduced": 3}
 
 
 def test_the_chapter_quotes_the_tables_of_both(tmp_path):

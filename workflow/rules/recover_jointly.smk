@@ -107,10 +107,20 @@ rule trade_joint_aims:
     params:
         settings={
             **JOINT_SHARED,
-            "plan": {"members": 3, "local": {"rounds": 40}},
+            "plan": {"members": 3},
             "arms": 2,
-            # Factors on the weights of Tables V and VI, and of the signs of Table II.
-            "emphases": [[1.5, 1], [2.5, 1], [1.5, 3], [1, 10]],
+            # Factors on the weights of Tables V and VI, of the signs of Table II, and on the size of errors in Table V.
+            "emphases": [
+                [1, 1, 1],
+                [1.5, 1, 1],
+                [2.5, 1, 1],
+                [1.5, 3, 1],
+                [1, 3, 1],
+                [1, 10, 1],
+                [1, 1, 1.5],
+                [1, 1, 2.5],
+                [1.5, 1, 2],
+            ],
             "confirm_replicates": 100,
         },
     script:

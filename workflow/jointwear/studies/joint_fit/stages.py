@@ -145,13 +145,13 @@ def trade_joint_aims(
 
     Parameters
     ----------
-    settings : of the experiment; `plan` as :func:`plan_of`, `arms` that are searched on, `emphases` as pairs of the
+    settings : of the experiment; `plan` as :func:`plan_of`, `arms` that are searched on, `emphases` as the
         factors of :class:`Emphasis`, `confirm_replicates`.
     """
     arm, paper = load_robot(robot), read_paper(published)
     grid, noise = _grid(settings, paper.tables.increase_percent), _noise(settings)
     experiments, fields = read_confirmed([confirmed])
-    emphases = [Emphasis(*pair) for pair in settings["emphases"]]
+    emphases = [Emphasis(*factors) for factors in settings["emphases"]]
     searched: list[JointExperiment] = []
     for k, places in enumerate(bases(experiments, fields["distance"], settings["arms"])):
         members = [experiments[place] for place in places]
@@ -162,10 +162,14 @@ def trade_joint_aims(
         for k, e in enumerate(searched)
     ]
     places = range(len(experiments), len(experiments) + len(searched))
-    factors = np.array([[e.tables, e.signs] for e in emphases] * (len(searched) // len(emphases)))
+    arms = len(searched) // len(emphases)
     more = {
-        "emphasis_tables": Variable(("experiment",), factors[:, 0], "factor on the weights of Tables V and VI", "1"),
-        "emphasis_signs": Variable(("experiment",), factors[:, 1], "factor on the weight of Table II", "1"),
+        f"emphasis_{name}": Variable(("experiment",), np.array([getattr(e, name) for e in emphases] * arms), words, "1")
+        for name, words in (
+            ("tables", "factor on the weights of Tables V and VI"),
+            ("signs", "factor on the weight of Table II"),
+            ("torque", "factor on the size of errors in Table V"),
+        )
     }
     write_confirmed(output, searched, again, places, "joint experiments under other weights", settings, more)
 

@@ -136,11 +136,14 @@ def searched_on(path: str | Path, paper: Paper) -> list[dict[str, Any]]:
     """Return the experiments under other weights: factors on the weights and what they reach on new random numbers."""
     _, fields = read_confirmed([path])
     with open_dataset(path) as data:
-        tables, signs = (read_variable(data, path, name) for name in ("emphasis_tables", "emphasis_signs"))
+        tables, signs, torque = (
+            read_variable(data, path, f"emphasis_{name}") for name in ("tables", "signs", "torque")
+        )
     scores, met = score(fields, paper), aims_met(score(fields, paper))
     return [
         {
             "tables": tables[k],
+            "torque": torque[k],
             "signs_weight": signs[k],
             "cells": scores.cells[k],
             "hour_error": scores.hour_error[k],

@@ -23,16 +23,23 @@ from jointwear.studies.joint_fit.pose_search import improve
 
 @dataclass(frozen=True)
 class Emphasis:
-    """Factors on what an error costs: `tables` in Tables V and VI, `signs` in those of Table II."""
+    """Factors: `tables` on what an error in Tables V and VI costs, `signs` on that of a sign of Table II, `torque` on
+    the size of an error in Table V, so that small ones count there too."""
 
     tables: float = 1.0
     signs: float = 1.0
+    torque: float = 1.0
 
     @property
     def weights(self) -> Weights:
         """The weights of the search with these factors."""
         usual = Weights()
-        return replace(usual, table=usual.table * self.tables, lag=usual.lag * self.signs)
+        return replace(
+            usual,
+            table=usual.table * self.tables,
+            lag=usual.lag * self.signs,
+            torque_scale=usual.torque_scale / self.torque,
+        )
 
 
 def bases(experiments: Sequence[JointExperiment], distance: np.ndarray, count: int) -> list[list[int]]:
@@ -66,14 +73,14 @@ def search_on(
     number : keys the random numbers.
     """
     arm, reading = members[0].arm, members[0].reading
-    known: dict[tuple[int, float, float], tuple[np.ndarray, np.ndarray, float, float]] = {}
+    known: dict[tuple[int, Emphasis], tuple[np.ndarray, np.ndarray, float, float]] = {}
     result = []
     for emphasis in emphases:
         fit = PaperFit(robot, paper, seed, "paper", plan, grid, noise, emphasis.weights)
         poses = []
         for t in range(len(paper.tables.tasks)):
             # Table II shows one task alone.
-            key = (t, emphasis.tables, emphasis.signs if t == LAG_TASK else 1.0)
+            key = (t, emphasis if t == LAG_TASK else replace(emphasis, signs=1.0))
             if key not in known:
                 task = fit.task(t, arm)
                 u = np.stack([task.free(e.start[t], e.stop[t], float(e.phase[t])) for e in members[: plan.members]])
