@@ -17,6 +17,9 @@ import pinocchio as pin
 from jointwear.robots.dynamics import TIP, build_model
 from jointwear.robots.robot import Robot
 
+#: Samples worked on at once: what they need stays in the cache.
+BLOCK = 4096
+
 
 class FlangeLoad:
     """Unit torques of a load in the frame of a robot's payload."""
@@ -38,23 +41,39 @@ class FlangeLoad:
     def unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Return gravity and inertial torque (2, m, 4, n) of unit mass [N m/kg] and unit first moments [N m/(kg m)]
         along a motion (m, n)."""
+        out = np.empty((2, 4, position.shape[1], len(position)))
+        for part in _blocks(len(position)):
+            out[..., part] = self._unit(position[part], velocity[part], acceleration[part])
+        return out.transpose(0, 3, 1, 2)
+
+    def _unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         joints, tip = self._frames(position, velocity, acceleration)
         held = np.broadcast_to(-self._gravity, tip.place.shape)
+        edges = [tip.turn[:, k] for k in range(3)]
+        couples = [(_cross(edge, held), _cross(edge, tip.pushed)) for edge in edges]
+        swung = [tip.swung(edge) for edge in edges]
         out = np.empty((2, 4, len(joints), len(position)))
         for j, joint in enumerate(joints):
             reach = joint.reach(tip.place)
             out[0, 0, j], out[1, 0, j] = _dot(reach, held), _dot(reach, tip.pushed)
             for k in range(3):
-                edge = tip.turn[:, k]
-                out[0, k + 1, j] = joint.couple(_cross(edge, held))
-                out[1, k + 1, j] = _dot(reach, tip.swung(edge)) + joint.couple(_cross(edge, tip.pushed))
-        return out.transpose(0, 3, 1, 2)
+                out[0, k + 1, j] = joint.couple(couples[k][0])
+                out[1, k + 1, j] = _dot(reach, swung[k]) + joint.couple(couples[k][1])
+        return out
 
     def torque(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, moments: np.ndarray
     ) -> np.ndarray:
         """Return gravity and inertial torque (2, m, n) [N m] of loads `moments` (m, 4), mass [kg] and first moments
         [kg m] of each sample."""
+        out = np.empty((2, position.shape[1], len(position)))
+        for part in _blocks(len(position)):
+            out[..., part] = self._torque(position[part], velocity[part], acceleration[part], moments[part])
+        return out.transpose(0, 2, 1)
+
+    def _torque(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, moments: np.ndarray
+    ) -> np.ndarray:
         joints, tip = self._frames(position, velocity, acceleration)
         held = np.broadcast_to(-self._gravity, tip.place.shape)
         mass, centre = moments[:, 0], np.einsum("ikm,mk->im", tip.turn, moments[:, 1:])
@@ -65,7 +84,7 @@ class FlangeLoad:
             reach = joint.reach(tip.place)
             for k in range(2):
                 out[k, j] = _dot(reach, forces[k]) + joint.couple(couples[k])
-        return out.transpose(0, 2, 1)
+        return out
 
     def _frames(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
@@ -131,12 +150,25 @@ class _Joint:
         return _dot(self.way, couple) if self.turning else 0.0
 
 
+def _blocks(count: int) -> list[slice]:
+    return [slice(start, start + BLOCK) for start in range(0, count, BLOCK)]
+
+
 def _along(turn: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    return turn[:, 0] * vector[0] + turn[:, 1] * vector[1] + turn[:, 2] * vector[2]
+    out = turn[:, 0] * vector[0]
+    for k in (1, 2):
+        if vector[k]:
+            out += turn[:, k] * vector[k]
+    return out
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        np.multiply(a[i], b[j], out=out[k])
+        out[k] -= a[j] * b[i]
+    return out
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -146,6 +178,14 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _turned(turn: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Return rotations (3, 3, m) times a turn by angles (m,) about a fixed unit axis (Rodrigues)."""
     x, y, z = axis
+    if z == 1.0:
+        sine, rest = np.sin(angle), 1 - np.cos(angle)
+        out = turn.copy()
+        out[:, 0] += sine * turn[:, 1]
+        out[:, 0] -= rest * turn[:, 0]
+        out[:, 1] -= sine * turn[:, 0]
+        out[:, 1] -= rest * turn[:, 1]
+        return out
     skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     first = np.einsum("ijm,jk->ikm", turn, skew)
     second = np.einsum("ijm,jk->ikm", first, skew)
