@@ -63,19 +63,19 @@ def inflated(count: np.ndarray | float, memory: float) -> np.ndarray:
 def within_shifts(residual: np.ndarray, variance: np.ndarray, shift: np.ndarray) -> tuple[float, float]:
     """Return the extra variance of windows and their memory from residuals (w,), NaN where there is none."""
     inner, lags, powers = [], [], []
-    for s in np.unique(shift):
-        e = residual[(shift == s) & np.isfinite(residual)]
+    for rows in _by_shift(residual, shift):
+        e = residual[rows]
         if len(e) < 3:
             continue
-        e = (e - np.median(e)) * np.sqrt(len(e) / (len(e) - 1))
+        e = (e - _median(e)) * np.sqrt(len(e) / (len(e) - 1))
         inner.append(e)
-        size = 3 * max(1.4826 * float(np.median(np.abs(e))), 1e-9)
-        c = np.clip(e, -size, size)
+        size = 3 * max(1.4826 * _median(np.abs(e)), 1e-9)
+        c = np.minimum(np.maximum(e, -size), size)
         lags.append(float(c[1:] @ c[:-1]) / (len(e) - 1))
         powers.append(float(c @ c) / len(e))
     if not inner:
         return START.extra, START.memory
-    scatter = (1.4826 * float(np.median(np.abs(np.concatenate(inner))))) ** 2
+    scatter = (1.4826 * _median(np.abs(np.concatenate(inner)))) ** 2
     # The mean of a shift takes part of a slow variation with it; two windows' worth of correlation is given back.
     memory = sum(lags) / max(sum(powers), 1e-300) + 2.0 / max(np.mean([len(e) for e in inner]), 4.0)
     return max(scatter - float(np.nanmedian(variance)), 0.0), float(np.clip(memory, 0.0, _MOST_MEMORY))
@@ -86,15 +86,28 @@ def shift_means(
 ) -> ShiftMeans:
     """Return the means of left-out residuals (w,) by shift; `predicted` (w,) variance of the prediction."""
     means, variances = [], []
-    for s in np.unique(shift):
-        rows = (shift == s) & np.isfinite(residual)
-        if rows.sum() < 2:
+    for rows in _by_shift(residual, shift):
+        if len(rows) < 2:
             continue
         weight = 1.0 / variance[rows]
-        means.append(float(weight @ residual[rows] / weight.sum()))
-        own = float(inflated(rows.sum(), memory)) / weight.sum()
-        variances.append(own + float(weight @ predicted[rows] / weight.sum()))
+        total = weight.sum()
+        means.append(float(weight @ residual[rows] / total))
+        own = float(inflated(len(rows), memory)) / total
+        variances.append(own + float(weight @ predicted[rows] / total))
     return ShiftMeans(np.array(means), np.array(variances))
+
+
+def _by_shift(residual: np.ndarray, shift: np.ndarray) -> list[np.ndarray]:
+    """Return the windows of each shift that have a residual, shifts in order of their labels."""
+    rows = np.flatnonzero(np.isfinite(residual))
+    rows = rows[np.argsort(shift[rows], kind="stable")]
+    return np.split(rows, np.flatnonzero(np.diff(shift[rows])) + 1)
+
+
+def _median(values: np.ndarray) -> float:
+    """Return the median of finite values (k,); numpy's takes several times as long for a handful."""
+    ordered, middle = np.sort(values), len(values) // 2
+    return float(ordered[middle] if len(values) % 2 else (ordered[middle - 1] + ordered[middle]) / 2)
 
 
 def between_shifts(axes: Sequence[ShiftMeans]) -> list[tuple[float, float]]:

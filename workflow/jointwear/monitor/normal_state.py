@@ -100,7 +100,7 @@ def fit_normal_state(
         window_weight = (FREEDOM + 1) / (FREEDOM + inner**2 / variance)
         size = (pulled / total) ** 2 / (noise.between + 1 / total)
         shift_weight = (FREEDOM + 1) / (FREEDOM + size)
-    left_covariance = np.stack([_inverse(precision - g) for g in grams])
+    left_covariance = _inverse(precision - grams)
     left_mean = np.einsum("spq,sq->sp", left_covariance, information - moments)
     left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
     left_variance[used] = np.einsum("wp,wpq,wq->w", x, left_covariance[place], x)
@@ -151,6 +151,9 @@ def taught(posterior: Posterior, design: np.ndarray, value: np.ndarray, variance
 
 
 def _inverse(matrix: np.ndarray) -> np.ndarray:
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    inverse = np.linalg.inv(matrix * np.outer(scale, scale)) * np.outer(scale, scale)
-    return 0.5 * (inverse + inverse.T)
+    """Return the inverses of symmetric matrices (..., p, p)."""
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    scale = 1.0 / np.sqrt(np.maximum(diagonal, 1e-300))
+    outer = scale[..., :, None] * scale[..., None, :]
+    inverse = np.linalg.inv(matrix * outer) * outer
+    return 0.5 * (inverse + np.swapaxes(inverse, -1, -2))
