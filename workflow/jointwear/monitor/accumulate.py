@@ -88,12 +88,11 @@ def window_statistics(
     found = pulses(residual, model, used, stretch, settings.reach) if settings.reach else None
     time, position, velocity, torque, stretch = (x[kept] for x in (time, position, velocity, torque, stretch))
     used, m, n = used[kept].T, len(time), velocity.shape[1]
-    columns = np.empty((n, _P + 1, m))
+    columns = np.zeros((n, _P + 1, m))
     np.logical_and(used, velocity.T > 0, out=columns[:, 0], casting="unsafe")
     columns[:, 1] = columns[:, 0] - used
     for k, values in enumerate((velocity, model.gravity[kept], model.inertial[kept], residual[kept]), start=2):
-        columns[:, k] = values.T
-        columns[:, k][~used] = 0.0
+        np.copyto(columns[:, k], values.T, where=used)
     _clear_negligible(columns, settings.torque_reference)
     if flags is None:
         flags = np.zeros((m, n), dtype=np.int64)
@@ -137,7 +136,7 @@ def window_statistics(
 def _clear_negligible(columns: np.ndarray, reference: np.ndarray) -> None:
     """Set gravity and inertial torques that cannot matter to zero, sample by sample so that pieces add up."""
     parts = columns[:, 3:5]
-    parts[np.abs(parts) < NEGLIGIBLE * reference[:, None, None]] = 0.0
+    np.copyto(parts, 0.0, where=np.abs(parts) < NEGLIGIBLE * reference[:, None, None])
 
 
 def _add_regression(

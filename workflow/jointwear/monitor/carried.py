@@ -115,9 +115,10 @@ def with_loads(
     loaded = np.flatnonzero(moments.any(axis=1))
     if not len(loaded):
         return model, clear
-    parts = np.stack([model.total, model.gravity, model.inertial])
-    torque = torques.torque(loaded, moments[loaded])
-    parts[:, loaded] += np.stack([torque.sum(axis=0), *torque])
+    gravity, inertial = torques.torque(loaded, moments[loaded])
+    parts = [model.total.copy(), model.gravity.copy(), model.inertial.copy()]
+    for part, more in zip(parts, (gravity + inertial, gravity, inertial), strict=True):
+        part[loaded] += more
     return ModelTorque(*parts), clear
 
 

@@ -174,6 +174,11 @@ def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray, few
     """Return the axes (n,) whose torque keeps one value though they move both ways."""
     if len(torque) < fewest:
         return np.zeros(torque.shape[1], dtype=bool)
-    same = np.array([np.ptp(t[np.isfinite(t)]) == 0 if np.isfinite(t).any() else False for t in torque.T])
+    # One value throughout shows in the first samples already: mostly nothing is left to look at.
+    first = torque[:fewest]
+    same = ~(np.isfinite(first[0]) & np.isfinite(first) & (first != first[0])).any(axis=0)
+    for j in np.flatnonzero(same):
+        known = torque[np.isfinite(torque[:, j]), j]
+        same[j] = len(known) > 0 and np.ptp(known) == 0
     both = (velocity > dead_band).sum(axis=0), (velocity < -dead_band).sum(axis=0)
     return same & (np.minimum(*both) > 20)

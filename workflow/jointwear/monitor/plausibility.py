@@ -53,7 +53,7 @@ def check_first(
     if len(measured.time) < FEWEST:
         return [None] * robot.joints
     _check_units(measured, robot, name)
-    _check_velocity(chunk, unwrapped(chunk.position), stretch, name)
+    _check_velocity(chunk, stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
         check_readings(measured, robot, lambda samples: _as_discovery(samples, robot, name, samples), name)
@@ -97,7 +97,7 @@ class LaterCheck:
         if len(measured.time) < FEWEST:
             return False
         _check_units(measured, self._dynamics.robot, self._name)
-        _check_velocity(chunk, unwrapped(chunk.position), stretch, self._name)
+        _check_velocity(chunk, stretch, self._name)
         parts, usable = _thinned(measured)
         self._last = self._growth(parts, usable)
         plain = float(np.nansum(self._last))
@@ -123,7 +123,7 @@ class LaterCheck:
             yield float(np.nansum(np.where(np.isfinite(growth), growth, self._last))), reading
 
 
-def _check_velocity(chunk: Chunk, position: np.ndarray, stretch: np.ndarray, name: str) -> None:
+def _check_velocity(chunk: Chunk, stretch: np.ndarray, name: str) -> None:
     """Compare the path that a measured velocity adds up to with the change of position, over pieces of 0.2 s.
 
     Raises
@@ -138,6 +138,7 @@ def _check_velocity(chunk: Chunk, position: np.ndarray, stretch: np.ndarray, nam
     if usual > 0.1:
         return
     reach = max(1, round(0.2 / usual))
+    position = unwrapped(chunk.position)
     path = np.zeros(chunk.velocity.shape)
     mean = 0.5 * (chunk.velocity[1:] + chunk.velocity[:-1])
     path[1:] = np.cumsum(np.nan_to_num(mean) * np.where(whole, steps, 0.0)[:, None], axis=0)
