@@ -62,22 +62,23 @@ def inflated(count: np.ndarray | float, memory: float) -> np.ndarray:
 
 def within_shifts(residual: np.ndarray, variance: np.ndarray, shift: np.ndarray) -> tuple[float, float]:
     """Return the extra variance of windows and their memory from residuals (w,), NaN where there is none."""
-    inner, lags, powers = [], [], []
-    for rows in _by_shift(residual, shift):
-        e = residual[rows]
-        if len(e) < 3:
-            continue
-        e = (e - _median(e)) * np.sqrt(len(e) / (len(e) - 1))
-        inner.append(e)
-        size = 3 * max(1.4826 * _median(np.abs(e)), 1e-9)
-        c = np.minimum(np.maximum(e, -size), size)
-        lags.append(float(c[1:] @ c[:-1]) / (len(e) - 1))
-        powers.append(float(c @ c) / len(e))
-    if not inner:
+    rows, counts, place = _by_shift(residual, shift)
+    keep = counts[place] >= 3
+    rows, counts = rows[keep], counts[counts >= 3]
+    if not len(rows):
         return START.extra, START.memory
-    scatter = (1.4826 * _median(np.abs(np.concatenate(inner)))) ** 2
+    # One row for each shift, filled up with NaN.
+    own = np.arange(counts.max()) < counts[:, None]
+    e = np.full(own.shape, np.nan)
+    e[own] = residual[rows]
+    e = (e - _medians(e, counts)) * np.sqrt(counts / (counts - 1))[:, None]
+    size = 3 * np.maximum(1.4826 * _medians(np.abs(e), counts), 1e-9)
+    c = np.where(own, np.minimum(np.maximum(e, -size), size), 0.0)
+    lags = (c[:, 1:] * c[:, :-1]).sum(axis=1) / (counts - 1)
+    powers = (c * c).sum(axis=1) / counts
+    scatter = (1.4826 * float(np.median(np.abs(e[own])))) ** 2
     # The mean of a shift takes part of a slow variation with it; two windows' worth of correlation is given back.
-    memory = sum(lags) / max(sum(powers), 1e-300) + 2.0 / max(np.mean([len(e) for e in inner]), 4.0)
+    memory = lags.sum() / max(powers.sum(), 1e-300) + 2.0 / max(counts.mean(), 4.0)
     return max(scatter - float(np.nanmedian(variance)), 0.0), float(np.clip(memory, 0.0, _MOST_MEMORY))
 
 
@@ -85,29 +86,28 @@ def shift_means(
     residual: np.ndarray, predicted: np.ndarray, variance: np.ndarray, shift: np.ndarray, memory: float
 ) -> ShiftMeans:
     """Return the means of left-out residuals (w,) by shift; `predicted` (w,) variance of the prediction."""
-    means, variances = [], []
-    for rows in _by_shift(residual, shift):
-        if len(rows) < 2:
-            continue
-        weight = 1.0 / variance[rows]
-        total = weight.sum()
-        means.append(float(weight @ residual[rows] / total))
-        own = float(inflated(len(rows), memory)) / total
-        variances.append(own + float(weight @ predicted[rows] / total))
-    return ShiftMeans(np.array(means), np.array(variances))
+    rows, counts, place = _by_shift(residual, shift)
+    weight = 1.0 / variance[rows]
+    total, mean, told = (np.bincount(place, weight * x) for x in (1.0, residual[rows], predicted[rows]))
+    shown = counts >= 2
+    total, counts = total[shown], counts[shown]
+    return ShiftMeans(mean[shown] / total, (inflated(counts, memory) + told[shown]) / total)
 
 
-def _by_shift(residual: np.ndarray, shift: np.ndarray) -> list[np.ndarray]:
-    """Return the windows of each shift that have a residual, shifts in order of their labels."""
+def _by_shift(residual: np.ndarray, shift: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the windows (k,) that have a residual, shift after shift, how many each shift has (s,), and the place of
+    the shift of each window (k,) among them."""
     rows = np.flatnonzero(np.isfinite(residual))
     rows = rows[np.argsort(shift[rows], kind="stable")]
-    return np.split(rows, np.flatnonzero(np.diff(shift[rows])) + 1)
+    place = np.cumsum(np.diff(shift[rows], prepend=shift[rows[:1]]) != 0)
+    counts = np.bincount(place) if len(rows) else np.zeros(0, dtype=int)
+    return rows, counts, place
 
 
-def _median(values: np.ndarray) -> float:
-    """Return the median of finite values (k,); numpy's takes several times as long for a handful."""
-    ordered, middle = np.sort(values), len(values) // 2
-    return float(ordered[middle] if len(values) % 2 else (ordered[middle - 1] + ordered[middle]) / 2)
+def _medians(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Return the medians (s, 1) of the first `counts` (s,) values of rows that NaN fill up, (s, k)."""
+    ordered, row = np.sort(values, axis=1), np.arange(len(values))
+    return (0.5 * (ordered[row, (counts - 1) // 2] + ordered[row, counts // 2]))[:, None]
 
 
 def between_shifts(axes: Sequence[ShiftMeans]) -> list[tuple[float, float]]:

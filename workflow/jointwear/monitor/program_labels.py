@@ -14,7 +14,11 @@ PART = 0.1
 
 def label_text(program: np.ndarray) -> str:
     """Return the samples of each label of `program` (m,) as text; samples without a label are not counted."""
-    names, counts = np.unique(np.asarray(program, dtype=str), return_counts=True)
+    labels = np.asarray(program, dtype=str)
+    if len(labels) and (labels == labels[0]).all():
+        # As in most windows; sorting texts takes long.
+        return _text({str(labels[0]): len(labels)} if labels[0] else {})
+    names, counts = np.unique(labels, return_counts=True)
     return _text({str(k): int(c) for k, c in zip(names, counts, strict=True) if k})
 
 
