@@ -86,10 +86,8 @@ def fit_normal_state(
         weighted = weight[:, None] * x
         total, wx, wy = sums(weight), sums(weighted), sums(weight * y)
         share = between / (1 + between * total)
-        grams = sums(weighted[:, :, None] * x[:, None, :]) - share[:, None, None] * wx[:, :, None] * wx[:, None, :]
-        moments = sums(weighted * y[:, None]) - (share * wy)[:, None] * wx
-        precision = precision0 + grams.sum(axis=0)
-        information = precision0 @ prior.mean + moments.sum(axis=0)
+        precision = precision0 + weighted.T @ x - (share[:, None] * wx).T @ wx
+        information = precision0 @ prior.mean + weighted.T @ y - (share * wy) @ wx
         covariance = _inverse(precision)
         mean = covariance @ information
         if turn == ROUNDS - 1:
@@ -100,10 +98,13 @@ def fit_normal_state(
         window_weight = (FREEDOM + 1) / (FREEDOM + inner**2 / variance)
         size = (pulled / total) ** 2 / (noise.between + 1 / total)
         shift_weight = (FREEDOM + 1) / (FREEDOM + size)
+    # What each shift told, to be taken away from the whole.
+    grams = sums(weighted[:, :, None] * x[:, None, :]) - share[:, None, None] * wx[:, :, None] * wx[:, None, :]
+    moments = sums(weighted * y[:, None]) - (share * wy)[:, None] * wx
     left_covariance = _inverse(precision - grams)
     left_mean = np.einsum("spq,sq->sp", left_covariance, information - moments)
     left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
-    left_variance[used] = np.einsum("wp,wpq,wq->w", x, left_covariance[place], x)
+    left_variance[used] = ((x[:, None] @ left_covariance[place])[:, 0] * x).sum(axis=1)
     return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
 
 
