@@ -1,5 +1,5 @@
-# Everything that the shipped data allow, with its page; the two studies of an hour stay targets of their own
-# (challenge_full, recover_validation), so do recover_jointly and compare_experiments, and verify needs a crate.
+# Everything that the shipped data allow, with its page; the studies of an hour stay targets of their own
+# (challenge_full, recover_validation, recover_jointly, compare_experiments, shop_floor), and verify needs a crate.
 rule everything:
     input:
         rules.recover.input,
