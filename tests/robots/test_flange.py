@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.flange import FlangeLoad
+from jointwear.robots.flange import BLOCK, FlangeLoad
 from jointwear.robots.robot import Link, load_robot
 
 ROBOT = load_robot(Path(__file__).parents[2] / "config/robots/puma560.yaml")
@@ -41,3 +41,11 @@ def test_unit_loads_are_the_linear_part_of_a_payload(seed, mass, centre):
     assert first == pytest.approx((there - opposite) / 2, abs=1e-8 * size)
     moments = np.tile([mass, *(mass * centre)], (20, 1))
     assert flange.torque(*motion, moments) == pytest.approx(np.einsum("smkn,mk->smn", unit, moments), abs=1e-8 * size)
+
+
+def test_a_long_motion_is_the_sum_of_its_pieces():
+    random = np.random.default_rng(3)
+    motion, moments = random.normal(size=(3, BLOCK + 7, 6)), random.normal(size=(BLOCK + 7, 4))
+    flange, end = FlangeLoad(ROBOT), slice(BLOCK - 2, None)
+    assert np.array_equal(flange.unit(*motion)[:, end], flange.unit(*motion[:, end]))
+    assert np.array_equal(flange.torque(*motion, moments)[:, end], flange.torque(*motion[:, end], moments[end]))
