@@ -51,7 +51,7 @@ def summarise(
         "aims": aims(scores),
         "curves": [{"rate": rate, **curve([f for f in facts if f["rate"] == rate])} for rate in rates],
         "refused": sum(bool(f["refused"]) for f in facts if f["rate"] == rates[0]),
-        "before": read_json(before),
+        "before": read_json(before, list),
         "grid": _grid({task: read_json(path) for task, path in grid.items()}),
     }
     write_json(output, chapter)
