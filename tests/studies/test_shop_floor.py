@@ -12,6 +12,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.measurement.formats import layout_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
@@ -35,6 +36,7 @@ from jointwear.studies.shop_floor.scores import detection, false_alarms, forecas
 from jointwear.studies.shop_floor.sensing import START
 
 HOUR = 3600.0
+BEFORE = Path(__file__).resolve().parents[2] / "data/studies/shop_floor/before.json"
 
 
 def few_hours(cell, count):
@@ -287,6 +289,21 @@ def test_chapter_and_figures_are_made_of_outcomes(worn, tmp_path):
     page = (tmp_path / "index.html").read_text()
     assert page.count("<svg") == 2
     assert "None" not in page
+
+
+def test_outcomes_of_batches_and_the_shipped_scores_of_before_make_a_chapter(worn, tmp_path):
+    facts = [
+        outcome_of(worn, [record(200, 2), record(400, 4, 100, 140, 200)]) | {"refused": "", "rate": rate}
+        for rate in (0.3, 1.0, 3.0)
+    ]
+    batch, grid, output = tmp_path / "003.json", tmp_path / "T1.json", tmp_path / "chapter.json"
+    write_json(batch, {"facts": facts})
+    cell = {"axis": 1, "increase": 10.0, "moves": True, "runs": 2, "detected": 1, "named": 1, "hour": 60.0}
+    write_json(grid, {"cells": [cell], "false": 1, "hours": 500, "rate": 0.3, "replicates": 1})
+    stages.summarise([batch], BEFORE, {"T1": grid}, output)
+    chapter = read_json(output)
+    assert [r["rate"] for r in chapter["rates"]] == [0.3, 1.0, 3.0]
+    assert chapter["before"][0]["false"]["count"] > 0
 
 
 def test_aims_are_held_to_the_intervals(worn):
