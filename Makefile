@@ -110,7 +110,7 @@ test-publish: $(CHECK)  ## Test crate, CF conventions, site, citation and the Ku
 
 .PHONY: test-hostile
 test-hostile: $(TEST)  ## Feed some 4,000 broken inputs to every reader (at most 15 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m hostile
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile -m hostile
 
 .PHONY: test-slurm
 test-slurm: $(TEST) $(CLUSTER)  ## Run the tiny reproduction on a real Slurm (Debian: slurm-wlm munge)
