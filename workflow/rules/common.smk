@@ -28,6 +28,10 @@ from jointwear.running.stale_lock import clear_stale_lock, note_run
 lend_to_children()
 if workflow.is_main_process and clear_stale_lock(Path.cwd()):
     print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
+if workflow.local_exec:
+    # Under a rate limit every finished job makes Snakemake look at all ready jobs once a second more, on a core that
+    # jobs could use. There is no queue to protect here.
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 
 
 BEGIN = time.time()
