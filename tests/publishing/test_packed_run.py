@@ -71,6 +71,7 @@ def test_a_whole_crate_of_this_workflow_is_trusted(crate, own):
         (lambda c: listing(c, lambda d: d.update(wanted=[])), "lists no results"),
         (lambda c: listing(c, lambda d: d.update(wanted=5)), "must be a list"),
         (lambda c: listing(c, lambda d: d.pop("seed")), "'seed' is missing"),
+        (lambda c: listing(c, lambda d: d.update(wanted=d["wanted"] * 50_000)), "'wanted' names a file twice"),
         (lambda c: listing(c, lambda d: d["wanted"].append("--snakefile=/tmp/x")), "no file below results"),
         (lambda c: listing(c, lambda d: d["wanted"].append("results/../Snakefile")), "no file below results"),
         (lambda c: listing(c, lambda d: d["wanted"].append("/etc/passwd")), "no file below results"),
@@ -150,6 +151,7 @@ def packed(crate, path, *more, method=zipfile.ZIP_DEFLATED):
     ("name", "words"),
     [
         ("crate/results/tables/table_v.csv", "table_v.csv' twice"),
+        ("", "without a name"),
         ("../outside.txt", "lies outside"),
         ("crate/../../outside.txt", "lies outside"),
         ("/tmp/outside.txt", "lies outside"),

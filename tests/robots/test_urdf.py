@@ -131,6 +131,13 @@ def test_a_chain_that_would_end_the_process_is_refused(tmp_path):
         read_robot_file(write(tmp_path, [*ARM, *welded, *welds]))
 
 
+def test_more_joints_than_a_configuration_can_name_are_refused(tmp_path):
+    links = [link(f"l{i}") for i in range(70)]
+    joints = [joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}") for i in range(70)]
+    with pytest.raises(InputError, match=r"70 moving joints .*at most 64"):
+        read_robot_file(write(tmp_path, [ARM[0], *links, *joints]))
+
+
 def test_a_circle_behind_the_base_ends(tmp_path):
     circle = [link("a"), link("b"), joint("one", "a", "b"), joint("two", "b", "a")]
     with pytest.raises(InputError, match="joint 'one' is not reached from the base 'base'"):

@@ -25,6 +25,8 @@ DEEPEST = 50
 #: Most links, and most attributes of an element: the parser behind Pinocchio calls itself at each link behind another,
 #: and compares each attribute with all others. A humanoid has a hundred links, an element six attributes.
 MOST_LINKS, MOST_ATTRIBUTES = 1000, 100
+#: Most moving joints, as many as a configuration can name axes; Pinocchio's memory grows with their cube.
+MOST_JOINTS = 64
 #: Encodings in which a digit is the byte that the parser behind Pinocchio takes it for, whatever the file declares.
 ENCODINGS = ("utf-8", "us-ascii", "ascii", "iso-8859-1", "iso-8859-15", "windows-1252")
 _DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([^"']*)""")
@@ -92,6 +94,8 @@ def read_urdf_joints(path: Path, check_inertia: bool = True) -> list[dict[str, A
         _check_mass(path, name, element)
     joints = read_joints(path, root, links)
     chain = chain_of(path, links, joints)
+    if len(chain) > MOST_JOINTS:
+        raise InputError(f"{path}: has {len(chain)} moving joints (allowed: at most {MOST_JOINTS})")
     if check_inertia:
         # What does not move has no part in the torques.
         still = welded(chain[0].parent, joints)

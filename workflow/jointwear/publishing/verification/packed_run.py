@@ -100,6 +100,8 @@ def _check_size(file: zipfile.ZipFile, folder: str, crate: str | Path) -> None:
     seen: set[str] = set()
     for entry in entries:
         name = entry.filename
+        if not name.strip("/"):
+            raise InputError(f"config: 'crate' is {crate}: holds a file without a name")
         if name in seen:
             raise InputError(f"config: 'crate' is {crate}: holds {shown(name)} twice")
         seen.add(name)
@@ -140,6 +142,8 @@ def listing(crate: Path) -> dict[str, Any]:
     results, wanted = found["results"], found["wanted"]
     if not results or not wanted:
         raise InputError(f"{path}: lists no results; there is nothing to verify")
+    if len(set(wanted)) < len(wanted):
+        raise InputError(f"{path}: 'wanted' names a file twice")
     for name in (*results, *wanted):
         parts = PurePosixPath(name).parts
         if name != str(PurePosixPath(*parts)) or len(parts) < 2 or parts[0] != "results" or ".." in parts:
