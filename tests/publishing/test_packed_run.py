@@ -152,6 +152,8 @@ def packed(crate, path, *more, method=zipfile.ZIP_DEFLATED):
     [
         ("crate/results/tables/table_v.csv", "table_v.csv' twice"),
         ("", "without a name"),
+        ("ro-crate-metadata.json", "in 2 places"),
+        ("other/ro-crate-metadata.json", "in 2 places"),
         ("../outside.txt", "lies outside"),
         ("crate/../../outside.txt", "lies outside"),
         ("/tmp/outside.txt", "lies outside"),

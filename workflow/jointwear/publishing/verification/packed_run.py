@@ -126,6 +126,8 @@ def _top(folder: Path, crate: str | Path) -> Path:
     found = sorted([*folder.glob(METADATA), *folder.glob(f"*/{METADATA}")])
     if not found or not (found[0].parent / FILES).is_file():
         raise InputError(f"config: 'crate' is {crate}: holds no {METADATA} with {FILES}; it is no crate of jointwear")
+    if len(found) > 1:
+        raise InputError(f"config: 'crate' is {crate}: holds {METADATA} in {len(found)} places; hand over one crate")
     return found[0].parent
 
 
