@@ -158,6 +158,8 @@ def packed(crate, path, *more, method=zipfile.ZIP_DEFLATED):
         ("crate/../../outside.txt", "lies outside"),
         ("/tmp/outside.txt", "lies outside"),
         ("..\\outside.txt", "lies outside"),
+        ("C:\\outside.txt", "lies outside"),
+        ("C:/outside.txt", "lies outside"),
         ("crate/" + "d/" * 1900 + "x", "50 folders deep"),
     ],
 )

@@ -10,7 +10,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
 from jointwear.files.documents import check
@@ -105,7 +105,8 @@ def _check_size(file: zipfile.ZipFile, folder: str, crate: str | Path) -> None:
         if name in seen:
             raise InputError(f"config: 'crate' is {crate}: holds {shown(name)} twice")
         seen.add(name)
-        if name.startswith(("/", "\\")) or ".." in PurePosixPath(name.replace("\\", "/")).parts:
+        plain = PureWindowsPath(name)  # knows the separators and drives of all systems
+        if plain.anchor or ".." in plain.parts:
             raise InputError(f"config: 'crate' is {crate}: names {shown(name)}, which lies outside of it")
         if name.count("/") > DEEPEST:
             raise InputError(f"config: 'crate' is {crate}: {shown(name)} lies more than {DEEPEST} folders deep")
