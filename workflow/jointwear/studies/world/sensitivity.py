@@ -1,7 +1,7 @@
 """What 30 % more or less of every limit of discovery does: python -m jointwear.studies.world.sensitivity --cases 24.
 
-The noise and the dictionary of a case do not depend on the limits: they are made once, and only the decision is taken
-again. Verdicts are judged by their names; what the written model predicts is not asked.
+The noise of a case does not depend on the limits, and the dictionary on the widths of priors only: they are made once,
+and only the decision is taken again. Verdicts are judged by their names; what the written model predicts is not asked.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from jointwear.discovery.candidates import LINK_MASS, build_dictionary
+from jointwear.discovery.candidates import LINK_MASS, Dictionary, build_dictionary
 from jointwear.discovery.decide import decide
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import build_problem
@@ -24,7 +24,7 @@ from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import REPORTED, USERS, Settings
 from jointwear.discovery.whitening import White, whiten
 from jointwear.files.errors import InputError
-from jointwear.files.json_documents import write_json
+from jointwear.files.json_documents import read_json, write_json
 from jointwear.measurement.recording import split
 from jointwear.studies.challenge.judge import judge
 from jointwear.studies.challenge.solve import with_words
@@ -38,6 +38,8 @@ from jointwear.studies.world.stages import sources_digest
 FACTORS = (0.7, 1.3)
 #: Kind of case -> field of a judged row that says whether the answer is right.
 RIGHT = {"single": "exact_set", "two": "two_exact", "nothing": "no_name", "outside": "unknown_only"}
+#: Limits that are in the columns of the problem and of the dictionary.
+PRIORS = ("usual",)
 #: Limits that these cases do not ask: of the written model, after the names, and of groups of recordings.
 NOT_ASKED = ("not_worse", "weak_nats")
 
@@ -113,18 +115,29 @@ def answers(case: Case, wanted: Mapping[tuple[str, float], Settings]) -> dict[st
         base = Settings(inertial_prior=INERTIAL_PRIOR)
         problem = build_problem(split(with_words(world.recording, world.told)), world.robot, base)
         white = whiten(problem, estimate_noise(problem))
-        dictionary = build_dictionary(white)
-        plain = decide(white, dictionary)
-        found = {" 1": judged(world, plain)}
-        for (name, factor), settings in wanted.items():
-            key = f"{name} {factor:g}"
-            if can_matter(plain, name, factor, base):
-                moved: White = replace(white, problem=replace(problem, settings=settings))
-                found[key] = judged(world, decide(moved, dictionary))
-            else:
-                found[key] = found[" 1"]
-        kind = world.facts["kind"]
-        return {"case": case.name, "kind": kind, "identifiable": _identifiable(world), "found": found}
+        return decisions(world, white, build_dictionary(white), wanted)
+
+
+def decisions(
+    world: WorldCase, white: White, dictionary: Dictionary, wanted: Mapping[tuple[str, float], Settings]
+) -> dict[str, Any]:
+    """Return what :func:`answers` does, of a case whose noise and dictionary are at hand."""
+    base = white.problem.settings
+    plain = decide(white, dictionary)
+    found = {" 1": judged(world, plain)}
+    for (name, factor), settings in wanted.items():
+        key = f"{name} {factor:g}"
+        if can_matter(plain, name, factor, base):
+            moved: White = replace(white, problem=replace(white.problem, settings=settings))
+            again = dictionary
+            if name in PRIORS:
+                moved = whiten(moved.problem, white.whiteners)
+                again = build_dictionary(moved)
+            found[key] = judged(world, decide(moved, again))
+        else:
+            found[key] = found[" 1"]
+    kind = world.facts["kind"]
+    return {"case": world.facts["case"], "kind": kind, "identifiable": _identifiable(world), "found": found}
 
 
 def _identifiable(world: WorldCase) -> bool:
@@ -209,8 +222,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--skip", type=int, default=0, help="leave out the first so many")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--save", type=Path, help="write the table as JSON")
+    parser.add_argument("--rows", type=Path, help="write the answers as JSON, to be put together later")
+    parser.add_argument("--of", type=Path, nargs="+", help="make the table of kept answers, no case is run")
     given = parser.parse_args(arguments)
-    chosen = cases("choose")[given.skip : given.skip + given.cases]
+    chosen = [] if given.of else cases("choose")[given.skip : given.skip + given.cases]
+    kept = [row for path in given.of or [] for row in read_json(path)["answers"]]
     one = partial(answers, wanted=variants(Settings(inertial_prior=INERTIAL_PRIOR)))
     try:
         if given.jobs > 1:
@@ -222,7 +238,9 @@ def main(arguments: list[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return 1
     command = f"python -m jointwear.studies.world.sensitivity --cases {given.cases} --skip {given.skip}"
-    stored = summary(rows, command)
+    if given.rows:
+        write_json(given.rows, {"answers": rows})
+    stored = summary([*kept, *rows], command)
     print(*lines(stored), sep="\n")
     if given.save:
         write_json(given.save, stored)
