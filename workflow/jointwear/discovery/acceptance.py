@@ -17,9 +17,6 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
-#: Steps tried within each record [s apart].
-STEP_EVERY = 0.5
-
 
 def follows_time(candidate: Candidate) -> bool:
     """Return whether an effect changes with time."""
@@ -93,9 +90,9 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
         gates.append(("its parameters within their bounds", float(within_bounds(white, before, trial)), 1.0))
-    wide = [replace(t, std=3.0 * t.std) if t.label == "inertial" else t for t in white.base]
+    wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == "inertial" else t for t in white.base]
     b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
-    gates.append(("nats with inertial parameters known three times less", gain(b, gram, trial.term.std), half))
+    gates.append(("nats with inertial parameters known less", gain(b, gram, trial.term.std), half))
     return failed + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
 
 
@@ -140,7 +137,7 @@ def _step_lead(white: White, before: list[Term], trial: Named) -> float:
     steps = []
     for one in np.unique(label):
         inside = time[label == one]
-        steps.extend(np.arange(inside.min() + 1.0, inside.max() - 1.0, STEP_EVERY))
+        steps.extend(np.arange(inside.min() + 1.0, inside.max() - 1.0, white.problem.settings.block))
     if not steps:
         return -np.inf
     columns = carrier[:, None] * (time[:, None] > np.array(steps))

@@ -8,6 +8,7 @@ they cannot take a part of an effect; where all its numbers are somewhat wrong e
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,8 @@ DRIVE_ERRORS = (1e-6, 0.01, 0.03, 0.1, 0.3, np.inf)
 INERTIAL_ERRORS = (1e-5, 0.3, 1.0)
 #: How many numbers may be set free one by one: a bound on time, each has to be worth it.
 MOST_FREE = 6
+#: Width of the prior of a number that is left as it is, and halvings of an interval of widths: of rounding only.
+NOTHING, HALVINGS = 1e-12, 40
 
 
 def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
@@ -87,22 +90,37 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
                 std, value, theta, factor = trial, got, theta_free, factor_free
             if value > best[0]:
                 best = (value, std, error)
-    std = best[1]
-    chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False)]
-    # A number that would have to be negative is not what is wrong: it stays as it is.
+    std = best[1].copy()
+    sign = np.array([-1.0 if k == 1 else 1.0 for _, k in places])
+    # A number that would have to be negative goes to zero if the data ask for that, else it is not what is wrong.
     for _ in range(4):
-        fit = Fit(white.targets, [*chosen, *extra])
-        gone = set()
-        for term, where in zip(chosen, fit.slices, strict=False):
-            if term.drive:
-                axis, k = term.drive
-                value = fit.theta[where][0]
-                if nominal[axis, k] + (value if k != 1 else -value) < 0:
-                    gone.add(term.drive)
-        if not gone:
+        theta = weigh(std)[1]
+        negative = np.flatnonzero((sign * theta[drives] < -1.001 * size) & (std[drives] > NOTHING))
+        if not len(negative):
             break
-        chosen = [t for t in chosen if t.drive not in gone]
+        for k in negative:
+            held, without = std.copy(), std.copy()
+            held[drives[k]] = _to_zero(weigh, std, drives[k], size[k])
+            without[drives[k]] = NOTHING
+            std = held if size[k] > 0 and weigh(held)[0] > weigh(without)[0] + needed else without
+    theta = weigh(std)[1]
+    std[drives[sign * theta[drives] < -1.01 * size]] = NOTHING
+    gone = {place for place, w in places.items() if std[w.start] <= NOTHING}
+    chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False) if t.drive not in gone]
     return chosen, best[2]
+
+
+def _to_zero(weigh: Callable, std: np.ndarray, place: int, size: float) -> float:
+    """Return the width of the prior of one number under which its correction is no larger than the number."""
+    low, high = np.log(NOTHING), np.log(std[place])
+    for _ in range(HALVINGS):
+        trial = std.copy()
+        trial[place] = np.exp(0.5 * (low + high))
+        if abs(weigh(trial)[1][place]) > size:
+            high = np.log(trial[place])
+        else:
+            low = np.log(trial[place])
+    return float(np.exp(low))
 
 
 def pinned(white: White, base: list[Term], axis: int, error: float) -> list[Term]:

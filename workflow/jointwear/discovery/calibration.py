@@ -12,6 +12,9 @@ from jointwear.files.json_documents import read_json
 
 #: The fit with its source, written by `python -m jointwear.studies.world.calibration --store`.
 FILE = Path(__file__).with_name("calibration.json")
+#: Evidence counts for less the more of it there is, because no form is exact: a coarsened posterior (Miller and
+#: Dunson 2019), in which so many nats make up one. A part of the features that the fit was made with.
+COARSE = 0.005
 #: What the probability depends on.
 FEATURES = ("one", "asinh of the log odds", "share of what the axis lacks", "structure is left on the axis")
 

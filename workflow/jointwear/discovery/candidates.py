@@ -68,14 +68,14 @@ def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
 
 
 def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.ndarray:
-    """Return prior standard deviations (k,) at which each column is worth 30 % of the friction of the axis.
+    """Return prior standard deviations (k,): each column is worth the `usual` share of the friction of its axis.
 
     An effect may say that some of its coefficients are usually larger.
     """
     axis, widths = candidate.axis, get_effect(candidate.effect).widths
     used = white.problem.usable[:, axis]
     size = np.sqrt(np.mean(columns[used] ** 2, axis=0))
-    std = 0.3 * white.problem.scale[axis] / np.maximum(size, 1e-12)
+    std = white.problem.settings.usual * white.problem.scale[axis] / np.maximum(size, 1e-12)
     return std * np.array(widths) if len(widths) == len(std) else std
 
 
@@ -260,7 +260,7 @@ def companion(white: White, form: Form, size: float) -> Term:
 
     Parameters
     ----------
-    size : RMS torque of the effect [N m]; the columns may each be worth 30 % of it.
+    size : RMS torque of the effect [N m]; the columns may each be worth its `usual` share.
     """
     axis = form.candidate.axis
     columns = form.columns(white.state_of(get_effect(form.candidate.effect), axis))
@@ -268,7 +268,7 @@ def companion(white: White, form: Form, size: float) -> Term:
     # Hats are narrow: their height, not their RMS, is bounded by the size of the effect.
     scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
     height = np.sqrt(np.mean(columns[used] ** 4, axis=0) / np.maximum(scale**2, 1e-300))
-    std = np.where(scale > 1e-12, 0.3 * size / np.maximum(height, 1e-12), 1e-9)
+    std = np.where(scale > 1e-12, white.problem.settings.usual * size / np.maximum(height, 1e-12), 1e-9)
     return Term(
         f"form of {form.candidate.effect}",
         {axis: white.columns(axis, columns)},

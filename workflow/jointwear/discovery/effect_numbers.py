@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import Candidate, Form, raw_columns
+from jointwear.discovery.candidates import Candidate, Form, prior_std, raw_columns
+from jointwear.discovery.linear import Fit
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.peak_torque import DRAWS, draw_torque, form_error, height, spread
+from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height, spread
 from jointwear.discovery.refine import free_parameters
 from jointwear.discovery.whitening import White
 from jointwear.effects import State, get_effect
@@ -69,7 +70,31 @@ def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.nd
     return full
 
 
-def _form_std(white: White, candidate: Candidate, parameters: dict[str, float], name: str, linear: set[str]) -> float:
+def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
+    """Return the relative error of the columns of an effect because they are made of the torque of the given links.
+
+    It is the size of what the fit corrects of the links, over the load; 0 for columns that do not follow the load.
+    """
+    effect, problem = get_effect(candidate.effect), white.problem
+    where = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == "inertial"), None)
+    if where is None:
+        return 0.0
+    state = problem.train_state
+    axis = problem.judged if candidate.axis is None else candidate.axis
+    if candidate.axis is not None:
+        more = replace(state, load=1.01 * state.load, torque=1.01 * state.torque)
+        columns = effect.columns(state, axis, candidate.source, candidate.nonlinear)
+        if np.allclose(effect.columns(more, axis, candidate.source, candidate.nonlinear), columns, rtol=1e-6):
+            return 0.0
+    elif "gravity" not in effect.needs:
+        return 0.0
+    correction = problem.inertial[problem.train] @ (white.directions @ fit.theta[where])
+    return float(np.sqrt(np.mean(correction[:, axis] ** 2) / max(float(np.mean(state.load[:, axis] ** 2)), 1e-300)))
+
+
+def _form_std(
+    white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], name: str, linear: set[str]
+) -> float:
     """Return the standard deviation of a parameter beside that of the fit: no form and no filter is known exactly.
 
     Parameters of one unit are parts of one thing (a tilt about two lines, a moment), as large as all of them.
@@ -77,13 +102,37 @@ def _form_std(white: White, candidate: Candidate, parameters: dict[str, float], 
     effect, problem = get_effect(candidate.effect), white.problem
     units = {p.name: p.unit for p in effect.parameters}
     size = np.sqrt(sum(parameters[other] ** 2 for other in linear if units[other] == units[name]))
-    share = problem.settings.parameter_error
+    share = np.hypot(problem.settings.parameter_error, _links_error(white, fit, candidate))
     if effect.waves is not None:
         waves = effect.waves(problem.train_state, candidate.axis, candidate.nonlinear)
         passed = problem.train_state.passed(candidate.axis, waves) * np.ones(len(problem.train_state.time))
         passed = passed[problem.usable[:, candidate.axis]]
         share = np.hypot(share, problem.settings.filter_error * (1 - np.sqrt(np.mean(passed**2))))
     return float(share * size)
+
+
+def _followed(
+    white: White, fit: Fit, candidate: Candidate, spreads: dict[str, float], names: set[str]
+) -> dict[str, float]:
+    """Return the standard deviation of each linear parameter because the nonlinear ones are fitted too.
+
+    A coefficient follows an exponent or a place on which the columns depend: what holds for the best values of these
+    alone is too narrow.
+    """
+    square = dict.fromkeys(names, 0.0)
+    effect = get_effect(candidate.effect)
+    for p in free_parameters(candidate):
+        ends = []
+        for sign in (1, -1):
+            value = float(np.clip(candidate.nonlinear[p.name] * np.exp(sign * spreads[p.name]), p.lower, p.upper))
+            moved = replace(candidate, nonlinear={**candidate.nonlinear, p.name: value})
+            columns = raw_columns(white, moved)
+            b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+            mean = np.linalg.solve(gram + np.diag(prior_std(white, moved, columns) ** -2.0), b)
+            ends.append(effect.parameters_of(moved.nonlinear, mean))
+        for name in names:
+            square[name] += (0.5 * (ends[0][name] - ends[1][name])) ** 2
+    return {name: float(np.sqrt(s)) for name, s in square.items()}
 
 
 def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
@@ -116,9 +165,13 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
         linear = {scaled}
     for name in linear & set(parameters):
         std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
-    std = {name: float(np.hypot(s, _form_std(white, candidate, parameters, name, set(std)))) for name, s in std.items()}
+    form_std = {name: _form_std(white, fit, candidate, parameters, name, set(std)) for name in std}
+    std = {name: float(np.hypot(s, form_std[name])) for name, s in std.items()}
     rest = white.fit(others)
     spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
+    if not scaled:
+        followed = _followed(white, Fit(white.targets, [*base, *others]), candidate, spreads, set(std))
+        std = {name: float(np.hypot(s, followed[name])) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
@@ -143,6 +196,6 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
             slowest = problem.settings.judged_speed * rng.uniform(1.0, NOT_BESIDE, DRAWS)
             sampled = np.where(speed[:, None] >= slowest, sampled, 0.0)
         sampled = sampled.max(axis=0, initial=0.0)
-    sampled = sampled * (1 + form_error(effect) * rng.standard_normal(DRAWS))
+    sampled = sampled * draw_form_errors(effect, problem.settings, rng)
     low, high = np.quantile(sampled, [0.025, 0.975])
     return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))

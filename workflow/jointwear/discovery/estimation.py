@@ -7,29 +7,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.discovery.acceptance import stiff
-from jointwear.discovery.base import likely_base, pinned
+from jointwear.discovery.base import likely_base
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
     Form,
     companion,
     form_of,
-    prior_std,
     raw_columns,
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import Step, left_out_ratio, put_back
+from jointwear.discovery.fallback import EVERYTHING, Step, left_out_ratio, put_back
 from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome
-from jointwear.discovery.refine import evidence_at, refine, simplest
+from jointwear.discovery.references import effect_term, reference_of, with_references
+from jointwear.discovery.refine import refine, simplest
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 from jointwear.robots.inertia import mass_direction
 
-#: Bends of a form are kept where records left out gain at least this much from them [nats].
-KEEP_FORM = 3.0
+#: First word of a step that gives up an effect.
+WITHOUT = "without"
 #: Up to this relative error of the numbers of the drives they are taken as right.
 RIGHT_NUMBERS = 0.03
 
@@ -40,10 +41,12 @@ class Final:
 
     `delta_friction` (n, 4) and `delta_inertial` (10 n,) are added to the nominal parameters of the augmented model;
     `retuned_friction`, `retuned_inertial` those of retuning alone. `unwritten` are effects that are named and that the
-    augmented model does without.
+    augmented model does without. `white` is the problem with the weight of each axis divided by its `misfit` (n,).
     """
 
     outcome: Outcome
+    white: White
+    misfit: np.ndarray
     fit: Fit
     estimates: tuple[Estimate, ...]
     delta_friction: np.ndarray
@@ -72,35 +75,61 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         others = [t for _, _, t in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
         fit = white.fit(others)
         candidate = simplest(white, fit, refine(white, fit, one.candidate))
-        refined.append((one, candidate, _term(white, candidate, one.term)))
+        refined.append((one, candidate, effect_term(white, candidate, one.term)))
     forms: list[tuple[Form, Term] | None] = []
     for i, (one, candidate, term) in enumerate(refined):
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
         forms.append(_form_if_kept(white, one, candidate, term, others))
-    base, refined = _whole_model(white, refined, forms, mass_terms)
-    terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
-    base = [t for t in base if t.label not in without]
-    kept, fallbacks = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented")
-    left = {id(t) for t in kept}
-    unwritten = _named_all_the_same(outcome, base, refined, forms, masses, left)
-    forms = [f for f, (_, _, t) in zip(forms, refined, strict=True) if id(t) in left]
-    refined = [r for r in refined if id(r[2]) in left]
+    found = [t for _, _, t in refined] + [f[1] for f in forms if f is not None]
+    misfit = misfit_of(white, white.fit([*found, *mass_terms]))
+    unwritten: tuple[Estimate, ...] = ()
+    fallbacks: tuple[FallBack, ...] = ()
+    while True:
+        base, refined = _whole_model(white, refined, forms, mass_terms)
+        terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
+        base = [t for t in base if t.label not in without]
+        kept, given_up = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented")
+        left = {id(t) for t in kept}
+        everything = all(id(t) in left for _, _, t in refined)
+        if not everything:
+            unwritten += _named_all_the_same(outcome, misfit, base, refined, forms, masses, left)
+            # Parameters of the drives were held where the effect made corrections needless: they are asked again.
+            given_up = _of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
+        fallbacks += given_up
+        forms = [f for f, (_, _, t) in zip(forms, refined, strict=True) if id(t) in left]
+        refined = [r for r in refined if id(r[2]) in left]
+        if everything:
+            break
     base = [t for t in base if id(t) in left]
-    final = _fitted(outcome, base, refined, forms, masses)
+    final = _fitted(outcome, misfit, base, refined, forms, masses)
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
-    alone, given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned")
+    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned")
     friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
     return replace(
         final,
         retuned_friction=friction,
         retuned_inertial=inertial,
-        fallbacks=fallbacks + given_up,
+        fallbacks=fallbacks + retuned_given_up,
         unwritten=unwritten,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
     )
 
 
-def _named_all_the_same(outcome: Outcome, base, refined, forms, masses, left) -> tuple[Estimate, ...]:
+def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[FallBack, ...]:
+    """Return what was given up of effects, those that went with everything else of their joint by their names."""
+    result = []
+    for step in given_up:
+        own = [c.effect for c in lost if c.axis is not None and c.axis + 1 == step.axis]
+        if step.step.startswith(WITHOUT):
+            result.append(step)
+        elif step.step == EVERYTHING and own:
+            result.append(replace(step, step=f"{WITHOUT} {', '.join(own)}"))
+    return tuple(result)
+
+
+def _named_all_the_same(
+    outcome: Outcome, misfit: np.ndarray, base, refined, forms, masses, left
+) -> tuple[Estimate, ...]:
     """Return the effects that are there although the written model does without them.
 
     A model falls back where one record left out is predicted worse, as when the others have to extrapolate to it. That
@@ -111,7 +140,7 @@ def _named_all_the_same(outcome: Outcome, base, refined, forms, masses, left) ->
     lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
     if not lost:
         return ()
-    whole = _fitted(outcome, base, refined, forms, masses)
+    whole = _fitted(outcome, misfit, base, refined, forms, masses)
     ratio = left_out_ratio(white, whole.fit.terms, each=False)
     result = []
     for i in lost:
@@ -128,9 +157,9 @@ def _whole_model(white, refined, forms, mass_terms):
     """Return the base with its likely errors, and the effects with their references placed."""
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base, error = likely_base(white, terms)
-    if error <= RIGHT_NUMBERS and any(f is None and _reference(r[1]) for f, r in zip(forms, refined, strict=True)):
+    if error <= RIGHT_NUMBERS and any(f is None and reference_of(r[1]) for f, r in zip(forms, refined, strict=True)):
         others = mass_terms + [f[1] for f in forms if f is not None]
-        refined = _with_references(white, base, refined, forms, others, error)
+        refined = with_references(white, base, refined, forms, others, error)
         base, error = likely_base(white, [t for _, _, t in refined] + others)
     return base, refined
 
@@ -147,12 +176,17 @@ def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Ste
         ]
         for (_, candidate, term), form in zip(refined, forms, strict=True):
             if candidate.axis in (axis, None):
-                steps[axis].append(Step(f"without {candidate.effect}", (term, *(form[1:] if form is not None else ()))))
+                steps[axis].append(
+                    Step(f"{WITHOUT} {candidate.effect}", (term, *(form[1:] if form is not None else ())))
+                )
     return steps
 
 
-def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Named]) -> Final:
-    """Fit a model as it will be written, and give every effect its numbers."""
+def _fitted(outcome: Outcome, misfit: np.ndarray, base: list[Term], refined, forms, masses: list[Named]) -> Final:
+    """Fit a model as it will be written, and give every effect its numbers.
+
+    What is known of them is said by the axes for as much as their `misfit` leaves.
+    """
     white = outcome.white
     mass_terms = [t for n in masses for t in n.terms]
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
@@ -160,18 +194,22 @@ def _fitted(outcome: Outcome, base: list[Term], refined, forms, masses: list[Nam
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
     for _, candidate, term in refined:
         _make_sound(fit, candidate, places[id(term)])
+    weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
+    known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
+    known.theta = fit.theta
+    weak_base = [less[id(t)] for t in base]
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
     for i, (one, candidate, term) in enumerate(refined):
         form = forms[i]
         where = [places[id(term)]] + ([places[id(form[1])]] if form is not None else [])
         own = {id(term)} | ({id(form[1])} if form is not None else set())
-        others = [t for t in terms if id(t) not in own]
-        estimates.append(
-            estimate_effect(white, fit, base, one, candidate, form[0] if form is not None else None, where, rng, others)
-        )
-    friction, std, inertial = _base_of(white, fit, masses)
-    return Final(outcome, fit, tuple(estimates), friction, std, inertial, friction, inertial)
+        others = [less[id(t)] for t in terms if id(t) not in own]
+        bent = form[0] if form is not None else None
+        estimates.append(estimate_effect(weak, known, weak_base, one, candidate, bent, where, rng, others))
+    friction, _, inertial = _base_of(white, fit, masses)
+    std = _base_of(weak, known, [])[1]
+    return Final(outcome, weak, misfit, fit, tuple(estimates), friction, std, inertial, friction, inertial)
 
 
 #: Standard deviations by which the first coefficient of an effect is moved until something like it may exist.
@@ -196,45 +234,6 @@ def _make_sound(fit: Fit, candidate: Candidate, where: slice) -> None:
                 return
 
 
-def _reference(candidate: Candidate) -> str:
-    """Return the nonlinear parameter at which the torque of a candidate vanishes, empty where it has none."""
-    name = get_effect(candidate.effect).vanishes_at
-    return name if name in candidate.nonlinear else ""
-
-
-def _with_references(white, base, refined, forms, others, error):
-    """Place the reference temperatures where the numbers of the drives, known to be right, need no correction."""
-    result = list(refined)
-    for i, (one, candidate, term) in enumerate(refined):
-        name = _reference(candidate)
-        if forms[i] is not None or not name:
-            continue
-        rest = [t for k, (_, _, t) in enumerate(result) if k != i] + others
-        fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
-        warm = white.problem.train_state.temperature[:, candidate.axis]
-        low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
-        margin = 0.25 * (high - low)
-
-        def at(temperature, candidate=candidate, fit=fit, name=name):
-            moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), 3)})
-            return evidence_at(white, fit, moved), moved
-
-        value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, 13)), key=lambda x: x[0])
-        step = (high - low) / 16
-        while step > 0.01:
-            around = [at(moved.nonlinear[name] + sign * step) for sign in (1, -1)]
-            best = max(around, key=lambda x: x[0])
-            if best[0] > value:
-                value, moved = best
-            else:
-                step *= 0.4
-        moved = refine(white, fit, moved)
-        value = evidence_at(white, fit, moved)
-        if fit.evidence + value > Fit(white.targets, [*base, *rest, term]).evidence:
-            result[i] = (one, moved, _term(white, moved, term))
-    return result
-
-
 def _base_of(white: White, fit: Fit, masses: list[Named]):
     """Return corrections of friction (n, 4) with their standard deviations and of inertia (10 n,)."""
     problem = white.problem
@@ -255,18 +254,6 @@ def _base_of(white: White, fit: Fit, masses: list[Named]):
     return friction, std, inertial
 
 
-def _term(white: White, candidate: Candidate, old: Term) -> Term:
-    if candidate.axis is None:
-        return old
-    columns = raw_columns(white, candidate)
-    return Term(
-        f"{candidate.effect} {candidate.axis}",
-        {candidate.axis: white.columns(candidate.axis, columns)},
-        prior_std(white, candidate, columns),
-        {candidate.axis: white.raw(candidate.axis, columns)},
-    )
-
-
 def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Term] | None:
     form = form_of(white, candidate)
     if form is None or stiff(candidate):
@@ -278,4 +265,4 @@ def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Ter
     size = float(np.sqrt(np.mean((raw_columns(white, candidate) @ coefficients)[used] ** 2)))
     flexible = companion(white, form, size)
     found = cross_validate(white, [*others, term], [flexible])
-    return (form, flexible) if found.nats > KEEP_FORM and found.raw < 1.0 else None
+    return (form, flexible) if found.nats > 0.5 * white.problem.settings.accept and found.raw < 1.0 else None

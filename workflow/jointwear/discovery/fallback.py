@@ -12,9 +12,12 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Term
+from jointwear.discovery.misfit import blocks_of
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import White
 
+#: Words of the step that gives up all of a joint.
+EVERYTHING = "everything of this joint as given"
 #: Time in motion [s] from which a record is asked by itself.
 ASKED_ALONE = 5.0
 
@@ -34,13 +37,14 @@ class Step:
 def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.ndarray:
     """Return the RMS error [N m] of a model on records left out in turn over that of the given robot, (n,).
 
-    It is that over all records or that of the worst record, whichever is larger: what helps in most records and
-    harms in one is not a better robot. Records of a few seconds are too short to be asked one by one. Axes that
-    cannot be judged get 0.
+    It is that over all records, that of the worst record or that of the block of time in the middle, whichever is
+    largest: what helps in most records and harms in one is not a better robot, nor what helps while a wall is touched
+    and harms at all other times. Records of a few seconds are too short to be asked one by one. Axes that cannot be
+    judged get 0.
 
     Parameters
     ----------
-    each : ask for the worst record too, not only for all of them together.
+    each : ask for the worst record and the middle block too, not only for all of them together.
     """
     sizes = [len(t.std) for t in terms]
     edges = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
@@ -65,6 +69,8 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
             right[where] += design[rows].T @ y[rows]
     whole = sum(g for g, _ in parts.values()), sum(r for _, r in parts.values())
     square: dict[int, list[tuple[float, float, bool]]] = {axis: [] for axis in raw}
+    blocks = {axis: blocks_of(white, axis) for axis in raw} if each else {}
+    middle: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
     for record, (gram, right) in parts.items():
         theta = cho_solve(cho_factor(whole[0] - gram + np.diag(precision)), whole[1] - right) if total else right
         for axis, (seen, where, label) in raw.items():
@@ -73,12 +79,23 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
             left = given - seen[rows] @ theta[where]
             alone = each and rows.sum() >= ASKED_ALONE * white.problem.measured.rate
             square[axis].append((float(left @ left), float(given @ given), alone))
+            if each:
+                middle[axis].append(mean_squares(blocks[axis][rows], left, given))
     ratio = np.zeros(len(white.targets))
     for axis, found in square.items():
         if found:
             both = [*(record[:2] for record in found if record[2]), tuple(np.sum(found, axis=0)[:2])]
+            if each:
+                both.append(tuple(np.median(np.concatenate(middle[axis], axis=1), axis=1)))
             ratio[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in both)
     return ratio
+
+
+def mean_squares(label: np.ndarray, *errors: np.ndarray) -> np.ndarray:
+    """Return the mean square (e, b) of each of `errors` (m,) over the samples of each block, labelled by integers."""
+    _, place = np.unique(label, return_inverse=True)
+    count = np.bincount(place)
+    return np.stack([np.bincount(place, e**2) / count for e in errors])
 
 
 def put_back(
@@ -116,7 +133,7 @@ def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axi
     ----------
     ratio : error of the model as it is over that of the given robot.
     """
-    everything = Step("everything of this joint as given", tuple(t for s in steps.get(axis, []) for t in s.terms))
+    everything = Step(EVERYTHING, tuple(t for s in steps.get(axis, []) for t in s.terms))
     best: tuple[float, Step] | None = None
     for step in steps.get(axis, []):
         rest = step.taken_off(kept)

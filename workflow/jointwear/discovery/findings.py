@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Candidate, scan
+from jointwear.discovery.candidates import LINK_MASS, Candidate
 from jointwear.discovery.estimation import Estimate, Final
 from jointwear.discovery.identifiability import Visible
-from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.outcome import Outcome, Refusal
-from jointwear.discovery.problem import FRICTION, Problem
+from jointwear.discovery.problem import Problem
+from jointwear.discovery.retuned import retuned_parameters
 from jointwear.discovery.verdict import (
     Gap,
     Lost,
@@ -22,16 +22,13 @@ from jointwear.discovery.verdict import (
     PeakTorque,
     Quantity,
     Regime,
-    Retuned,
     Structure,
     Suspect,
     Verdict,
 )
 from jointwear.effects import get_effect, library
 from jointwear.files.json_values import six_digits
-from jointwear.robots.inertia import bodies
 
-_FRICTION_UNITS = ("N m", "N m", "N m s/rad", "kg m2")
 #: Entries of lists that a reader looks through: unexplained structure, candidates that came close.
 LONGEST_LIST = 12
 
@@ -53,7 +50,7 @@ def make_verdict(
     effects = sorted(
         (_named_effect(final, e) for e in (*final.estimates, *final.unwritten)), key=lambda e: -e.evidence_nats
     )
-    retuned = [] if outcome.white is None else _retuned(final)
+    retuned = [] if outcome.white is None else retuned_parameters(final)
     left = outcome.unexplained[:LONGEST_LIST]
     if left:
         word = "unknown"
@@ -201,73 +198,6 @@ def _regime(final: Final, e: Estimate) -> Regime:
         (six_digits(values.min()), six_digits(values.max())),
         unit,
     )
-
-
-def _retuned(final: Final) -> list[Retuned]:
-    """Return the parameters of the model that the data contradict, by the evidence that moving each is worth."""
-    problem = final.outcome.problem
-    robot, need = problem.robot, problem.settings.accept
-    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
-    delta = final.delta_friction * np.array([1, -1, 1, 1])
-    found = []
-    for axis in problem.judged:
-        prior = problem.friction_prior(axis)
-        for k, name in enumerate(FRICTION):
-            std = final.std_friction[axis, k]
-            if std <= 0:
-                continue
-            nats = 0.5 * (delta[axis, k] / std) ** 2 - np.log(max(prior[k] / std, 1.0))
-            if nats > need and abs(delta[axis, k]) > 0.02 * nominal[axis, k]:
-                gear = abs(robot.gear_ratio[axis])
-                # The parameters of a robot file: motor side.
-                side = gear if k < 2 else gear**2
-                sign = -1.0 if name == "coulomb_negative" else 1.0
-                found.append(
-                    Retuned(
-                        parameter=name,
-                        axis=axis + 1,
-                        nominal=six_digits(sign * nominal[axis, k] / side),
-                        value=six_digits(sign * (nominal[axis, k] + delta[axis, k]) / side),
-                        std=six_digits(std / side),
-                        unit=_FRICTION_UNITS[k],
-                    )
-                )
-    return found + _wrong_mass(final)
-
-
-def _wrong_mass(final: Final) -> list[Retuned]:
-    """Return the link whose mass best explains that inertial parameters are not nominal, if they are not."""
-    outcome, problem = final.outcome, final.outcome.problem
-    white = outcome.white
-    named = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
-    fixed = [t for t in white.base if t.label != "inertial"]
-    effects = [t for n in outcome.named if n.candidate.effect != LINK_MASS for t in n.terms]
-    fit = Fit(white.targets, [*fixed, *effects])
-    full = white.fit([*effects])
-    if not named and full.evidence - fit.evidence < problem.settings.accept:
-        return []
-    keys = {(LINK_MASS, link, None) for link in range(problem.robot.joints)}
-    found = scan(white, outcome.dictionary, fit, keys)
-    best = next((s for s in found if np.isfinite(s.evidence)), None)
-    if named:
-        best = next((s for s in found if s.candidate.key == named[0].candidate.key), best)
-    if best is None:
-        return []
-    b, gram = fit.gram(best.blocks)
-    if gain(b, gram, best.std) < problem.settings.accept and not named:
-        return []
-    share = float(b[0] / (gram[0, 0] + 1 / best.std[0] ** 2))
-    mass = bodies(problem.robot)[best.candidate.axis][0]
-    return [
-        Retuned(
-            parameter="link_mass",
-            axis=best.candidate.axis + 1,
-            nominal=six_digits(mass),
-            value=six_digits(mass * (1 + share)),
-            std=six_digits(mass / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2)),
-            unit="kg",
-        )
-    ]
 
 
 def _not_identifiable(effects: list[NamedEffect], seen: list[Visible], needed: float) -> Iterable[NotIdentifiable]:

@@ -12,7 +12,8 @@ from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
 
-#: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else.
+#: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
+#: together: half, by what the word means.
 MOST = 0.5
 #: A basis of structure that is put into the model may be worth this many times the friction of its axis.
 BASIS_SIZE = 2.0
@@ -47,8 +48,9 @@ def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]
             statistic, freedom = chi_square(b, gram, columns.T @ columns)
             if not freedom:
                 continue
-            # The colour of the noise is estimated too: 3 % is what that does to a chi-square.
-            p = float(gammaincc(freedom / 2, statistic / 2 / 1.03))
+            # The variance of the noise is estimated too, to sqrt(2 / samples): a chi-square is known no better.
+            known = 1.0 + np.sqrt(2.0 / len(white.targets[axis]))
+            p = float(gammaincc(freedom / 2, statistic / 2 / known))
             nats = 0.5 * (statistic - freedom)
             low, high = _where(basis, b, gram, white.whiteners[axis].rows)
             entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats)

@@ -18,6 +18,7 @@ import numpy as np
 from jointwear.discovery.candidates import Candidate, Form, companion, form_of, possible, prior_std
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.refine import evidence_at, free_parameters
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
 from jointwear.effects import Effect, State, get_effect
 
@@ -26,10 +27,6 @@ DRAWS = 400
 STEPS_OF_ONE, STEPS_OF_MANY = np.linspace(-2.5, 2.5, 11), np.linspace(-2.0, 2.0, 5)
 #: How many places are tried at which an effect may vanish, where that may be anywhere.
 ZEROS = 9
-#: Relative standard deviation of the largest torque of an effect: curves for the same physics that fit alike differ
-#: by this much where they are highest. An effect that acts after reversals is highest in the very samples beside
-#: them that cannot be judged, so that its peak is an extrapolation.
-FORM_ERROR, FORM_ERROR_AT_REVERSALS = 0.07, 0.15
 
 
 def spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
@@ -132,7 +129,7 @@ def _bends(white: White, form: Form, size: float) -> Term:
     carrier = form.columns(white.state_of(get_effect(form.candidate.effect), axis)).sum(axis=1)[
         white.problem.usable[:, axis]
     ]
-    return replace(term, std=np.minimum(term.std, 0.3 * size / height(carrier)))
+    return replace(term, std=np.minimum(term.std, white.problem.settings.usual * size / height(carrier)))
 
 
 def height(values: np.ndarray) -> float:
@@ -140,9 +137,16 @@ def height(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**4) / max(float(np.mean(values**2)), 1e-300))) + 1e-300
 
 
-def form_error(effect: Effect) -> float:
-    """Return the relative standard deviation of the largest torque of an effect because of its form."""
-    return FORM_ERROR_AT_REVERSALS if effect.sequential else FORM_ERROR
+def draw_form_errors(effect: Effect, settings: Settings, rng: np.random.Generator) -> np.ndarray:
+    """Draw the factors (DRAWS,) by which the largest torque of an effect is off because of its form.
+
+    An effect that acts after reversals is highest in the very samples beside them that cannot be judged, and sharper
+    than what filters leave of it: its peak may be higher than what is seen, not lower.
+    """
+    factors = 1.0 + settings.peak_error * rng.standard_normal(DRAWS)
+    if effect.sequential:
+        factors = factors * np.exp(settings.reversal_error * np.abs(rng.standard_normal(DRAWS)))
+    return factors
 
 
 def draw_torque(
@@ -159,7 +163,7 @@ def draw_torque(
     Parameters
     ----------
     base : all terms but those of this effect.
-    size : height of the torque of the effect [N m], of which each bend of its form may be worth 30 %.
+    size : height of the torque of the effect [N m], of which each bend of its form may be worth the `usual` share.
     """
     axis, effect = candidate.axis, get_effect(candidate.effect)
     form = form_of(white, candidate)

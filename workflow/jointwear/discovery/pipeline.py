@@ -12,7 +12,7 @@ import numpy as np
 
 from jointwear.discovery.base_parameters import free_identification
 from jointwear.discovery.decide import search, unexplained
-from jointwear.discovery.estimation import Final, finalise
+from jointwear.discovery.estimation import Final
 from jointwear.discovery.experiment import Experiment, propose
 from jointwear.discovery.findings import make_verdict
 from jointwear.discovery.identifiability import Visible, identifiability
@@ -21,8 +21,9 @@ from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.verdict import FallBack, Verdict
-from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
+from jointwear.discovery.sound_files import sound_files, write_files
+from jointwear.discovery.verdict import Verdict
+from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks import check_recording
 from jointwear.measurement.motion import measure
@@ -143,12 +144,7 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
 
 def _judge(recording: Recording, problem: Problem, restrictions: list[str]) -> Discovery:
     outcome = repeat(search(problem))
-    final, files, torques = _written(problem, finalise(outcome))
-    if _worse(problem, torques["augmented"]):
-        final, files, torques = _without_harmful(problem, final, files, torques)
-    if any(_worse(problem, torques[kind]) for kind in files):
-        # What bounds and bodies made of the numbers in the file is not what was fitted: leave the links alone.
-        final, files, torques = _written(problem, finalise(outcome, frozenset({"inertial"})))
+    final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)
     return Discovery(recording, content, final, seen, files, torques)
@@ -158,50 +154,7 @@ def _undecided(recording: Recording, problem: Problem, restrictions: list[str], 
     """Return the verdict of a recording about which nothing can be said: unknown, with the given robot as it is."""
     n = problem.robot.joints
     nothing = np.zeros((n, 4)), np.zeros((n, 4)), np.zeros(10 * n), np.zeros((n, 4)), np.zeros(10 * n)
-    final = Final(Outcome(problem, None, None, None), None, (), *nothing, misfits=(why,))
-    final, files, torques = _written(problem, final)
+    final = Final(Outcome(problem, None, None, None), None, np.ones(n), None, (), *nothing, misfits=(why,))
+    final, files, torques = write_files(problem, final)
     content = replace(make_verdict(recording.name, final, [], torques, restrictions), verdict="unknown", retuned=())
     return Discovery(recording, content, final, [], files, torques)
-
-
-def _written(problem: Problem, final: Final) -> tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]:
-    """Return a model with its robot files and the torque that each of them gives."""
-    files = {"retuned": written_robot(final, False), "augmented": written_robot(final)}
-    torques = {"nominal": problem.measured.torque - problem.discrepancy}
-    for kind, file in files.items():
-        with file.robot() as arm:
-            torques[kind] = simulate_robot(arm, problem.measured)[0]
-    return final, files, torques
-
-
-def _without_harmful(
-    problem: Problem, final: Final, files: dict[str, WrittenRobot], torques: dict[str, np.ndarray]
-) -> tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]:
-    """Leave effects out of the file, not out of the verdict, on axes where the file follows the motion worse for them.
-
-    A column of rates of change carries the noise of derived accelerations: it may be there, and its torque useless.
-    """
-    bad = _worse(problem, torques["augmented"])
-    left_out = [e for e in final.estimates if e.named.candidate.axis in bad]
-    kept = tuple(e for e in final.estimates if e.named.candidate.axis not in bad)
-    file = written_robot(replace(final, estimates=kept))
-    with file.robot() as arm:
-        torque = simulate_robot(arm, problem.measured)[0]
-    if not left_out or len(_worse(problem, torque)) >= len(bad):
-        return final, files, torques
-    given_up = tuple(
-        FallBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), f"{e.named.candidate.effect} named but not written")
-        for e in left_out
-        if (axis := e.named.candidate.axis) is not None
-    )
-    final = replace(final, fallbacks=final.fallbacks + given_up)
-    return final, {**files, "augmented": file}, {**torques, "augmented": torque}
-
-
-def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
-    """Return the axes on which a model follows the training motion worse than the given robot, with the ratio."""
-    used = problem.measured.usable & problem.train[:, None]
-    error = np.sum(np.where(used, (problem.measured.torque - torque) ** 2, 0.0), axis=0)
-    given = np.sum(np.where(used, problem.discrepancy**2, 0.0), axis=0)
-    ratio = np.sqrt(error / np.maximum(given, 1e-300))
-    return {axis: float(ratio[axis]) for axis in problem.judged if ratio[axis] > problem.settings.not_worse}

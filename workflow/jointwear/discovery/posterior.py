@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from scipy.special import logsumexp
 
-from jointwear.discovery.calibration import calibrated
+from jointwear.discovery.calibration import COARSE, calibrated
 from jointwear.discovery.candidates import Scored, scan
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.outcome import Named, Outcome
@@ -15,9 +15,6 @@ from jointwear.discovery.whitening import White
 
 #: Rivals of one effect that are weighed with the tolerance of their form.
 BEAM = 8
-#: Evidence counts for less the more of it there is, because no form is exact: a coarsened posterior (Miller and
-#: Dunson 2019), in which so many nats make up one.
-COARSE = 0.005
 
 
 def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored], float]) -> Named:

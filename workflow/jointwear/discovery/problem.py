@@ -22,8 +22,6 @@ from jointwear.robots.robot import Robot
 FEWEST_SAMPLES = 60
 #: Poses over which the mass matrix is averaged.
 POSES = 200
-#: Share of the discrepancy that stands for the friction of an axis whose friction the robot file does not know.
-UNKNOWN_FRICTION = 0.3
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
@@ -103,12 +101,12 @@ class Problem:
     def scale(self) -> np.ndarray:
         """(n,) torque [N m] that stands for the friction of an axis when priors are set.
 
-        Where the robot file knows no friction, it is most of what the model lacks.
+        Where the robot file knows no friction, it is a share of what the model lacks.
         """
         level = 0.5 * (self.robot.coulomb_positive - self.robot.coulomb_negative)
         square = np.where(self.usable, self.discrepancy[self.train] ** 2, 0.0).sum(axis=0)
         lacking = np.sqrt(square / np.maximum(self.usable.sum(axis=0), 1))
-        level = np.where(level > 0, level, UNKNOWN_FRICTION * lacking)
+        level = np.where(level > 0, level, self.settings.usual * lacking)
         torque = np.sqrt(np.mean(self.state.torque**2, axis=0))
         return np.maximum(np.maximum(level, 0.03 * torque), 1e-6)
 
@@ -123,9 +121,8 @@ class Problem:
         speed = np.sqrt(np.mean(self.train_state.velocity[used, axis] ** 2))
         acceleration = np.sqrt(np.mean(self.train_state.acceleration[used, axis] ** 2))
         level = 2.0 * self.scale[axis]
-        return np.array(
-            [level, level, level / speed, 0.5 * self.robot.armature[axis] + 0.3 * self.scale[axis] / acceleration]
-        )
+        inertia = 0.5 * self.robot.armature[axis] + self.settings.usual * self.scale[axis] / acceleration
+        return np.array([level, level, level / speed, inertia])
 
 
 def build_problem(recording: Recording, robot: Robot, settings: Settings, measured: Measured | None = None) -> Problem:

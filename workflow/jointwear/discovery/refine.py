@@ -83,10 +83,6 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     return best
 
 
-#: Evidence [nats] within which the form of an effect counts as undecided.
-UNDECIDED = 3.0
-
-
 def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     """Return the candidate with the simplest form that the data do not contradict.
 
@@ -96,10 +92,11 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     if candidate.axis is None or not free_parameters(candidate):
         return candidate
     effect = get_effect(candidate.effect)
+    undecided = 0.5 * white.problem.settings.accept
     best = evidence_at(white, fit, candidate)
     for nonlinear in effect.plain(white.problem.train_state, candidate.axis):
         trial = replace(candidate, nonlinear=dict(nonlinear))
-        if evidence_at(white, fit, trial) > best - UNDECIDED:
+        if evidence_at(white, fit, trial) > best - undecided:
             return trial
     alike = effect.alike(candidate.nonlinear)
     if not alike:
@@ -112,4 +109,4 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
         size = float(np.linalg.norm(np.linalg.solve(gram + np.diag(1 / std**2), b)))
         found.append((gain(b, gram, std), size, trial))
     best = max(value for value, _, _ in found)
-    return min((f for f in found if f[0] > best - UNDECIDED), key=lambda f: f[1])[2]
+    return min((f for f in found if f[0] > best - undecided), key=lambda f: f[1])[2]

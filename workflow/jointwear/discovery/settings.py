@@ -8,7 +8,15 @@ from typing import Any
 
 #: Fields that the user gives, and limits of what is reported beside a verdict; the others decide it.
 USERS = ("inertial_prior", "groups")
-REPORTED = ("near_the_floor", "judged_speed", "visible", "parameter_error", "filter_error")
+REPORTED = (
+    "near_the_floor",
+    "judged_speed",
+    "visible",
+    "parameter_error",
+    "filter_error",
+    "peak_error",
+    "reversal_error",
+)
 
 
 @dataclass(frozen=True)
@@ -18,13 +26,16 @@ class Settings:
     Attributes
     ----------
     inertial_prior : relative standard deviation of the nominal inertial parameters; the user's.
+    usual : share of the friction of its axis that an effect is usually worth, and share of the effect that a bend of
+        its form is: the width of every prior of theirs. An order of magnitude: evidence hardly asks for more.
     most_effects : no more effects than this are named; `most_on_axis` on one axis.
     accept : evidence [nats], after the price of complexity and of searching, that an effect needs, and a parameter of
         the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. Half of it is
         enough for what only has to hold beside what has been found: a name beside the others or with inertial
-        parameters known less, a bend of a form, a parameter set free.
+        parameters known less, a bend of a form, a form that is less plain, a parameter set free.
     certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
-    block : length of such a block [s]; the noise forgets within a third of a second.
+    block : length of such a block [s]; the noise forgets within a third of a second. A step within a record, which
+        must not do better than an effect that follows time, is tried as often.
     smallest_share : drop of the mean squared error on records left out, over the noise variance of the axis, below
         which an effect does not matter to a simulation.
     predicted : share of the evidence of an effect that must show as nats gained on records left out, up to a limit.
@@ -35,8 +46,13 @@ class Settings:
         and forms are never exact.
     filter_error : the same of the share of a fast wave that filters take: how much of it is in the acceleration, and
         how much in the torque, is up to the controller.
+    peak_error : relative standard deviation of the largest torque of an effect: curves for the same physics that fit
+        alike differ by this much where they are highest.
+    reversal_error : how much higher, as the scale of a half-normal logarithm, that torque may be for effects that act
+        after reversals than the samples show that can be judged: on choosing cases 0.8 to 2.7 times as high.
     unexplained_p : structure is unexplained below this probability.
-    mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own.
+    mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own; an
+        effect has to be needed where inertial parameters may be off by as much.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
     off_scale : factor by which the torque of an effect with one parameter may miss the size that the parameter gives
         it: beyond it the torque has another shape.
@@ -44,7 +60,8 @@ class Settings:
     nearly_all : share of the squared error beyond the noise of an axis that makes a name stand beside any structure
         that is left there.
     likely : probability from which an effect is named: nothing else is as likely.
-    not_worse : error on left-out training records, over that of the given robot, up to which a model is written.
+    not_worse : error on left-out training records, over that of the given robot, up to which a model is written: on all
+        of them, on the worst one, and in the middle block of time.
     near_the_floor : distance of the held-out error from the noise floor up to which nothing but noise is left.
     visible : energy over noise variance from which this motion shows an effect: what `accept` needs after the price of
         complexity and search.
@@ -55,6 +72,7 @@ class Settings:
     """
 
     inertial_prior: float = 0.05
+    usual: float = 0.3
     most_effects: int = 6
     most_on_axis: int = 2
     accept: float = 9.0
@@ -66,6 +84,8 @@ class Settings:
     form_error: float = 0.05
     parameter_error: float = 0.01
     filter_error: float = 0.3
+    peak_error: float = 0.07
+    reversal_error: float = 0.5
     unexplained_p: float = 1e-8
     mass_sigmas: float = 3.0
     wrongest_mass: float = 0.6
@@ -73,7 +93,7 @@ class Settings:
     cancelled: float = 4.0
     nearly_all: float = 0.8
     likely: float = 0.5
-    not_worse: float = 1.05
+    not_worse: float = 1.03
     near_the_floor: float = 0.10
     visible: float = 40.0
     judged_speed: float = 0.025

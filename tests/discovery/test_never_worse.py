@@ -1,0 +1,125 @@
+"""What is written is never worse than what was given, and says how sure it is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jointwear.discovery import Settings, discover, sound_files
+from jointwear.discovery.fallback import left_out_ratio, mean_squares
+from jointwear.discovery.linear import Fit
+from jointwear.discovery.misfit import blocks_of, divided, misfit_of, tempered
+from jointwear.discovery.peak_torque import draw_form_errors
+from jointwear.effects import get_effect
+from jointwear.robots.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.fixture(scope="module")
+def found(robot):
+    """Friction of joint 3 that grows with the root of the speed in place of the viscous friction of the robot file."""
+
+    def root(q, v, *_):
+        full = np.zeros_like(q)
+        full[:, 2] = 4.0 * np.sqrt(np.abs(v[:, 2])) * np.sign(v[:, 2]) - robot.viscous[2] * v[:, 2]
+        return full
+
+    return discover(make_case(robot, 22, root), robot, Settings())
+
+
+def test_a_number_may_go_to_zero_where_an_effect_takes_its_place(found, robot):
+    assert [(e["effect"], e["axis"]) for e in found.effects] == [("nonlinear_viscous_friction", 3)]
+    assert found.augmented_robot["joints"][2]["viscous"] < 0.25 * robot.viscous[2] / robot.gear_ratio[2] ** 2
+    held = found.problem.measured.usable[:, 2] & found.problem.test
+    rms = {k: np.sqrt(np.mean((found.problem.measured.torque - t)[held, 2] ** 2)) for k, t in found.torques.items()}
+    assert rms["augmented"] < 0.5 * rms["retuned"] <= 0.5 * rms["nominal"]
+
+
+def test_a_misfit_divides_what_an_axis_says(found):
+    white = found.final.outcome.white
+    right = white.fit(found.final.outcome.named[0].terms)
+    misfit = misfit_of(white, right)
+    assert np.all((misfit >= 1.0) & (misfit < 1.5))
+    # Something in every fourth block that no term describes.
+    odd = [y.copy() for y in white.targets]
+    odd[2] += 6.0 * (blocks_of(white, 2) % 4 == 0)
+    wrong = misfit_of(white, Fit(odd, right.terms))
+    assert wrong[2] > 20.0
+    assert np.array_equal(np.delete(wrong, 2), np.delete(misfit, 2))
+    assert tempered(white, np.ones(6)) is white
+    weak = tempered(white, np.full(6, 1e2))
+    assert weak.targets[2] == pytest.approx(white.targets[2] / 10.0)
+    term = divided(right.terms[0], np.full(6, 1e2))
+    assert all(x == pytest.approx(right.terms[0].blocks[axis] / 10.0) for axis, x in term.blocks.items())
+    columns = found.problem.train_state.velocity[:, [2]]
+    assert weak.columns(2, columns) == pytest.approx(white.columns(2, columns) / 10.0)
+    assert weak.raw_targets()[2] == pytest.approx(white.raw_targets()[2])
+
+
+def test_what_helps_while_a_wall_is_touched_only_is_no_better_robot(found):
+    white = found.final.outcome.white
+    axis, label = 1, blocks_of(white, 1)
+    touched = label % 4 == 0
+    wall = 50.0 * touched * white.whiteners[axis].sigma
+    column = touched + 0.3
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    rows = np.flatnonzero(white.problem.train)[white.whiteners[axis].rows]
+    odd.discrepancy[rows, axis] += wall
+    term = replace(
+        white.base[0],
+        label="wall",
+        blocks={axis: column[:, None] * 1.0},
+        raw={axis: column[:, None] * white.whiteners[axis].sigma},
+        std=np.array([1e3]),
+        drive=(),
+    )
+    targets = [y.copy() for y in white.targets]
+    targets[axis] += 50.0 * touched
+    trial = replace(white, problem=odd, targets=targets)
+    assert left_out_ratio(trial, [term], each=False)[axis] < 0.7
+    assert left_out_ratio(trial, [term])[axis] > 1.5
+
+
+@given(st.lists(st.integers(0, 5), min_size=1, max_size=50), st.floats(0.1, 10.0))
+def test_mean_squares_of_blocks_make_up_the_whole(labels, factor):
+    labels = np.sort(np.array(labels))
+    error = np.linspace(-1.0, 2.0, len(labels))
+    one, other = mean_squares(labels, error, factor * error)
+    assert np.sum(one * np.unique(labels, return_counts=True)[1]) == pytest.approx(np.sum(error**2))
+    assert other == pytest.approx(factor**2 * one)
+
+
+def test_a_bad_file_of_one_kind_leaves_the_other_alone(found, monkeypatch):
+    problem, bad = found.problem, found.torques["retuned"]
+    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {0: 1.2} if np.allclose(torque, bad) else {})
+    final, files, torques = sound_files.sound_files(problem, found.final.outcome)
+    assert np.array_equal(torques["augmented"], found.torques["augmented"])
+    assert files["augmented"].data == found.files["augmented"].data
+    assert not np.allclose(torques["retuned"], bad)
+    assert [e.named.candidate.key for e in final.estimates] == [e.named.candidate.key for e in found.final.estimates]
+
+
+def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_stays(found, monkeypatch):
+    nominal = found.torques["nominal"]
+    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {} if np.allclose(torque, nominal) else {2: 1.5})
+    final, _, torques = sound_files.sound_files(found.problem, found.final.outcome)
+    assert torques["augmented"] == pytest.approx(nominal, abs=1e-6)
+    assert not final.estimates
+    assert [e.named.candidate.effect for e in final.unwritten] == ["nonlinear_viscous_friction"]
+    assert {f.model for f in final.fallbacks if f.step == "everything as given"} == {"augmented", "retuned"}
+
+
+def test_a_peak_beside_reversals_may_be_higher_not_lower():
+    settings, rng = Settings(), np.random.default_rng(4)
+    sharp = draw_form_errors(get_effect("presliding_hysteresis"), settings, rng)
+    plain = draw_form_errors(get_effect("joint_spring"), settings, rng)
+    assert np.quantile(sharp, 0.975) > 2.0
+    assert np.quantile(sharp, 0.025) > 0.8
+    assert abs(np.median(plain) - 1.0) < 0.02

@@ -1,0 +1,66 @@
+"""Where the torque of an effect vanishes: the reference temperature where numbers of the drives need no correction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery.base import pinned
+from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.refine import evidence_at, refine
+from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
+
+
+def reference_of(candidate: Candidate) -> str:
+    """Return the nonlinear parameter at which the torque of a candidate vanishes, empty where it has none."""
+    name = get_effect(candidate.effect).vanishes_at
+    return name if name in candidate.nonlinear else ""
+
+
+def with_references(white, base, refined, forms, others, error):
+    """Place the reference temperatures where the numbers of the drives, known to be right, need no correction."""
+    result = list(refined)
+    for i, (one, candidate, term) in enumerate(refined):
+        name = reference_of(candidate)
+        if forms[i] is not None or not name:
+            continue
+        rest = [t for k, (_, _, t) in enumerate(result) if k != i] + others
+        fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
+        warm = white.problem.train_state.temperature[:, candidate.axis]
+        low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
+        margin = 0.25 * (high - low)
+
+        def at(temperature, candidate=candidate, fit=fit, name=name):
+            moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), 3)})
+            return evidence_at(white, fit, moved), moved
+
+        value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, 13)), key=lambda x: x[0])
+        step = (high - low) / 16
+        while step > 0.01:
+            around = [at(moved.nonlinear[name] + sign * step) for sign in (1, -1)]
+            best = max(around, key=lambda x: x[0])
+            if best[0] > value:
+                value, moved = best
+            else:
+                step *= 0.4
+        moved = refine(white, fit, moved)
+        value = evidence_at(white, fit, moved)
+        if fit.evidence + value > Fit(white.targets, [*base, *rest, term]).evidence:
+            result[i] = (one, moved, effect_term(white, moved, term))
+    return result
+
+
+def effect_term(white: White, candidate: Candidate, old: Term) -> Term:
+    """Return the term of a candidate after a move of its nonlinear parameters; `old` for one on the whole arm."""
+    if candidate.axis is None:
+        return old
+    columns = raw_columns(white, candidate)
+    return Term(
+        f"{candidate.effect} {candidate.axis}",
+        {candidate.axis: white.columns(candidate.axis, columns)},
+        prior_std(white, candidate, columns),
+        {candidate.axis: white.raw(candidate.axis, columns)},
+    )

@@ -1,0 +1,84 @@
+"""Which parameters of the given robot the data contradict."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.discovery.candidates import LINK_MASS, scan
+from jointwear.discovery.estimation import Final
+from jointwear.discovery.linear import Fit, gain
+from jointwear.discovery.misfit import divided, masses_of
+from jointwear.discovery.problem import FRICTION
+from jointwear.discovery.verdict import Retuned
+from jointwear.files.json_values import six_digits
+from jointwear.robots.inertia import bodies
+
+_FRICTION_UNITS = ("N m", "N m", "N m s/rad", "kg m2")
+
+
+def retuned_parameters(final: Final) -> list[Retuned]:
+    """Return the parameters of the model that the data contradict, by the evidence that moving each is worth."""
+    problem = final.outcome.problem
+    robot, need = problem.robot, problem.settings.accept
+    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
+    delta = final.delta_friction * np.array([1, -1, 1, 1])
+    found = []
+    for axis in problem.judged:
+        prior = problem.friction_prior(axis)
+        for k, name in enumerate(FRICTION):
+            if final.std_friction[axis, k] <= 0:
+                continue
+            # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
+            std = float(np.hypot(final.std_friction[axis, k], problem.settings.parameter_error * nominal[axis, k]))
+            nats = 0.5 * (delta[axis, k] / std) ** 2 - np.log(max(prior[k] / std, 1.0))
+            if nats > need:
+                gear = abs(robot.gear_ratio[axis])
+                # The parameters of a robot file: motor side.
+                side = gear if k < 2 else gear**2
+                sign = -1.0 if name == "coulomb_negative" else 1.0
+                found.append(
+                    Retuned(
+                        parameter=name,
+                        axis=axis + 1,
+                        nominal=six_digits(sign * nominal[axis, k] / side),
+                        value=six_digits(sign * (nominal[axis, k] + delta[axis, k]) / side),
+                        std=six_digits(std / side),
+                        unit=_FRICTION_UNITS[k],
+                    )
+                )
+    return found + _wrong_mass(final)
+
+
+def _wrong_mass(final: Final) -> list[Retuned]:
+    """Return the link whose mass best explains that inertial parameters are not nominal, if they are not."""
+    outcome, problem = final.outcome, final.outcome.problem
+    white = final.white
+    named = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
+    fixed = [t for t in white.base if t.label != "inertial"]
+    effects = [divided(t, final.misfit) for n in outcome.named if n.candidate.effect != LINK_MASS for t in n.terms]
+    fit = Fit(white.targets, [*fixed, *effects])
+    full = white.fit([*effects])
+    if not named and full.evidence - fit.evidence < problem.settings.accept:
+        return []
+    keys = {(LINK_MASS, link, None) for link in range(problem.robot.joints)}
+    found = scan(white, masses_of(outcome.dictionary, final.misfit, LINK_MASS), fit, keys)
+    best = next((s for s in found if np.isfinite(s.evidence)), None)
+    if named:
+        best = next((s for s in found if s.candidate.key == named[0].candidate.key), best)
+    if best is None:
+        return []
+    b, gram = fit.gram(best.blocks)
+    if gain(b, gram, best.std) < problem.settings.accept and not named:
+        return []
+    share = float(b[0] / (gram[0, 0] + 1 / best.std[0] ** 2))
+    mass = bodies(problem.robot)[best.candidate.axis][0]
+    return [
+        Retuned(
+            parameter="link_mass",
+            axis=best.candidate.axis + 1,
+            nominal=six_digits(mass),
+            value=six_digits(mass * (1 + share)),
+            std=six_digits(mass / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2)),
+            unit="kg",
+        )
+    ]

@@ -1,0 +1,115 @@
+"""The two robot files of a verdict, none of which follows the motion worse than the robot that was given.
+
+What is fitted are linear corrections; what is written are bodies that may exist and parameters within their bounds, and
+the torque of a file holds for every sample in motion, those beside reversals too. So the files themselves are asked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery.estimation import Final, finalise
+from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.problem import Problem
+from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
+
+#: A model with its robot files, "retuned" and "augmented", and the torque (m, n) [N m] of these and the given robot.
+Written = tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]
+
+
+def sound_files(problem: Problem, outcome: Outcome) -> Written:
+    """Return the estimates of an outcome with robot files that follow no axis worse than the given robot.
+
+    The first that does is taken: the whole model; without the effects of the axes that are worse; with the links left
+    as they are; and at last the robot as it was given.
+    """
+    written = write_files(problem, finalise(outcome))
+    if _worse(problem, written[2]["augmented"]):
+        written = _without_harmful(problem, *written)
+    bad = [kind for kind in written[1] if _worse(problem, written[2][kind])]
+    if bad:
+        rigid = write_files(problem, finalise(outcome, frozenset({"inertial"})))
+        if "augmented" in bad:
+            rigid = _without_harmful(problem, *rigid)
+        written = _exchanged(problem, written, rigid, bad)
+    return written
+
+
+def write_files(problem: Problem, final: Final) -> Written:
+    """Return a model with its robot files and the torque that each of them gives."""
+    files = {"retuned": written_robot(final, False), "augmented": written_robot(final)}
+    torques = {"nominal": problem.measured.torque - problem.discrepancy}
+    for kind, file in files.items():
+        with file.robot() as arm:
+            torques[kind] = simulate_robot(arm, problem.measured)[0]
+    return final, files, torques
+
+
+def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]) -> Written:
+    """Return `first` with the files of the kinds that are `bad` from `second`, or as given where that is bad too."""
+    final, other = first[0], second[0]
+    for kind in bad:
+        if _worse(problem, second[2][kind]):
+            other = _as_given(problem, other, kind, _worse(problem, second[2][kind]))
+        kept = tuple(f for f in final.fallbacks if f.model != kind) + tuple(
+            f for f in other.fallbacks if f.model == kind
+        )
+        if kind == "augmented":
+            own = {"retuned_friction": final.retuned_friction, "retuned_inertial": final.retuned_inertial}
+            final = replace(other, **own, fallbacks=kept)
+        else:
+            own = {"retuned_friction": other.retuned_friction, "retuned_inertial": other.retuned_inertial}
+            final = replace(final, **own, fallbacks=kept)
+    return write_files(problem, final)
+
+
+def _as_given(problem: Problem, final: Final, kind: str, bad: dict[int, float]) -> Final:
+    """Return a model of which one kind of file is the given robot; its effects stay named."""
+    given_up = tuple(FallBack(kind, axis + 1, float(f"{r:.4g}"), "everything as given") for axis, r in bad.items())
+    friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)
+    final = replace(final, fallbacks=final.fallbacks + given_up)
+    if kind == "retuned":
+        return replace(final, retuned_friction=friction, retuned_inertial=inertial)
+    everything = final.unwritten + final.estimates
+    return replace(final, delta_friction=friction, delta_inertial=inertial, estimates=(), unwritten=everything)
+
+
+def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
+    """Leave effects out of the file, not out of the verdict, on axes where the file follows the motion worse for them.
+
+    A column of rates of change carries the noise of derived accelerations: it may be there, and its torque useless.
+    """
+    bad = _worse(problem, torques["augmented"])
+    left_out = tuple(e for e in final.estimates if e.named.candidate.axis in bad)
+    if not left_out:
+        return final, files, torques
+    given_up = tuple(
+        FallBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), f"{e.named.candidate.effect} named but not written")
+        for e in left_out
+        if (axis := e.named.candidate.axis) is not None
+    )
+    trial = replace(
+        final,
+        estimates=tuple(e for e in final.estimates if not any(e is x for x in left_out)),
+        unwritten=final.unwritten + left_out,
+        fallbacks=final.fallbacks + given_up,
+    )
+    written = write_files(problem, trial)
+    return written if len(_worse(problem, written[2]["augmented"])) < len(bad) else (final, files, torques)
+
+
+def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
+    """Return the axes on which a model follows the training motion worse than the given robot, with the ratio.
+
+    Asked are the samples that can be judged, and all in motion: a file is used beside reversals too.
+    """
+    worst = np.zeros(problem.robot.joints)
+    for samples in (problem.measured.usable, problem.moving):
+        used = samples & problem.train[:, None]
+        error = np.sum(np.where(used, (problem.measured.torque - torque) ** 2, 0.0), axis=0)
+        given = np.sum(np.where(used, problem.discrepancy**2, 0.0), axis=0)
+        worst = np.maximum(worst, np.sqrt(error / np.maximum(given, 1e-300)) * used.any(axis=0))
+    return {axis: float(worst[axis]) for axis in problem.judged if worst[axis] > problem.settings.not_worse}
