@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, discover, pipeline
 from jointwear.discovery.crossval import positive
 from jointwear.discovery.fallback import left_out_ratio
+from jointwear.discovery.leftovers import unexplained
 from jointwear.discovery.page import body_in_words, lead, write_page
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.discovery.settings import settings_of
@@ -151,3 +152,14 @@ def test_a_load_is_given_as_a_body():
     assert words.startswith("2 kg with its centre of mass at (100, 0, 200) mm in the frame of the last link")
     assert "0.01, 0.02, 0.03 kg m2" in words
     assert body_in_words({"parameters": {"level": {"value": 1.0}}}) == ""
+
+
+def test_one_sample_that_jumps_is_no_structure(found):
+    outcome = found.final.outcome
+    white, axis = outcome.white, 4
+    rows = white.whiteners[axis].rows
+    before = unexplained(outcome)[0]
+    targets = [y.copy() for y in white.targets]
+    targets[axis][np.argmax(white.axis_state(axis).torque[rows, axis])] += 100.0
+    jumped = replace(outcome, white=replace(white, targets=targets))
+    assert [(u.axis, u.argument) for u in unexplained(jumped)[0]] == [(u.axis, u.argument) for u in before]

@@ -203,6 +203,9 @@ def test_baselines(built):
     waiting = choose_baseline(statistics, {"windows": 200})
     assert not waiting.complete
     assert "nothing is judged until 140 more have come" in waiting.words
+    day = choose_baseline(statistics.part(np.arange(HOURS) < 7), {"until": "2026-01-02T00:00:00Z"})
+    assert not day.complete
+    assert "holds 7 windows in 1 shift; 8 windows in 3 shifts are needed" in day.words
     assert choose_baseline(statistics, {"from": "2026-01-01T10:00:00Z", "windows": 20}).mask.nonzero()[0][0] == 10
     with pytest.raises(InputError, match="the logs have no dates"):
         baseline_windows(replace(statistics, dated=False), {"until": "2026-01-02"})

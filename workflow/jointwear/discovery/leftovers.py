@@ -7,7 +7,7 @@ from scipy.special import gammaincc
 
 from jointwear.discovery.acceptance import predictive
 from jointwear.discovery.candidates import LINK_MASS, resolved
-from jointwear.discovery.linear import Term, chi_square
+from jointwear.discovery.linear import Fit, Term, chi_square
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
@@ -16,6 +16,9 @@ from jointwear.discovery.tolerance import with_tolerances
 MOST = 0.5
 #: A basis of structure that is put into the model may be worth this many times the friction of its axis.
 BASIS_SIZE = 2.0
+#: A residual counts as structure with at most this many standard deviations of its noise: one sample that jumps, at a
+#: start or a spike of the log, is no regime, and a regime of many samples loses nothing that decides.
+OUTLYING = 4.0
 
 
 def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]:
@@ -27,7 +30,7 @@ def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]
     """
     problem, white = outcome.problem, outcome.white
     # What a form that is a little off leaves behind is no structure of its own.
-    fit = white.fit(with_tolerances(white, outcome.named))
+    fit = _without_outliers(white.fit(with_tolerances(white, outcome.named)))
     settings = problem.settings
     state = problem.train_state
     found, profile = [], []
@@ -68,6 +71,14 @@ def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
     return found, profile
+
+
+def _without_outliers(fit: Fit) -> Fit:
+    """Return the fit to targets in which no sample lies further than OUTLYING from the model (winsorised, one step)."""
+    excess = [r - np.clip(r, -OUTLYING, OUTLYING) for r in fit.residual]
+    if not any(e.any() for e in excess):
+        return fit
+    return Fit([y - e for y, e in zip(fit.targets, excess, strict=True)], fit.terms)
 
 
 def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> tuple[float, float]:

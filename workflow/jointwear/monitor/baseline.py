@@ -85,13 +85,15 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
         longer[k] = True
         if _enough(statistics, longer):
             words = (
-                f"The baseline holds {int(mask.sum())} windows, too few to know what is normal; it goes on until "
+                f"The baseline holds {int(mask.sum())} windows in {_shift_words(statistics, mask)}, "
+                "too few to know what is normal; it goes on until "
                 f"{moment_words(statistics, float(statistics.end[k]))}. Until then nothing is judged."
             )
             return Baseline(longer, True, words)
     words = (
-        f"The baseline holds {int(longer.sum())} windows; {FEWEST_WINDOWS} windows in {FEWEST_SHIFTS} shifts are "
-        "needed to know what is normal. Nothing is judged until they have come."
+        f"The baseline holds {int(longer.sum())} windows in {_shift_words(statistics, longer)}; "
+        f"{FEWEST_WINDOWS} windows in {FEWEST_SHIFTS} shifts are needed to know what is normal. "
+        "Nothing is judged until they have come."
     )
     return Baseline(longer, False, words)
 
@@ -101,8 +103,18 @@ def _enough(statistics: WindowStatistics, mask: np.ndarray) -> bool:
     seen = mask & (statistics.count.max(axis=1) > 0) if statistics.axes else mask
     if seen.sum() < FEWEST_WINDOWS:
         return False
-    shift = shift_labels(statistics.start, statistics.end, mask)
-    return len(np.unique(shift[seen])) >= FEWEST_SHIFTS
+    return _shifts(statistics, mask, seen) >= FEWEST_SHIFTS
+
+
+def _shifts(statistics: WindowStatistics, mask: np.ndarray, seen: np.ndarray | None = None) -> int:
+    """Return how many shifts the windows `seen` (w,) of a baseline `mask` (w,) lie in; default all of it."""
+    seen = mask if seen is None else seen
+    return len(np.unique(shift_labels(statistics.start, statistics.end, mask)[seen])) if mask.any() else 0
+
+
+def _shift_words(statistics: WindowStatistics, mask: np.ndarray) -> str:
+    count = _shifts(statistics, mask)
+    return f"{count} shift" if count == 1 else f"{count} shifts"
 
 
 def keep_baseline(statistics: WindowStatistics, baseline: Baseline, given: Mapping[str, Any], path: Path) -> None:

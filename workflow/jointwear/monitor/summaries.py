@@ -38,7 +38,7 @@ NAMES = {
 #: Why an axis is not judged, in words, where what was found in reading does not say it.
 REASONS = {
     Reason.NONE: "its friction is too small against the noise, or the motion too one-sided, to be seen",
-    Reason.BASELINE: "it moves in too few windows of the normal period to know what is normal",
+    Reason.BASELINE: "it moves in too few windows or shifts of the normal period to know what is normal",
     Reason.LEARNING: "what is normal is being learnt anew since an event or a step",
     Reason.CONDITIONS: "a program, load or temperature that the normal period did not have",
     Reason.COARSE: "its friction is too small against the noise for the limit to be seen",
