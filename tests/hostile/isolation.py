@@ -26,20 +26,20 @@ class Outcome:
     value: Any
 
 
-def outcome_of(call: Callable[[], Any]) -> Outcome:
-    """Call a function in a forked process; a traceback, a crash and more than :data:`LIMIT` seconds are `broken`."""
+def outcome_of(call: Callable[[], Any], limit: float = LIMIT) -> Outcome:
+    """Call a function in a forked process; a traceback, a crash and more than `limit` seconds are `broken`."""
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
         _answer(call, write)
     os.close(write)
-    end, parts = time.monotonic() + LIMIT, []
+    end, parts = time.monotonic() + limit, []
     with os.fdopen(read, "rb", buffering=0) as pipe:
         while True:
             if not select.select([pipe], [], [], max(0.0, end - time.monotonic()))[0]:
                 os.kill(child, signal.SIGKILL)
                 os.waitpid(child, 0)
-                return Outcome("broken", f"took more than {LIMIT:g} s")
+                return Outcome("broken", f"took more than {limit:g} s")
             part = pipe.read(1 << 16)
             if not part:
                 break

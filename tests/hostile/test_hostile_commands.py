@@ -82,6 +82,22 @@ def test_a_hostile_file_beside_the_command(project, tmp_path, text, words):
     assert words in last_line(done)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--configfile", "mine.yaml"], "runs code"),
+        (["--configfile", "mine.yaml", "--directory", "elsewhere"], "runs code"),
+        (["--config", "seed=1_0"], "digits 0 to 9"),
+        (["--config", "seed=\u0667"], "digits 0 to 9"),
+    ],
+)
+def test_without_the_default_profile_the_snakefile_refuses(project, arguments, words):
+    (project / "mine.yaml").write_text("__use_yte__: true\nseed: 7\n")
+    done = run(project, "--workflow-profile", "none", *arguments)
+    assert done.returncode == 1
+    assert words in last_line(done)
+
+
 def test_the_configuration_of_the_folder_is_read_by_this_workflow_alone(project, tmp_path):
     """Snakemake would evaluate templates; here they are a key that is not known."""
     path = project / "config/config.yaml"

@@ -1,5 +1,6 @@
 """Numbers that no arm can have, and tables that say two things: refused or missing, in logs and in recordings alike."""
 
+import netCDF4
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -120,3 +121,107 @@ def test_a_list_names_one_column_for_each_axis(tmp_path, table):
         load_recording({**entry, "variables": {"torque": ["moment"] * 6}})
     with pytest.raises(InputError, match=r"torque has shape \(200, 1\)"):
         load_recording({**entry, "variables": {"torque": ["torque_1"]}})
+
+
+def packed_log(path, change=lambda data: None, kind="f8"):
+    """Write a log as netCDF through its own library, and change it."""
+    log = make_log(4.0)
+    path.unlink(missing_ok=True)
+    with netCDF4.Dataset(path, "w") as data:
+        data.createDimension("time", len(log.time))
+        data.createDimension("joint", 6)
+        data.createVariable("time", "f8", ("time",))[:] = log.time
+        data["time"].units = "s"
+        data.createVariable("position", "f8", ("time", "joint"))[:] = log.position
+        torque = data.createVariable("torque", kind, ("time", "joint"), fill_value=-32768 if kind == "i2" else None)
+        if kind == "i2":
+            torque.scale_factor, torque.add_offset = 0.01, 5.0
+            stored = np.rint((log.torque - 5.0) / 0.01)
+            stored[3, 2] = -32768
+            torque.set_auto_scale(False)
+            torque[:] = stored
+        else:
+            torque[:] = log.torque
+        change(data)
+    return path
+
+
+@pytest.mark.parametrize("read", [recording, chunk])
+def test_a_packed_number_that_is_marked_as_missing_is_missing(tmp_path, read):
+    found = read(packed_log(tmp_path / "log.nc", kind="i2")).torque
+    assert np.argwhere(np.isnan(found)).tolist() == [[3, 2]]
+
+
+@pytest.mark.parametrize("read", [recording, chunk])
+@pytest.mark.parametrize(
+    ("attribute", "value", "words"),
+    [
+        ("missing_value", "none", "'missing_value' is"),
+        ("scale_factor", np.array([1.0, 2.0]), "'scale_factor' is"),
+        ("add_offset", np.inf, "'add_offset' is"),
+    ],
+)
+def test_an_attribute_that_packs_or_marks_must_be_a_number(tmp_path, read, attribute, value, words):
+    def change(data):
+        data["torque"].setncattr(attribute, value)
+
+    with pytest.raises(InputError, match=words):
+        read(packed_log(tmp_path / "log.nc", change))
+
+
+@pytest.mark.parametrize("read", [recording, chunk])
+def test_several_marks_are_all_missing(tmp_path, read):
+    def change(data):
+        data["torque"][4, 1], data["torque"][5, 1] = 77.0, 88.0
+        data["torque"].setncattr("missing_value", np.array([77.0, 88.0]))
+
+    assert np.isnan(read(packed_log(tmp_path / "log.nc", change)).torque[[4, 5], 1]).all()
+
+
+@pytest.mark.parametrize(("unit", "step"), [("min", 1.2), ("milliseconds", 2e-5), ("us", 2e-8)])
+def test_the_unit_of_time_counts_in_recordings_and_logs(tmp_path, unit, step):
+    def change(data):
+        data["time"].units = unit
+
+    path = packed_log(tmp_path / "log.nc", change)
+    for read in (recording, chunk):
+        if step < 1e-6:
+            with pytest.raises(InputError, match="the time rises by"):
+                read(path)
+        else:
+            assert np.diff(read(path).time[:2])[0] == pytest.approx(step)
+
+
+def test_the_unit_of_time_counts_before_a_date_too(tmp_path):
+    def change(data):
+        data["time"].units = "minutes since 2026-01-01"
+
+    assert np.diff(recording(packed_log(tmp_path / "log.nc", change)).time[:2])[0] == pytest.approx(1.2)
+
+
+@pytest.mark.parametrize("read", [recording, chunk])
+def test_an_unknown_unit_of_time_is_refused(tmp_path, read):
+    def change(data):
+        data["time"].units = "fortnights"
+
+    with pytest.raises(InputError, match="'fortnights' of time is not known"):
+        read(packed_log(tmp_path / "log.nc", change))
+
+
+def test_a_calendar_that_no_controller_keeps_is_refused(tmp_path):
+    def change(data):
+        data["time"].units, data["time"].calendar = "seconds since 2026-01-01", "360_day"
+
+    with pytest.raises(InputError, match="calendar of time is '360_day'"):
+        chunk(packed_log(tmp_path / "log.nc", change))
+
+
+@pytest.mark.parametrize("attribute", ["jointwear_checksum", "result"])
+def test_an_attribute_of_ours_with_several_numbers_is_one_line(tmp_path, attribute):
+    (tmp_path / "results").mkdir()
+
+    def change(data):
+        data.setncattr(attribute, np.array([1, 2]))
+
+    with pytest.raises(InputError, match=r"log\.nc: (was changed|holds the result)"):
+        chunk(packed_log(tmp_path / "results/log.nc", change))

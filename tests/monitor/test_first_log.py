@@ -50,6 +50,15 @@ def test_a_load_alone_refuses_nothing_and_hides_no_flip(tmp_path, mass, turned):
         surveyed(tmp_path, replace(log, position=sign * log.position, torque=sign * loaded))
 
 
+def test_an_axis_at_rest_in_the_first_log_takes_its_dead_band_from_those_that_move(tmp_path):
+    log = make_log(20.0)
+    rest = log.position.copy()
+    rest[:, 5] = 0.3 + 1e-3 * np.sin(2 * np.pi * 0.8 * log.time)
+    moving, still = surveyed(tmp_path, log).dead_band, surveyed(tmp_path, replace(log, position=rest)).dead_band
+    assert still[:5] == pytest.approx(moving[:5])
+    assert still[5] >= min(moving[:5]) > 2 * np.pi * 0.8 * 1e-3
+
+
 @pytest.fixture(scope="module")
 def statistics(tmp_path_factory):
     path = str(write_parquet(tmp_path_factory.mktemp("cold") / "log.parquet", columns(make_log(48.0))))

@@ -56,7 +56,8 @@ def built(tmp_path_factory):
     (folder / "batch.json").write_text(json.dumps({"robots": FLEET}))
     names = ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json")
     files = (folder / name for name in names)
-    (folder / "outbox.json").write_text(json.dumps({"told": {}, "waiting": [{"channel": "shift"}] * 2}))
+    message = {"channel": "shift", "since": NOW, "attempts": 1, "title": "t", "body": "b"}
+    (folder / "outbox.json").write_text(json.dumps({"told": {}, "waiting": [message] * 2}))
     more = {"time_zone": "America/New_York", "now": NOW, "outbox": folder / "outbox.json"}
     summarise_fleet([folder / "batch.json"], folder / "robots", *files, **more)
     return folder

@@ -1,6 +1,7 @@
 """Two files are equal, equal within a tolerance, or different; dates, run times and versions do not count."""
 
 import json
+import time
 
 import numpy as np
 import pytest
@@ -31,10 +32,28 @@ def pair(folder, name, ours, theirs):
         ("1,2.6\n", "1,2.5\n", DIFFERENT),
         ("one,2.5\n", "two,2.5\n", DIFFERENT),
         ("1,2.5\n3\n", "1,2.5\n", DIFFERENT),
+        ("1,2.5\n", "1,1e999\n", DIFFERENT),
+        ("1,2.5\n", "1,٢.٥\n", DIFFERENT),
     ],
 )
 def test_text(tmp_path, ours, theirs, verdict):
     assert pair(tmp_path, "x.csv", ours, theirs).verdict == verdict
+
+
+@pytest.mark.parametrize("theirs", ["1" + "0" * 400, "true", '"1"', "1e400", '1, "x": 2, "x": 1'])
+def test_no_value_of_json_passes_for_another(tmp_path, theirs):
+    assert pair(tmp_path, "x.json", '{"x": 1}', f'{{"x": {theirs}}}').verdict == DIFFERENT
+
+
+@pytest.mark.parametrize(
+    "text", ["<!--", "<![CDATA[", "<a", "</", '<a a="', "<a b='\n", "<script>", "<title></titl", "<?"]
+)
+def test_a_page_of_beginnings_without_ends_takes_no_time(tmp_path, text):
+    """Python's parser would look through the rest of the page at each of them."""
+    begin = time.process_time()
+    assert pair(tmp_path, "x.html", "<html><p>1.5</p></html>", text * 200_000).verdict == DIFFERENT
+    assert pair(tmp_path, "y.html", "<html><p>1.5</p></html>", f"<p {text * 200_000}>").verdict == DIFFERENT
+    assert time.process_time() - begin < 5.0
 
 
 def test_what_varies_in_a_page_does_not_count(tmp_path):

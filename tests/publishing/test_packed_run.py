@@ -1,8 +1,10 @@
 """A crate that somebody hands over: nothing of it runs before it is whole, and no foreign code without consent."""
 
+import errno
 import json
 import os
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -34,6 +36,13 @@ def listing(crate, change):
     sign(crate)
 
 
+def describe(crate, change):
+    """Change the entities of the metadata by a function."""
+    data = json.loads((crate / METADATA).read_text())
+    change(data["@graph"])
+    (crate / METADATA).write_text(json.dumps(data))
+
+
 def test_a_whole_crate_of_this_workflow_is_trusted(crate, own):
     (crate / STAMP).touch()
     check_contents(crate)
@@ -54,10 +63,15 @@ def test_a_whole_crate_of_this_workflow_is_trusted(crate, own):
         (lambda c: (c / FILES).write_text("{"), "cannot be read as JSON"),
         (lambda c: (c / FILES).write_text("[]"), "must hold a mapping"),
         (lambda c: (c / METADATA).write_text('{"@graph": 5}'), "must be a list"),
+        (lambda c: describe(c, lambda graph: graph.append({**graph[1], "sha256": "0" * 64})), "describes .* twice"),
+        (lambda c: describe(c, lambda graph: graph.append({"@id": ["x"], "sha256": "0"})), "by what is no text"),
+        (lambda c: (c / FILES).write_text((c / FILES).read_text()[:-1] + ', "seed": 2}'), "the key 'seed' twice"),
+        (lambda c: (c / "/".join("d" * 60)).mkdir(parents=True), "50 folders inside"),
         (lambda c: listing(c, lambda d: d.update(results={})), "lists no results"),
         (lambda c: listing(c, lambda d: d.update(wanted=[])), "lists no results"),
         (lambda c: listing(c, lambda d: d.update(wanted=5)), "must be a list"),
         (lambda c: listing(c, lambda d: d.pop("seed")), "'seed' is missing"),
+        (lambda c: listing(c, lambda d: d.update(wanted=d["wanted"] * 50_000)), "'wanted' names a file twice"),
         (lambda c: listing(c, lambda d: d["wanted"].append("--snakefile=/tmp/x")), "no file below results"),
         (lambda c: listing(c, lambda d: d["wanted"].append("results/../Snakefile")), "no file below results"),
         (lambda c: listing(c, lambda d: d["wanted"].append("/etc/passwd")), "no file below results"),
@@ -73,8 +87,11 @@ def test_a_crate_that_is_not_what_it_lists_is_refused(crate, own, change, words)
         verify(crate, 1, own=own)
 
 
-@pytest.mark.parametrize("name", ["Snakefile", "workflow/jointwear/__init__.py", "report/index.html.j2"])
+@pytest.mark.parametrize(
+    "name", ["Snakefile", "workflow/jointwear/__init__.py", "report/index.html.j2", "data/registry.yaml"]
+)
 def test_foreign_code_runs_only_with_consent(crate, own, name, monkeypatch):
+    (crate / name).parent.mkdir(exist_ok=True)
     (crate / name).write_text("import os; os.system('touch executed')")
     sign(crate)
     ran = []
@@ -117,6 +134,61 @@ def test_a_broken_archive_is_one_line(crate, tmp_path):
     os.mkfifo(tmp_path / "pipe.zip")
     with pytest.raises(InputError, match="neither a folder nor a zip"), unpacked(tmp_path / "pipe.zip"):
         pass
+
+
+def packed(crate, path, *more, method=zipfile.ZIP_DEFLATED):
+    """Write the crate as a zip file, with further entries (name, content)."""
+    with zipfile.ZipFile(path, "w", method) as file:
+        for name in sorted(p.relative_to(crate).as_posix() for p in crate.rglob("*") if p.is_file()):
+            file.write(crate / name, f"crate/{name}")
+        for name, content in more:
+            file.writestr(zipfile.ZipInfo(name), content, method)
+    return path
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("crate/results/tables/table_v.csv", "table_v.csv' twice"),
+        ("", "without a name"),
+        ("ro-crate-metadata.json", "in 2 places"),
+        ("other/ro-crate-metadata.json", "in 2 places"),
+        ("../outside.txt", "lies outside"),
+        ("crate/../../outside.txt", "lies outside"),
+        ("/tmp/outside.txt", "lies outside"),
+        ("..\\outside.txt", "lies outside"),
+        ("C:\\outside.txt", "lies outside"),
+        ("C:/outside.txt", "lies outside"),
+        ("crate/" + "d/" * 1900 + "x", "50 folders deep"),
+    ],
+)
+def test_names_that_an_archive_must_not_hold(crate, tmp_path, name, words):
+    path = packed(crate, tmp_path / "crate.zip", (name, "x"))
+    with pytest.raises(InputError, match=words), unpacked(path):
+        pass
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
+def test_other_ways_of_packing_are_not_read(crate, tmp_path, method):
+    path = packed(crate, tmp_path / "crate.zip", method=method)
+    with pytest.raises(InputError, match="in another way than deflate"), unpacked(path):
+        pass
+
+
+def test_a_bomb_is_not_unpacked(crate, tmp_path):
+    path = packed(crate, tmp_path / "crate.zip", ("crate/z", bytes(40 << 20)))
+    with pytest.raises(InputError, match="at most 100 times"), unpacked(path):
+        pass
+
+
+def test_more_names_than_a_command_takes_are_one_line(crate, tmp_path, monkeypatch):
+    def refuse(*arguments, **more):
+        raise OSError(errno.E2BIG, os.strerror(errno.E2BIG))
+
+    monkeypatch.setattr(recomputation.subprocess, "run", refuse)
+    with pytest.raises(InputError, match="cannot be started"):
+        recomputation.recompute(crate, tmp_path / "run", 1)
 
 
 def test_what_was_made_and_is_not_listed_counts_against_the_crate(crate, tmp_path):

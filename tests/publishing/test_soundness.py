@@ -63,6 +63,8 @@ def test_whole_results_are_published(project, tmp_path):
         (lambda r: (r / "results/tables/a.csv").write_text("a,b\n1,3\n"), "changed after later jobs had read it"),
         (lambda r: cut(r / "results/tables/a.csv", 7), "cut or damaged"),
         (lambda r: cut(r / PAGE, 5), "its end is missing"),
+        (lambda r: unrecorded(r, "results/tables/a.csv"), r"a\.csv: there is no sound record"),
+        (lambda r: unrecorded(r, PAGE), "there is no sound record"),
         (lambda r: cut(r / "results/report/summary.json", 4), "cannot be read as JSON"),
     ],
 )
@@ -82,6 +84,11 @@ def crate_checks(project):
 
 def cut(path, size):
     path.write_bytes(path.read_bytes()[:size])
+
+
+def unrecorded(root, name):
+    """Damage the record of how a result was made."""
+    cut(root / ".snakemake/metadata" / base64.b64encode(name.encode()).decode(), 20)
 
 
 def flip(path):

@@ -49,3 +49,17 @@ def test_a_long_motion_is_the_sum_of_its_pieces():
     flange, end = FlangeLoad(ROBOT), slice(BLOCK - 2, None)
     assert np.array_equal(flange.unit(*motion)[:, end], flange.unit(*motion[:, end]))
     assert np.array_equal(flange.torque(*motion, moments)[:, end], flange.torque(*motion[:, end], moments[end]))
+
+
+def test_a_robot_with_one_joint(tmp_path):
+    inertial = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" iyz="0" ixz="0"/></inertial>'
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="arm"><link name="base"/><link name="arm">{inertial}</link><joint name="j" type="revolute">'
+        '<parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" effort="5" velocity="1"/></joint></robot>'
+    )
+    (tmp_path / "arm.yaml").write_text("name: arm\nurdf: arm.urdf\n")
+    unit = FlangeLoad(load_robot(tmp_path / "arm.yaml")).unit(*np.zeros((3, 4, 1)))
+    assert unit.shape == (2, 4, 4, 1)
+    # One kilogram metre along x, about y, upright: gravity times one.
+    assert unit[0, :, 1, 0] == pytest.approx(-9.81)

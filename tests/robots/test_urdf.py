@@ -50,6 +50,7 @@ def test_a_sound_arm_is_read_and_built(tmp_path):
     assert sum(body.mass for body in arm.model.inertias) == pytest.approx(3.37)
 
 
+MANY = " ".join(f'a{i}="1"' for i in range(200))
 NUMBERS = ["1,37", "1.37kg", "nan", "", "inf", "1e999", "0x10", "1_0", "१", "1.37 ", "1.37\n", "1e30", "-1.37"]
 
 
@@ -88,6 +89,16 @@ def test_a_mass_that_is_no_number_is_refused_not_left_out(tmp_path, text):
         ('type="revolute"', 'type="revolut"', ["'shoulder' (revolut)", "revolute and continuous"]),
         ('name="elbow"', 'name="shoulder"', ["two joints have the name 'shoulder'"]),
         ('name="lower"', 'name="upper"', ["two links have the name 'upper'"]),
+        ('effort="5" ', "", ["joint 'shoulder'", "<limit> has no 'effort'"]),
+        ('velocity="1"', 'velocity="-1"', ["joint 'shoulder'", "velocity of -1"]),
+        ('effort="5"', 'effort="5\u00a0"', ["'effort' of <limit>", "decimal point"]),
+        ("<axis", '<axis xyz="1 0 0"/><axis', ["joint 'shoulder' has 2 <axis>"]),
+        ("<limit", '<child link="lower"/><limit', ["joint 'shoulder' has 2 <child>"]),
+        ("<mass", '<origin xyz="5 5 5"/><mass', ["link 'upper' has 2 <origin>"]),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 1e-300 0"/>', ["joint 'shoulder'", "1e-06 to 1e+06", "nearest 1"]),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 1e18 0"/>', ["joint 'shoulder'", "1e-06 to 1e+06"]),
+        ('<?xml version="1.0"?>', '<?xml version="1.0" encoding="cp037"?>', ["declares the encoding 'cp037'", "utf-8"]),
+        ('<robot name="arm">', f'<robot name="arm" {MANY}>', ["201 attributes"]),
         ('<robot name="arm">', "", ["not valid XML"]),
     ],
 )
@@ -102,6 +113,29 @@ def test_what_is_wrong_with_a_urdf_is_said_in_one_line(tmp_path, old, new, words
     assert "\n" not in message
     for word in ["arm.urdf", *words]:
         assert word in message
+
+
+def test_a_robot_without_mass_is_refused(tmp_path):
+    empty = ['<link name="upper"/>', '<link name="lower"/>']
+    parts = [part for part in ARM if "<inertial>" not in part] + empty
+    with pytest.raises(InputError, match="no link that moves has a mass"):
+        read_robot_file(write(tmp_path, parts))
+    assert read_robot_file(write(tmp_path, parts, "inertia_check: none\n"))
+
+
+def test_a_chain_that_would_end_the_process_is_refused(tmp_path):
+    count = 10_000
+    welded = [f'<link name="l{i}"/>' for i in range(count)]
+    welds = [joint(f"w{i}", f"l{i - 1}" if i else "lower", f"l{i}", "fixed", "") for i in range(count)]
+    with pytest.raises(InputError, match=r"10003 links .*at most 1000"):
+        read_robot_file(write(tmp_path, [*ARM, *welded, *welds]))
+
+
+def test_more_joints_than_a_configuration_can_name_are_refused(tmp_path):
+    links = [link(f"l{i}") for i in range(70)]
+    joints = [joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}") for i in range(70)]
+    with pytest.raises(InputError, match=r"70 moving joints .*at most 64"):
+        read_robot_file(write(tmp_path, [ARM[0], *links, *joints]))
 
 
 def test_a_circle_behind_the_base_ends(tmp_path):

@@ -107,3 +107,13 @@ def test_a_profile_that_was_copied_finds_the_library(tmp_path):
     command = [sys.executable, "-m", "snakemake", "-n", "--configfile", "x.yaml"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
     assert "jointwear: x.yaml: line 1: an anchor holds itself" in done.stderr
+
+
+def test_files_count_where_snakemake_has_found_them(tmp_path):
+    """After --directory a name of the command line is not where it was."""
+    path = tmp_path / "mine.yaml"
+    path.write_text("__use_yte__: true\n")
+    with pytest.raises(SystemExit) as ended:
+        check_command_line(["--configfile", "mine.yaml"], [path])
+    assert f"{path}: '__use_yte__'" in str(ended.value.code)
+    check_command_line(["--configfile", "nowhere.yaml"], [])

@@ -12,6 +12,7 @@ sys.path.insert(0, str(LIBRARY))
 sys.modules.setdefault("pandas", None)
 
 from jointwear.running.closing import closing_lines
+from jointwear.running.command_line import check_command_line
 from jointwear.running.configuration import (
     check_experiment,
     layer_files,
@@ -25,9 +26,18 @@ from jointwear.running.modules import imported_by, lend_to_children
 from jointwear.running.shipped import shipped, shipped_glob
 from jointwear.running.stale_lock import clear_stale_lock, note_run
 
+# Without the default profile this is the first look at what Snakemake was given; it has read the files by now, and
+# what made it hang is not caught (docs/decisions/checked_before_snakemake.md). Another workflow answers for its own.
+OURS = (LIBRARY.parent / "Snakefile").resolve()
+if workflow.is_main_process and Path(workflow.main_snakefile).resolve() == OURS:
+    check_command_line(sys.argv[1:], workflow.overwrite_configfiles)
 lend_to_children()
 if workflow.is_main_process and clear_stale_lock(Path.cwd()):
     print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
+if workflow.local_exec:
+    # Under a rate limit every finished job makes Snakemake look at all ready jobs once a second more, on a core that
+    # jobs could use. There is no queue to protect here.
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 
 
 BEGIN = time.time()

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.errors import InputError
+from jointwear.files.errors import InputError, shown
 from jointwear.files.regular_files import read_text
 from jointwear.files.text_files import replace_text
 
@@ -53,7 +53,7 @@ def read_json(path: str | Path, kind: type = dict) -> Any:
     Raises
     ------
     InputError : naming the file, if it is missing, truncated, not JSON, holds another kind of value, or NaN or
-        infinity, which JSON does not have, or was changed since it was written.
+        infinity, which JSON does not have, or a key twice, or was changed since it was written.
     """
     data = parse_json(read_text(path, LARGEST_JSON), path, kind)
     if isinstance(data, dict) and CHECKSUM in data and data.pop(CHECKSUM) != _checksum(data):
@@ -64,7 +64,7 @@ def read_json(path: str | Path, kind: type = dict) -> Any:
 def parse_json(text: str, name: object, kind: type = dict) -> Any:
     """Read JSON text as :func:`read_json` reads a file; `name` is what a message calls it."""
     try:
-        data = json.loads(text, parse_constant=_refuse, parse_float=_finite)
+        data = json.loads(text, parse_constant=_refuse, parse_float=_finite, object_pairs_hook=_mapping)
     except RecursionError:
         raise InputError(f"{name}: is nested too deeply") from None
     except ValueError as error:
@@ -72,6 +72,16 @@ def parse_json(text: str, name: object, kind: type = dict) -> Any:
     if not isinstance(data, kind):
         wanted = {dict: "a mapping", list: "a list"}.get(kind, kind.__name__)
         raise InputError(f"{name}: must hold {wanted}, holds {type(data).__name__}; delete it and run again")
+    return data
+
+
+def _mapping(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a mapping; of a key that is given twice one reader takes the first value and another the last."""
+    data = dict(pairs)
+    if len(data) < len(pairs):
+        seen: set[str] = set()
+        twice = next(key for key, _ in pairs if key in seen or seen.add(key))
+        raise ValueError(f"holds the key {shown(twice)} twice")
     return data
 
 

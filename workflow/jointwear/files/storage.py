@@ -19,7 +19,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 
-from jointwear.files.errors import InputError
+from jointwear.files.errors import InputError, shown
 from jointwear.files.regular_files import check_regular
 from jointwear.files.text_files import remove, unwritable
 
@@ -235,12 +235,12 @@ def _check_identity(dataset: netCDF4.Dataset, path: Path) -> None:
         size = math.prod(variable.shape) * getattr(variable.dtype, "itemsize", 1)
         if size > room:
             raise InputError(f"{path}: variable '{name}' declares {size} bytes, more than a file of its size can hold")
-    if CHECKSUM in dataset.ncattrs() and dataset.getncattr(CHECKSUM) != _checksum(dataset):
+    if CHECKSUM in dataset.ncattrs() and str(dataset.getncattr(CHECKSUM)) != _checksum(dataset):
         raise InputError(f"{path}: was changed or damaged since it was written; delete it and run again")
     here = _own_name(path).get(NAME)
     written = dataset.__dict__.get(NAME)
-    if here is not None and written is not None and written != here:
-        raise InputError(f"{path}: holds the result '{written}', not its own; delete it and run again")
+    if here is not None and written is not None and str(written) != here:
+        raise InputError(f"{path}: holds the result {shown(str(written))}, not its own; delete it and run again")
 
 
 def read_variables(path: str | Path, *names: str) -> list[np.ndarray]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.measurement.timestamps import LATEST
 
 #: Sizes beyond which a number is none that an arm can have.
 ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
@@ -14,8 +15,6 @@ ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, 
 LARGEST_LABEL = 2**31 - 1
 #: Time from sample to sample [s]: no drive closes its loop in a microsecond, and in a minute an arm has done its work.
 SHORTEST_STEP, LONGEST_STEP = 1e-6, 60.0
-#: Latest time [s], the year 2286 on a clock that counts from 1970.
-LATEST = 1e10
 #: [degC]
 ABSOLUTE_ZERO = -273.15
 

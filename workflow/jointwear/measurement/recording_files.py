@@ -17,6 +17,7 @@ from jointwear.files.storage import Variable, open_dataset, read_attribute, read
 from jointwear.measurement.formats import Layout, read_log
 from jointwear.measurement.formats.arrow import holds_numbers
 from jointwear.measurement.formats.chunk import check_count, numbered_columns
+from jointwear.measurement.formats.netcdf import floats
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.possible import LARGEST_LABEL, check_clock, possible, without_sentinels
 from jointwear.measurement.recording import Recording
@@ -132,10 +133,7 @@ def _from_netcdf(
                         f"(it has: {', '.join(dataset.variables)})"
                     )
                 continue
-            values = read_variable(dataset, path, variable)
-            if values.dtype.kind not in "iuf":
-                raise InputError(f"{path}: variable '{variable}' for {role} does not hold numbers")
-            values = values.astype(float)
+            values = floats(path, dataset.variables[variable], read_variable(dataset, path, variable))
             dimensions = 1 if role in ("time", "trajectory") else 2
             if values.ndim != dimensions and not (role == "temperature" and values.ndim == 1):
                 raise InputError(f"{path}: '{variable}' has {values.ndim} dimensions; {role} needs {dimensions}")

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
 
 ROLES = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature")
 #: Factor (and offset) that turns a unit into the project's, by role.
 UNITS: dict[str, dict[str, tuple[float, float]]] = {
-    "time": {"s": (1.0, 0.0), "ms": (1e-3, 0.0), "us": (1e-6, 0.0), "ns": (1e-9, 0.0), "h": (3600.0, 0.0)},
+    "time": {
+        name: (seconds, 0.0)
+        for name, seconds in {
+            "s": 1.0,
+            "ms": 1e-3,
+            "us": 1e-6,
+            "ns": 1e-9,
+            "min": 60.0,
+            "h": 3600.0,
+            "d": 86400.0,
+        }.items()
+    },
     "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
     "position": {"rad": (1.0, 0.0), "deg": (np.pi / 180, 0.0)},
     "velocity": {"rad/s": (1.0, 0.0), "deg/s": (np.pi / 180, 0.0)},
@@ -24,7 +35,9 @@ SPELLINGS = {
     "millisecond": "ms", "msec": "ms", "microseconds": "us", "nanoseconds": "ns", "µs": "us",
     "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
     "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
-    "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s",
+    "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s", "": "s",
+    "minute": "min", "minutes": "min", "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
+    "microsecond": "us", "usec": "us", "nanosecond": "ns", "nsec": "ns",
 }  # fmt: skip
 
 
@@ -38,12 +51,16 @@ def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.
     if unit is None:
         return values
     known = UNITS[role]
-    plain = SPELLINGS.get(str(unit).strip(), str(unit).strip())
+    plain = str(unit).strip()
+    if role == "time":
+        # The length counts here; a date that the time counts from is the reader's matter.
+        plain = plain.split(" since ")[0].strip()
+    plain = SPELLINGS.get(plain, plain)
     if plain not in known:
-        if role in ("time", "trajectory"):
-            return values
+        if role == "trajectory":
+            return values  # labels, whatever they are said to be
         raise InputError(
-            f"data set '{name}': unit '{unit}' of {role} is not known{nearest(plain, known)} "
+            f"data set '{name}': unit {shown(str(unit))} of {role} is not known{nearest(plain, known)} "
             f"(allowed: {', '.join(known)})"
         )
     factor, offset = known[plain]

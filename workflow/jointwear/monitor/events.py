@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from jointwear.files.errors import InputError
-from jointwear.measurement.timestamps import utc_seconds
+from jointwear.files.errors import InputError, shown
+from jointwear.measurement.timestamps import LATEST, moment_of
 
 KINDS = ("service", "sensor", "program", "acknowledged")
 
@@ -37,11 +37,11 @@ def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
     events = []
     for k, given in enumerate(entry.get("events") or ()):
         try:
-            time = float(given["time"]) if isinstance(given["time"], (int, float)) else utc_seconds(given["time"])
+            time = moment_of(given["time"])
         except (KeyError, ValueError):
             raise InputError(
-                f"config: 'events[{k}].time' is {given.get('time')!r}; allowed: ISO 8601, as 2026-02-01T06:00:00Z, "
-                "or seconds for logs without a date"
+                f"config: 'events[{k}].time' is {shown(given.get('time'))}; allowed: ISO 8601, as "
+                f"2026-02-01T06:00:00Z, or seconds for logs without a date (at most {LATEST:g} in size)"
             ) from None
         axes = tuple(int(a) - 1 for a in given.get("axes") or ())
         events.append(Event(time, axes, given.get("kind", "service"), given.get("note", "")))

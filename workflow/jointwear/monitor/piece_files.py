@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.errors import InputError
 from jointwear.files.json_documents import parse_json
-from jointwear.files.storage import open_dataset
+from jointwear.files.storage import open_dataset, read_attribute
 from jointwear.monitor.assembly import Piece
 from jointwear.monitor.window_files import read_statistics, write_statistics
 from jointwear.monitor.windows import PER_WINDOW, WindowStatistics
@@ -57,9 +58,13 @@ def read_pieces(path: str | Path) -> list[Piece]:
     """
     statistics = read_statistics(path)
     with open_dataset(path) as dataset:
-        logs, refused = (parse_json(str(text), path, list) for text in (dataset.logs, dataset.refused))
-        first, last = np.atleast_1d(dataset.first), np.atleast_1d(dataset.last)
-        edges = np.concatenate([[0], np.cumsum(np.atleast_1d(dataset.rows))])
+        logs, refused = (
+            parse_json(str(read_attribute(dataset, path, name)), path, list) for name in ("logs", "refused")
+        )
+        first, last, rows = (np.atleast_1d(read_attribute(dataset, path, name)) for name in ("first", "last", "rows"))
+    edges = np.concatenate([[0], np.cumsum(rows)])
+    if not len(logs) == len(refused) == len(first) == len(last) == len(rows) or edges[-1] != statistics.windows:
+        raise InputError(f"{path}: its logs and windows do not belong together; delete it and run again")
     return [
         Piece(log, statistics.part(slice(a, b)), float(begin), float(end), tuple(told))
         for log, (a, b), begin, end, told in zip(logs, pairwise(edges.tolist()), first, last, refused, strict=True)

@@ -19,7 +19,7 @@ from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.json_documents import read_json
 from jointwear.files.patterns import matches
 from jointwear.measurement.log_kinds import FORMATS, log_format
-from jointwear.measurement.timestamps import utc_seconds
+from jointwear.measurement.timestamps import LATEST, moment_of
 from jointwear.monitor.events import events_of
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 
@@ -168,14 +168,13 @@ def check_robots(config: Mapping[str, Any]) -> None:
         if not {"until", "windows"} & set(baseline):
             raise InputError(f"config: '{where}.baseline' must hold 'until' or 'windows'")
         for key in ("from", "until"):
-            if isinstance(baseline.get(key), str):
-                try:
-                    utc_seconds(baseline[key])
-                except ValueError:
-                    raise InputError(
-                        f"config: '{where}.baseline.{key}' is {baseline[key]!r}; allowed: ISO 8601, as "
-                        "2026-01-15T00:00:00Z, or seconds for logs without a date"
-                    ) from None
+            try:
+                moment_of(baseline.get(key, 0))
+            except ValueError:
+                raise InputError(
+                    f"config: '{where}.baseline.{key}' is {shown(baseline[key])}; allowed: ISO 8601, as "
+                    f"2026-01-15T00:00:00Z, or seconds for logs without a date (at most {LATEST:g} in size)"
+                ) from None
 
 
 def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict[str, str]]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from jointwear.files.errors import InputError, shown
+from jointwear.files.json_documents import read_json
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.condition import CHANGED, UNJUDGED, AxisCondition, axis_conditions, robot_episodes, urgency
@@ -20,6 +24,30 @@ NOTHING: dict[str, Any] = {
 }  # fmt: skip
 #: Refusals that a row tells in words; the page of the robot has all.
 TOLD_REFUSALS = 3
+
+
+def rows_of(path: str | Path, keys: Iterable[str] = NOTHING) -> list[dict[str, Any]]:
+    """Return the rows of robots that a JSON file of the fleet holds; `keys`: what they must have besides the names.
+
+    Raises
+    ------
+    InputError : naming the file and the row, if one is none.
+    """
+    rows = read_json(path).get("robots")
+    if not isinstance(rows, list):
+        raise InputError(f"{path}: has no rows of robots; delete it and run again")
+    wanted = {"robot": "", "folder": "", "result": "", **{key: NOTHING.get(key) for key in keys}}
+    for number, row in enumerate(rows, start=1):
+        if not isinstance(row, dict):
+            raise InputError(f"{path}: row {number} is {shown(row)}, must be a mapping; delete it and run again")
+        for key, sound in wanted.items():
+            if key not in row or (isinstance(sound, (str, list)) and not isinstance(row[key], type(sound))):
+                raise InputError(f"{path}: row {number} has no sound '{key}'; delete it and run again")
+        if row["folder"] != Path(row["folder"]).name:
+            raise InputError(
+                f"{path}: row {number}: 'folder' is {shown(row['folder'])}, no name; delete it and run again"
+            )
+    return rows
 
 
 def standing(state: RobotState) -> dict[str, Any]:

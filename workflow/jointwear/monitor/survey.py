@@ -31,6 +31,9 @@ SLOWEST_RATE = 10.0
 HIGHEST_CUTOFF = 40.0
 #: Dead band: this many standard deviations of the velocity's noise, this share of the fast speed, and this [rad/s].
 NOISE, SHARE, LEAST = 5.0, 0.02, 1e-3
+#: Travel [rad] of the first log up to which an axis counts as at rest in it: brakes, servo and wind move it less, and
+#: a program that moves an axis moves it further.
+AT_REST = 0.05
 #: Length of a block in times that the noise remembers, and fewest blocks in the motion of a window.
 BLOCK_TIMES, FEWEST_BLOCKS = 5.0, 30
 
@@ -168,6 +171,11 @@ def _dead_band(motion: Motion, noise: np.ndarray, given: Any) -> np.ndarray:
         return np.broadcast_to(np.asarray(given, dtype=float), (n,)).copy()
     speed = np.where(motion.usable, np.abs(motion.velocity), np.nan)
     fast = np.array([np.nanquantile(s, 0.95) if np.isfinite(s).any() else 0.0 for s in speed.T])
+    position = np.where(motion.usable, motion.position, np.nan)
+    moves = np.array([np.isfinite(q).any() and np.nanmax(q) - np.nanmin(q) > AT_REST for q in position.T])
+    if moves.any():
+        # What an axis at rest does in this log is no motion of it: its own speed says nothing of how it moves later.
+        fast[~moves] = np.median(fast[moves])
     return np.maximum.reduce([NOISE * noise, SHARE * fast, np.full(n, LEAST)])
 
 

@@ -32,7 +32,8 @@ class FlangeLoad:
         self._steps = []
         for joint in range(1, model.njoints):
             place = model.jointPlacements[joint]
-            twist = pin.getJointJacobian(model, data, joint, pin.LOCAL)[:, joint - 1]
+            # Of a robot with one joint, Pinocchio gives a vector.
+            twist = pin.getJointJacobian(model, data, joint, pin.LOCAL).reshape(6, -1)[:, joint - 1]
             self._steps.append((place.rotation, place.translation, twist[3:], twist[:3]))
         frame = pin.SE3.Identity() if robot.urdf is not None else model.frames[model.getFrameId(TIP)].placement
         self._tip = (frame.rotation, frame.translation)

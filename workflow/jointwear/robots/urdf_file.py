@@ -22,6 +22,20 @@ from jointwear.robots.urdf_tree import Joint, chain_of, name_of, read_joints, we
 LARGEST_URDF = 16 << 20
 #: Deepest nesting of elements; URDF itself has five levels, extensions for simulators a few more.
 DEEPEST = 50
+#: Most links, and most attributes of an element: the parser behind Pinocchio calls itself at each link behind another,
+#: and compares each attribute with all others. A humanoid has a hundred links, an element six attributes.
+MOST_LINKS, MOST_ATTRIBUTES = 1000, 100
+#: Most moving joints, as many as a configuration can name axes; Pinocchio's memory grows with their cube.
+MOST_JOINTS = 64
+#: Encodings in which a digit is the byte that the parser behind Pinocchio takes it for, whatever the file declares.
+ENCODINGS = ("utf-8", "us-ascii", "ascii", "iso-8859-1", "iso-8859-15", "windows-1252")
+_DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([^"']*)""")
+#: Size of the largest number of an axis, which URDF wants normalised: beyond, its length is lost in rounding.
+AXIS_SIZES = (1e-6, 1e6)
+#: Parts that a joint and an inertial have once at most: of two, one reader takes the first, another the last.
+_ONCE = ("origin", "axis", "parent", "child", "limit", "dynamics", "mimic", "mass", "inertia")
+#: White space of XML; more counts as such in Python.
+_BLANKS = " \t\r\n"
 #: Number as XML Schema has it (xs:double) without its NaN and INF, which is what URDF readers take.
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 #: Attributes that hold numbers, by element, each with how many.
@@ -52,6 +66,8 @@ class _Builder(ElementTree.TreeBuilder):
         self._depth += 1
         if self._depth > DEEPEST:
             raise InputError(f"is nested more than {DEEPEST} levels deep")
+        if len(attrs) > MOST_ATTRIBUTES:
+            raise InputError(f"has {len(attrs)} attributes in <{tag}> (allowed: at most {MOST_ATTRIBUTES})")
         return super().start(tag, attrs)
 
     def end(self, tag: str) -> ElementTree.Element:
@@ -78,12 +94,19 @@ def read_urdf_joints(path: Path, check_inertia: bool = True) -> list[dict[str, A
         _check_mass(path, name, element)
     joints = read_joints(path, root, links)
     chain = chain_of(path, links, joints)
+    if len(chain) > MOST_JOINTS:
+        raise InputError(f"{path}: has {len(chain)} moving joints (allowed: at most {MOST_JOINTS})")
     if check_inertia:
         # What does not move has no part in the torques.
         still = welded(chain[0].parent, joints)
-        for name, element in links.items():
-            if name not in still:
-                _check_inertia(path, name, element)
+        moving = {name: element for name, element in links.items() if name not in still}
+        for name, element in moving.items():
+            _check_inertia(path, name, element)
+        if not any(e.find("inertial") is not None and _mass(e) for e in moving.values()):
+            raise InputError(
+                f"{path}: no link that moves has a mass, so that no torque follows from it; add <inertial>, or let the "
+                "robot file say 'inertia_check: none'"
+            )
     return [_entry(path, joint) for joint in chain]
 
 
@@ -99,7 +122,12 @@ def moving_mass(path: Path) -> float:
 def _parse(path: Path) -> ElementTree.Element:
     check_regular(path, LARGEST_URDF)
     try:
-        root = ElementTree.parse(path, ElementTree.XMLParser(target=_Builder())).getroot()
+        data = path.read_bytes()
+        declared = _DECLARED.match(data.lstrip())
+        if declared and declared[1].decode("ascii", "replace").lower() not in ENCODINGS:
+            name = shown(declared[1].decode("ascii", "replace"))
+            raise InputError(f"declares the encoding {name} (allowed: {', '.join(ENCODINGS)})")
+        root = ElementTree.fromstring(data, ElementTree.XMLParser(target=_Builder()))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except ElementTree.ParseError as error:
@@ -115,7 +143,7 @@ def _parse(path: Path) -> ElementTree.Element:
 
 
 def _number(path: Path, where: str, text: str, largest: float, may_trail: bool = True) -> None:
-    if not _NUMBER.fullmatch(text.strip() if may_trail else text.lstrip()):
+    if not _NUMBER.fullmatch(text.strip(_BLANKS) if may_trail else text.lstrip(_BLANKS)):
         raise InputError(f"{path}: {where} is {shown(text)}, must be a finite number with a decimal point and no unit")
     if abs(float(text)) > largest:
         raise InputError(f"{path}: {where} is {shown(text)}, out of range (allowed: at most {largest:g} in size)")
@@ -126,7 +154,13 @@ def _check_numbers(path: Path, root: ElementTree.Element) -> None:
     for owner in root:
         if owner.tag not in ("link", "joint"):
             continue
-        parts = [*owner, *(inner for inertial in owner.findall("inertial") for inner in inertial)]
+        inertial = [inner for part in owner.findall("inertial") for inner in part]
+        parts = [*owner, *inertial]
+        once = [part.tag for part in (inertial if owner.tag == "link" else owner) if part.tag in _ONCE]
+        twice = next((tag for tag in once if once.count(tag) > 1), None)
+        if twice and len(owner.findall("inertial")) < 2:
+            name = owner.get("name")
+            raise InputError(f"{path}: {owner.tag} '{name}' has {once.count(twice)} <{twice}>, must have one")
         for element in parts:
             for key, count in _NUMBERS.get(element.tag, {}).items():
                 text = element.get(key)
@@ -151,6 +185,8 @@ def _links(path: Path, root: ElementTree.Element) -> dict[str, ElementTree.Eleme
         found[name] = element
     if not found:
         raise InputError(f"{path}: has no links")
+    if len(found) > MOST_LINKS:
+        raise InputError(f"{path}: has {len(found)} links (allowed: at most {MOST_LINKS})")
     return found
 
 
@@ -194,16 +230,27 @@ def _entry(path: Path, joint: Joint) -> dict[str, Any]:
     element = joint.element
     entry: dict[str, Any] = {"name": joint.name}
     axis = element.find("axis")
-    if axis is not None and not any(float(x) for x in axis.get("xyz", "1 0 0").split()):
-        raise InputError(f"{path}: joint '{joint.name}' has the axis 0 0 0; one number must differ from 0")
+    if axis is not None:
+        size = max(abs(float(x)) for x in axis.get("xyz", "1 0 0").split())
+        if size == 0:
+            raise InputError(f"{path}: joint '{joint.name}' has the axis 0 0 0; one number must differ from 0")
+        if not AXIS_SIZES[0] <= size <= AXIS_SIZES[1]:
+            raise InputError(
+                f"{path}: joint '{joint.name}' has the axis {axis.get('xyz')}; its largest number must be "
+                f"{AXIS_SIZES[0]:g} to {AXIS_SIZES[1]:g} in size, nearest 1"
+            )
     limit, dynamics = element.find("limit"), element.find("dynamics")
+    missing = [key for key in ("effort", "velocity") if limit is not None and limit.get(key) is None]
+    if missing:
+        raise InputError(f"{path}: joint '{joint.name}': <limit> has no '{missing[0]}', which URDF asks for")
     values = {key: float(limit.get(key, 0)) for key in _NUMBERS["limit"]} if limit is not None else {}
     if joint.kind == "continuous":
         entry["limits"] = [-2 * math.pi, 2 * math.pi]
     elif values:
         entry["limits"] = [values["lower"], values["upper"]]
-    if values.get("effort", 0) < 0:
-        raise InputError(f"{path}: joint '{joint.name}' has an effort of {values['effort']:g} N m (allowed: >= 0)")
+    for key, what, unit in (("effort", "an effort", "N m"), ("velocity", "a velocity", "rad/s")):
+        if values.get(key, 0) < 0:
+            raise InputError(f"{path}: joint '{joint.name}' has {what} of {values[key]:g} {unit} (allowed: >= 0)")
     if values.get("effort", 0) > 0:
         entry["torque_limit"] = values["effort"]
     if dynamics is not None:

@@ -2,7 +2,7 @@
 
 Snakemake loads and merges the files of ``--configfile`` before it reads the Snakefile. It evaluates templates in them
 (YTE: any Python), expands aliases without a limit, waits for a named pipe, and answers what PyYAML cannot build with a
-traceback. The default profile is read earlier still, and calls this.
+traceback. The default profile is read earlier still, and calls this. So does the Snakefile, for who goes without.
 
 Nothing heavy is imported here.
 """
@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from jointwear.files.documents import check_written_out, read_yaml
 from jointwear.files.errors import InputError, shown
@@ -26,19 +27,20 @@ _ENTRY = re.compile(r"(?P<key>[a-zA-Z_][\w-]*\w)=(?P<text>.*)", re.DOTALL)
 TEMPLATE = "__use_yte__"
 
 
-def check_command_line(arguments: Sequence[str]) -> None:
+def check_command_line(arguments: Sequence[str], files: Sequence[str | Path] | None = None) -> None:
     """Check the files of ``--configfile`` and the values of ``--config``; end the process with one line if one is bad.
 
     Parameters
     ----------
     arguments : what follows the name of the program.
+    files : where Snakemake has found the files by now; default as the arguments name them, seen from here.
 
     Raises
     ------
     SystemExit : with the line that says which file, and what is wrong with it.
     """
     try:
-        for path in _given(arguments, _FILES):
+        for path in _given(arguments, _FILES) if files is None else files:
             if TEMPLATE in read_yaml(path):
                 raise InputError(f"{path}: '{TEMPLATE}' makes a template of it, which runs code; only values are read")
         for text in _given(arguments, _VALUES):

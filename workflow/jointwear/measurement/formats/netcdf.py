@@ -8,11 +8,14 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.storage import open_dataset, read_variable
 from jointwear.measurement.formats.chunk import NEEDED, Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import joined_labels
+
+#: Calendars that a controller can keep; the others of CF are for climate models.
+CALENDARS = ("standard", "gregorian", "proleptic_gregorian")
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
@@ -43,12 +46,13 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             if there[name].dtype == str or there[name].dtype.kind not in "fiu":
                 raise InputError(f"{path}: variable '{name}' for {role} does not hold numbers")
         units = {role: str(there[name].units) for role, name in names.items() if hasattr(there[name], "units")}
-        factor, origin = _date(path, units.get("time", ""))
+        factor, origin = _date(path, there[names["time"]])
         dated = origin is not None
         for start in range(0, count["time"], rows):
             part = slice(start, start + rows)
             values = {
-                role: _floats(there[name], read_variable(dataset, path, name, part)) for role, name in names.items()
+                role: floats(path, there[name], read_variable(dataset, path, name, part))
+                for role, name in names.items()
             }
             if layout.program:
                 labels = [read_variable(dataset, path, name, part) for name in layout.program]
@@ -58,22 +62,53 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             yield make_chunk(path, values, layout, units, dated)
 
 
-def _floats(variable: netCDF4.Variable, values: np.ndarray) -> np.ndarray:
-    """Return the values as floats with what the file marks as missing as NaN, and packed numbers unpacked."""
-    result = np.asarray(values, dtype=float)
-    for mark in ("_FillValue", "missing_value"):
-        if hasattr(variable, mark):
-            result[values == getattr(variable, mark)] = np.nan
+def floats(path: Path, variable: netCDF4.Variable, values: np.ndarray) -> np.ndarray:
+    """Return values as floats, with NaN for what the file marks as missing.
+
+    Packed numbers have been unpacked by the library; the marks have not, and are here.
+
+    Raises
+    ------
+    InputError : if the variable, or what packs or marks it, holds no numbers.
+    """
+    if values.dtype.kind not in "fiu":
+        raise InputError(f"{path}: variable '{variable.name}' does not hold numbers")
+    result = np.array(values, dtype=float)
+    if not result.size:
+        return result
+    (scale,), (offset,) = _attribute(path, variable, "scale_factor", 1.0), _attribute(path, variable, "add_offset", 0.0)
+    for name in ("_FillValue", "missing_value"):
+        for mark in _attribute(path, variable, name):
+            unpacked = mark * scale + offset
+            result[np.abs(result - unpacked) <= ROUNDING * abs(unpacked)] = np.nan
     return result
 
 
-def _date(path: Path, units: str) -> tuple[float, float | None]:
+#: Largest relative difference of a mark and a value that were unpacked in single and in double precision.
+ROUNDING = 1e-6
+
+
+def _attribute(path: Path, variable: netCDF4.Variable, name: str, *default: float) -> np.ndarray:
+    """Return the numbers of an attribute of a variable, at least one where there is a default."""
+    if name not in variable.ncattrs():
+        return np.array(default, dtype=float)
+    found = np.atleast_1d(variable.getncattr(name))
+    if found.dtype.kind not in "fiu" or (default and (found.size != 1 or not np.isfinite(found).all())):
+        raise InputError(f"{path}: variable '{variable.name}': '{name}' is {shown(found.tolist())}, must be a number")
+    return found.astype(float)
+
+
+def _date(path: Path, variable: netCDF4.Variable) -> tuple[float, float | None]:
     """Return the length [s] of the unit and the origin [s since 1970 UTC] of CF time units, or None without a date."""
+    units = str(getattr(variable, "units", ""))
     if " since " not in units:
         return 1.0, None
+    calendar = str(getattr(variable, "calendar", CALENDARS[0]))
+    if calendar.lower() not in CALENDARS:
+        raise InputError(f"{path}: the calendar of time is {shown(calendar)} (allowed: {', '.join(CALENDARS)})")
     try:
         zero, one = netCDF4.num2date([0, 1], units, only_use_cftime_datetimes=False, only_use_python_datetimes=True)
     except (ValueError, OverflowError) as error:
-        raise InputError(f"{path}: the unit '{units}' of time is not known ({error})") from None
+        raise InputError(f"{path}: the unit {shown(units)} of time is not known ({error})") from None
     epoch = (zero - type(zero)(1970, 1, 1)).total_seconds()
     return (one - zero).total_seconds(), epoch

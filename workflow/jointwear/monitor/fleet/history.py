@@ -12,6 +12,7 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from jointwear.files.errors import InputError
+from jointwear.files.regular_files import check_regular
 from jointwear.monitor.state import RobotState
 
 #: Estimates that have a column each and one for the standard deviation; empty where a robot has none.
@@ -92,8 +93,13 @@ def join_histories(parts: Iterable[str | Path], output: str | Path) -> None:
     """
     with _whole(Path(output)) as out:
         for path in parts:
+            check_regular(path)
             try:
-                out.write_table(parquet.read_table(path, schema=SCHEMA))
-            except (OSError, pa.ArrowInvalid) as error:
-                words = str(error).splitlines()[0]
+                with parquet.ParquetFile(path) as file:
+                    same, table = file.schema_arrow.equals(SCHEMA), file.read()
+            except (OSError, pa.ArrowException) as error:
+                words = next(iter(str(error).splitlines()), type(error).__name__)
                 raise InputError(f"{path}: is no history of this version ({words}); delete it and run again") from None
+            if not same:
+                raise InputError(f"{path}: is no history of this version (other columns); delete it and run again")
+            out.write_table(table)

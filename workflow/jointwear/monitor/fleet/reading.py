@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.monitor.assembly import Piece
@@ -28,6 +29,26 @@ SAVE_EVERY = 64
 MOST_FILES = 16
 #: Logs that are tried, the first ones, until one can be surveyed.
 SURVEY_TRIES = 3
+
+_TEXT = {"type": "string"}
+#: Layout of `read.json`; statistics lie in the robot's own folder.
+_RECORD = {
+    "type": "object",
+    "required": ["settings", "code", "judged", "logs"],
+    "properties": {
+        "settings": _TEXT,
+        "code": _TEXT,
+        "judged": _TEXT,
+        "logs": {
+            "type": "object",
+            "additionalProperties": {
+                "type": "object",
+                "required": ["stamp", "file"],
+                "properties": {"stamp": _TEXT, "file": {"type": "string", "pattern": r"^[0-9a-f]{16}(_all)?\.nc$"}},
+            },
+        },
+    },
+}
 
 
 def code_of(script: str) -> str:
@@ -51,8 +72,9 @@ class Readings:
         self._record = own / "read.json"
         try:
             known = read_json(self._record)
-        except (OSError, ValueError):
-            known = {}
+            check(known, _RECORD, self._record)
+        except InputError:
+            known = {}  # everything is read again
         self.settings: str = known.get("settings", "")
         self.code: str = known.get("code", "")
         self.judged: str = known.get("judged", "")

@@ -6,8 +6,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from jointwear.files.errors import InputError
-from jointwear.files.json_documents import read_json, write_json
+from jointwear.files.json_documents import write_json
 from jointwear.monitor.fleet.history import join_histories
 from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import write_fleet_page
@@ -15,6 +14,7 @@ from jointwear.monitor.fleet.ranking import STALE_AFTER_HOURS, as_of, ranked
 from jointwear.monitor.fleet.table import write_table
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.outbox import Outbox
+from jointwear.monitor.standing import rows_of
 
 
 def read_rows(batches: Sequence[str | Path]) -> list[dict]:
@@ -24,13 +24,7 @@ def read_rows(batches: Sequence[str | Path]) -> list[dict]:
     ------
     InputError : naming the file, if one is broken.
     """
-    rows = []
-    for path in batches:
-        try:
-            rows += read_json(path)["robots"]
-        except (KeyError, TypeError) as error:
-            raise InputError(f"{path}: has no rows of robots ({error}); delete it and run again") from None
-    return rows
+    return [row for path in batches for row in rows_of(path)]
 
 
 def summarise_fleet(

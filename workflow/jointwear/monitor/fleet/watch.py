@@ -11,7 +11,8 @@ from typing import Any
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import write_json
-from jointwear.files.text_files import replace_text
+from jointwear.files.regular_files import read_text
+from jointwear.files.text_files import remove, replace_text
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
 from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.plan import digest
@@ -26,6 +27,9 @@ PAGES = 50
 #: Files of a judgement, which a robot that is refused must not leave behind.
 JUDGEMENT = ("state.nc", "alarms.csv", "monitor.html", "history.parquet")
 
+#: Largest mark of whose a folder is: a digest and a line's end. Bytes.
+LARGEST_MARK = 100
+
 
 def own_folder(folder: Path, name: str, entry: Mapping[str, Any]) -> Path:
     """Return the folder of a robot: `folder`/`name`, made if it is not there.
@@ -35,10 +39,18 @@ def own_folder(folder: Path, name: str, entry: Mapping[str, Any]) -> Path:
     whose = digest(list(entry.get("logs", ())))
     for own in (folder / name, folder / f"{name}_{whose[:8]}"):
         mark = own / "whose.txt"
-        if not mark.exists() or mark.read_text(encoding="utf-8").strip() == whose:
+        if not mark.exists() or _text(mark) == whose:
             break
     replace_text(mark, whose + "\n")
     return own
+
+
+def _text(mark: Path) -> str:
+    """Return what a mark says; one that cannot be read belongs to nobody."""
+    try:
+        return read_text(mark, LARGEST_MARK).strip()
+    except InputError:
+        return ""
 
 
 def watch_robot(
@@ -63,10 +75,12 @@ def watch_robot(
     dict : `robot`, `folder`, `result` (judged or refused), `reason` of a refusal or of logs that cannot be reached,
         `logs_read` by this call, and what :func:`~jointwear.monitor.standing.standing` says.
     """
-    own = own_folder(folder, name, entry)
+    own = folder / name
     row = {"robot": name, "folder": own.name, "result": "judged", "logs_read": 0, **NOTHING, "reason": unreachable}
-    readings = Readings(own)
     try:
+        own = own_folder(folder, name, entry)
+        row["folder"] = own.name
+        readings = Readings(own)
         row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows")) if logs else 0
         if not readings.logs:
             raise InputError(unreachable or "there is no log yet")
@@ -94,7 +108,7 @@ def watch_robot(
         traceback.print_exc(file=sys.stderr)
         reason = f"internal error, please report it: {type(error).__name__}: {error}"
     for file in JUDGEMENT:
-        (own / file).unlink(missing_ok=True)
+        remove(own / file)
     refused = {"logs": len(logs), "refused_logs": len(logs)}
     return {**row, **NOTHING, **refused, "result": "refused", "reason": " ".join(reason.split())}
 

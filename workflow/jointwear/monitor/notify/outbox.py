@@ -7,12 +7,44 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.monitor.notify.notices import Notice
 
 #: Lines of a message beyond which the rest is only counted: services refuse long messages.
 MOST_LINES = 40
+
+_TEXT = {"type": "string"}
+_LAYOUT = {
+    "type": "object",
+    "required": ["told", "waiting"],
+    "properties": {
+        "told": {
+            "type": "object",
+            "additionalProperties": {
+                "type": "object",
+                "additionalProperties": {
+                    "type": "object",
+                    "required": ["subject", "active"],
+                    "properties": {"subject": _TEXT, "active": {"type": "boolean"}},
+                },
+            },
+        },
+        "waiting": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["channel", "since", "attempts", "title", "body"],
+                "properties": {
+                    **dict.fromkeys(("channel", "title", "body"), _TEXT),
+                    "since": {"type": "number"},
+                    "attempts": {"type": "integer", "minimum": 0},
+                },
+            },
+        },
+    },
+}
 
 
 @dataclass
@@ -36,8 +68,9 @@ class Outbox:
             return cls(path)
         try:
             known = read_json(path)
-            return cls(path, dict(known["told"]), list(known["waiting"]))
-        except (ValueError, KeyError, TypeError):
+            check(known, _LAYOUT, path)
+            return cls(path, known["told"], known["waiting"])
+        except InputError:
             raise InputError(
                 f"{path}: is damaged or was changed; messages may wait in it: mend it and take out its line "
                 "'checksum', or delete it to begin anew"

@@ -9,12 +9,11 @@ from typing import Any
 
 from prometheus_client import CollectorRegistry, Gauge, write_to_textfile
 
-from jointwear.files.errors import InputError
-from jointwear.files.json_documents import read_json
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.channels import send as send_through
 from jointwear.monitor.notify.notices import notices
 from jointwear.monitor.notify.outbox import Outbox
+from jointwear.monitor.standing import rows_of
 
 
 def notify(
@@ -42,10 +41,7 @@ def notify(
     ------
     InputError : if the rows or the outbox cannot be read.
     """
-    try:
-        found = read_json(rows)["robots"]
-    except KeyError:
-        raise InputError(f"{rows}: has no rows of robots; delete it and run again") from None
+    found = rows_of(rows, ("reason", "dated", "axes", "episodes", "stale", "silence_hours"))
     now = time.time() if now is None else now
     box = Outbox.open(outbox)
     told = notices(found, zone_of(time_zone))

@@ -14,8 +14,9 @@ FILES = "run/files.json"
 PROJECT = (*SOURCES, "requirements")
 PROJECT_FILES = ("pyproject.toml", "CITATION.cff", "LICENSE", "README.md")
 COMMIT = "commit.json"
-#: What runs when the workflow runs: rules, scripts, library, and templates, which may hold expressions.
-CODE = ("Snakefile", "workflow", "report")
+#: What runs when the workflow runs: rules, scripts, library, templates, which may hold expressions, and the registry,
+#: which names addresses to load from and files to write.
+CODE = ("Snakefile", "workflow", "report", "data/registry.yaml")
 #: The page and its numbers, without which there is nothing to verify.
 REPORT = ("results/report/index.html", "results/report/summary.json")
 #: Snakemake's mark on a folder that it made.

@@ -60,7 +60,7 @@ def trace(wanted: Iterable[str], root: str | Path = ".") -> Run:
 
     Raises
     ------
-    InputError : if a wanted file, or a file behind it, is neither there nor recorded.
+    InputError : if a wanted file, or a file behind it, is neither there nor recorded, or is a result without record.
     """
     records = _records(Path(root) / ".snakemake" / "metadata")
     results: dict[str, Made] = {}
@@ -74,6 +74,9 @@ def trace(wanted: Iterable[str], root: str | Path = ".") -> Run:
         if name not in records:
             if not (Path(root) / name).is_file():
                 raise InputError(f"{name}: neither a file nor recorded as a result; run `make reproduce` first")
+            if name.startswith("results/"):
+                # It would pass for a file that the run was given, and what it rests on would be left out.
+                raise InputError(f"{name}: there is no sound record of how it was made; delete it and run again")
             sources.add(name)
             continue
         results[name] = records[name]

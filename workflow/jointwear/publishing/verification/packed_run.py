@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import stat
 import tempfile
@@ -9,17 +10,24 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
 from jointwear.files.documents import check
-from jointwear.files.errors import InputError
+from jointwear.files.errors import InputError, shown
 from jointwear.files.json_documents import read_json
 from jointwear.publishing.crate.layout import CODE, FILES, METADATA, REPORT, STAMP, files_of
 from jointwear.publishing.soundness import checksum
 
 #: Most files of a crate; that of the whole reproduction has about 500.
 MOST_FILES = 100_000
+#: Most folders inside each other; results have six. What walks a tree, and what removes one, calls itself at each.
+DEEPEST = 50
+#: How a zip file may be packed: `zip`, Python and every desktop do no more, and other ways pack a bomb far smaller.
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: Most that a file may unpack to, as a multiple of what it is packed to; text with many digits reaches 10. Files below
+#: :data:`HARMLESS` bytes may be anything.
+LARGEST_RATIO, HARMLESS = 100, 16 << 20
 _SHA256 = "^[0-9a-f]{64}$"
 _LISTING = {
     "type": "object",
@@ -85,10 +93,32 @@ def unpacked(crate: str | Path) -> Iterator[Path]:
 
 
 def _check_size(file: zipfile.ZipFile, folder: str, crate: str | Path) -> None:
+    """Check what an archive says of itself: the number, the names, the packing and the sizes of its files."""
     entries = file.infolist()
     if len(entries) > MOST_FILES:
         raise InputError(f"config: 'crate' is {crate}: holds {len(entries)} files (allowed: at most {MOST_FILES})")
-    size, room = sum(entry.file_size for entry in entries), shutil.disk_usage(folder).free
+    seen: set[str] = set()
+    for entry in entries:
+        name = entry.filename
+        if not name.strip("/"):
+            raise InputError(f"config: 'crate' is {crate}: holds a file without a name")
+        if name in seen:
+            raise InputError(f"config: 'crate' is {crate}: holds {shown(name)} twice")
+        seen.add(name)
+        plain = PureWindowsPath(name)  # knows the separators and drives of all systems
+        if plain.anchor or ".." in plain.parts:
+            raise InputError(f"config: 'crate' is {crate}: names {shown(name)}, which lies outside of it")
+        if name.count("/") > DEEPEST:
+            raise InputError(f"config: 'crate' is {crate}: {shown(name)} lies more than {DEEPEST} folders deep")
+        if entry.compress_type not in METHODS:
+            raise InputError(f"config: 'crate' is {crate}: {shown(name)} is packed in another way than deflate")
+    # As one: entries may share what is packed, so that each alone looks harmless.
+    size, packed = sum(entry.file_size for entry in entries), Path(file.filename).stat().st_size
+    if size > max(HARMLESS, LARGEST_RATIO * packed):
+        raise InputError(
+            f"config: 'crate' is {crate}: {packed} bytes unpack to {size} (allowed: at most {LARGEST_RATIO} times them)"
+        )
+    room = shutil.disk_usage(folder).free
     if size > room // 2:
         raise InputError(f"config: 'crate' is {crate}: unpacks to {size} bytes; {folder} has room for {room}")
 
@@ -97,6 +127,8 @@ def _top(folder: Path, crate: str | Path) -> Path:
     found = sorted([*folder.glob(METADATA), *folder.glob(f"*/{METADATA}")])
     if not found or not (found[0].parent / FILES).is_file():
         raise InputError(f"config: 'crate' is {crate}: holds no {METADATA} with {FILES}; it is no crate of jointwear")
+    if len(found) > 1:
+        raise InputError(f"config: 'crate' is {crate}: holds {METADATA} in {len(found)} places; hand over one crate")
     return found[0].parent
 
 
@@ -113,6 +145,8 @@ def listing(crate: Path) -> dict[str, Any]:
     results, wanted = found["results"], found["wanted"]
     if not results or not wanted:
         raise InputError(f"{path}: lists no results; there is nothing to verify")
+    if len(set(wanted)) < len(wanted):
+        raise InputError(f"{path}: 'wanted' names a file twice")
     for name in (*results, *wanted):
         parts = PurePosixPath(name).parts
         if name != str(PurePosixPath(*parts)) or len(parts) < 2 or parts[0] != "results" or ".." in parts:
@@ -154,18 +188,35 @@ def _described(crate: Path) -> dict[str, dict[str, Any]]:
     graph = read_json(path).get("@graph")
     if not isinstance(graph, list) or not all(isinstance(e, Mapping) for e in graph):
         raise InputError(f"{path}: '@graph' must be a list of entities")
-    return {str(e["@id"]): {"sha256": e["sha256"]} for e in graph if isinstance(e.get("sha256"), str) and e.get("@id")}
+    found: dict[str, dict[str, Any]] = {}
+    for entity in graph:
+        name = entity.get("@id")
+        if not isinstance(entity.get("sha256"), str) or not name:
+            continue
+        if not isinstance(name, str) or name in found:
+            what = "twice" if isinstance(name, str) else "by what is no text"
+            raise InputError(f"{path}: describes the file {shown(name)} {what}")
+        found[name] = {"sha256": entity["sha256"]}
+    return found
 
 
 def _regular_files(crate: Path) -> Iterator[str]:
-    for count, path in enumerate(sorted(crate.rglob("*"))):
-        kind = path.lstat().st_mode
-        if not stat.S_ISDIR(kind) and not stat.S_ISREG(kind):
-            raise InputError(f"{path}: is a link or a special file; a crate holds regular files only")
-        if count > MOST_FILES:
-            raise InputError(f"{crate}: holds more than {MOST_FILES} files")
-        if stat.S_ISREG(kind) and path.name != STAMP:
-            yield path.relative_to(crate).as_posix()
+    """Yield the names of the files of a crate; anything but files and folders is refused."""
+    waiting, count = [(crate, 0)], 0
+    while waiting:
+        folder, depth = waiting.pop()
+        if depth > DEEPEST:
+            raise InputError(f"{crate}: has more than {DEEPEST} folders inside each other")
+        for entry in sorted(os.scandir(folder), key=lambda e: e.name):
+            path, count = folder / entry.name, count + 1
+            if count > MOST_FILES:
+                raise InputError(f"{crate}: holds more than {MOST_FILES} files")
+            if entry.is_dir(follow_symlinks=False):
+                waiting.append((path, depth + 1))
+            elif not entry.is_file(follow_symlinks=False):
+                raise InputError(f"{path}: is a link or a special file; a crate holds regular files only")
+            elif entry.name != STAMP:
+                yield path.relative_to(crate).as_posix()
 
 
 def foreign_code(crate: Path, own: Path) -> list[str]:

@@ -44,7 +44,10 @@ def recompute(crate: Path, folder: Path, cores: int) -> None:
     command = [sys.executable, "-m", "snakemake", "--cores", str(cores), "--configfile", CONFIG]
     # Behind the dashes a name is a file, whatever it looks like.
     command += ["--", *listing(crate)["wanted"]]
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    except OSError as error:  # more names than a command line takes
+        raise InputError(f"crate {crate}: the run cannot be started ({error.strerror})") from None
     if done.returncode:
         last = " | ".join((done.stdout + done.stderr).splitlines()[-12:])
         raise InputError(f"crate {crate}: the run failed: {last[-1500:]}")
