@@ -56,6 +56,28 @@ def test_mass_and_switches_are_found_whatever_the_friction(motion, mass, begin, 
     assert np.mean(load.carried == carried) > 0.97
 
 
+def test_a_load_does_not_turn_on_round_off_where_gravity_does_not_act(motion):
+    velocity, unit = motion[1], motion[3]
+    random = np.random.default_rng(3)
+    carried = np.arange(300) >= 120
+    torque = np.einsum("smkn,k->mn", unit, [4.0, 0.0, 0.0, 0.2]) * carried[:, None]
+    torque = torque + 0.2 * random.standard_normal(velocity.shape)
+    model = random.standard_normal((6, 2, 300))
+    # The last moment has no torque but round-off, as has the gravity of the first axis.
+    hidden = unit.sum(axis=0)
+    hidden[:, 3] = 0.0
+    loads = []
+    for noise in (0.0, 1e-16, -3e-16):
+        model[0, 0] = noise * random.standard_normal(300)
+        hidden[:, 2] = noise * random.standard_normal((300, 6))
+        columns = np.concatenate([columns_of(velocity), model], axis=1)
+        loads.append(find_load(torque, columns, hidden, np.abs(velocity) > 0.02, STEP))
+    for load in loads:
+        assert load.moments[2:] == pytest.approx([0.0, 0.0], abs=1e-12)
+        assert load.moments[0] == pytest.approx(loads[0].moments[0], rel=1e-9)
+        assert np.array_equal(load.carried, loads[0].carried)
+
+
 def test_friction_and_noise_are_no_load_and_a_load_becomes_part_of_the_model(motion):
     velocity, unit = motion[1], motion[3]
     along = LoadsOnMotion(FlangeLoad(robot_of(robot_data(LIGHT))), *motion[:3])

@@ -12,7 +12,9 @@ from scipy.signal import lfilter
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import Flag
+from jointwear.measurement.formats.chunk import Chunk
 from jointwear.monitor.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.derivation import derive_motion
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.survey import survey_log
 from jointwear.monitor.window_files import read_statistics, write_statistics
@@ -156,6 +158,30 @@ def test_samples_far_apart_with_measured_motion(tmp_path):
     sums = {n: getattr(found.statistics, n).sum(axis=0, keepdims=True) for n in ("gram", "moment")}
     fit = coefficients(replace(found.statistics, **sums))[:5, 0]
     np.testing.assert_allclose(fit, 0.4 * np.array([1, 1, 0.5, 0.1, 0.1]), rtol=0.2, atol=0.03)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.sampled_from([20, 30, 90, 400]), min_size=1, max_size=6), st.booleans(), st.integers(0, 99))
+def test_stretches_that_are_filtered_together_give_what_each_gives_alone(lengths, measured, seed):
+    random = np.random.default_rng(seed)
+    stretch = np.repeat(np.arange(len(lengths)), lengths)
+    m = len(stretch)
+    inner = np.concatenate([np.arange(k) for k in lengths]) / 50
+    # One stretch in three has uneven stamps.
+    time = 3600.0 * stretch + inner + np.where(stretch % 3 == 2, random.uniform(0, 0.01, m), 0.0)
+    position, velocity = (np.cumsum(random.standard_normal((m, 2)), axis=0) / 50 for _ in range(2))
+    whole = Chunk(time=time, position=position, torque=position, velocity=velocity if measured else None)
+    cutoff = np.array([5.0, 7.3])
+    together = derive_motion(whole, stretch, cutoff)
+    for k in range(len(lengths)):
+        rows = stretch == k
+        part = replace(
+            whole, time=time[rows], position=position[rows], torque=position[rows],
+            velocity=velocity[rows] if measured else None,
+        )  # fmt: skip
+        alone = derive_motion(part, stretch[rows], cutoff)
+        for name in ("position", "velocity", "acceleration", "usable"):
+            np.testing.assert_allclose(getattr(together, name)[rows], getattr(alone, name), rtol=1e-9, atol=1e-9)
 
 
 def test_derived_motion_finds_the_same_friction_as_measured(tmp_path):

@@ -8,7 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear.monitor.decision import STEP_WINDOWS, shift_evidence
-from jointwear.monitor.dispersion import FLOOR, START, Dispersion, ShiftMeans, between_shifts, updated_between
+from jointwear.monitor.dispersion import (
+    FLOOR,
+    START,
+    USUAL_NONE,
+    USUAL_OWN,
+    Dispersion,
+    ShiftMeans,
+    between_shifts,
+    updated_between,
+)
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_threshold
 from jointwear.monitor.regimes import find_regimes
@@ -88,9 +97,15 @@ def test_a_shift_teaches_contrasts_and_never_its_level(step):
 def test_scatter_between_shifts_has_a_floor_and_is_found():
     random = np.random.default_rng(3)
     quiet = [ShiftMeans(np.zeros(6), np.full(6, 1e-8)) for _ in range(3)]
-    assert all(FLOOR <= b < 2 * FLOOR for b, _ in between_shifts(quiet))
+    assert all(FLOOR <= b < 2 * FLOOR for b, _ in between_shifts(quiet, [USUAL_OWN] * len(quiet)))
     wide = [ShiftMeans(0.05 * random.standard_normal(12), np.full(12, 1e-6)) for _ in range(3)]
-    assert all(0.03 < b < 0.09 for b, _ in between_shifts(wide))
+    assert all(0.03 < b < 0.09 for b, _ in between_shifts(wide, [USUAL_OWN] * len(wide)))
+
+
+def test_an_axis_without_a_logged_temperature_is_expected_to_scatter_more():
+    few = [ShiftMeans(np.zeros(4), np.full(4, 1e-4)) for _ in range(2)]
+    (known, _), (unknown, _) = (between_shifts(few, [usual] * 2)[0] for usual in (USUAL_OWN, USUAL_NONE))
+    assert unknown > 1.3 * known
 
 
 @settings(max_examples=20, deadline=None)
@@ -118,7 +133,7 @@ def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
     assert null_threshold(Axis(0.006, 0.6, 0.003, 0.002, 8), 1e-4) > null_threshold(axis, 1e-4)
 
 
-def evidence(level: np.ndarray):
+def evidence(level: np.ndarray, extra: float = 0.0, inside: bool = True):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
     return shift_evidence(
@@ -130,8 +145,18 @@ def evidence(level: np.ndarray):
         shift,
         START.memory,
         np.full(w, START.between),
-        np.zeros(w),
+        np.full(w, extra),
+        np.full(w, inside),
     )
+
+
+def test_weather_that_lasts_is_not_averaged_away_and_a_fall_in_the_cold_proposes_nothing():
+    grown, fallen = np.array([0, 0, 0.04, 0.04, 0.04, 0.04]), np.array([0, 0, -0.04, -0.04, -0.04])
+    sure, unsure = evidence(grown), evidence(grown, extra=4e-4)
+    assert unsure.growth[-1] < 0.5 * sure.growth[-1]
+    assert unsure.std[-1] > 0.015
+    assert evidence(fallen).fall[-1] > 2
+    assert np.isneginf(evidence(fallen, inside=False).fall[-1])
 
 
 def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
@@ -188,11 +213,11 @@ def test_forecasts_of_steady_growth_hold_and_do_not_promise_an_end_too_soon(dail
     assert told.low <= told.hours <= told.high
 
 
-def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, ...] = ()):
-    """Six axes over ten shifts of eight windows; steps from window 40 on, alarms at a window."""
+def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, ...] = (), begin: int = 40):
+    """Six axes over ten shifts of eight windows; steps from window `begin` on, alarms at a window."""
     residual, alarm = np.zeros((80, 6)), np.zeros((80, 6), dtype=bool)
     for axis, size in steps.items():
-        residual[40:, axis] = size
+        residual[begin:, axis] = size
     for axis, window in alarms.items():
         alarm[window, axis] = True
     normal = [
@@ -204,17 +229,23 @@ def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, .
     ]
     return SimpleNamespace(
         residual=residual, noise=np.full((80, 6), 1e-6), mean=residual, shifts=np.full((80, 6), 2), alarm=alarm,
-        axes=normal, starts=[[] for _ in range(6)],
+        axes=normal, starts=[[] for _ in range(6)], baseline=np.zeros(80, dtype=bool),
     )  # fmt: skip
 
 
 def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_with_it():
     shift = np.repeat(np.arange(10), 8)
     wear = quantity({2: 0.06}, {2: 50})
-    assert scale_steps(wear, quantity({}, {}), shift) == []
-    (step,) = scale_steps(wear, quantity({2: 0.06}, {}), shift)
+    none = np.zeros(80, dtype=bool)
+    assert scale_steps(wear, quantity({}, {}), shift, none) == []
+    (step,) = scale_steps(wear, quantity({2: 0.06}, {}), shift, none)
     assert (step.axis, step.window, step.factor) == (2, 40, pytest.approx(np.exp(0.06)))
     # A cabinet scales all axes; the last two hardly move a body.
     level = quantity(dict.fromkeys(range(6), 0.06), {0: 50, 4: 50, 5: 55})
     scale = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5))
-    assert {s.axis for s in scale_steps(level, scale, shift)} == set(range(6))
+    assert {s.axis for s in scale_steps(level, scale, shift, none)} == set(range(6))
+    # It is found where no axis has alarmed, at the window at which it came.
+    quiet = quantity(dict.fromkeys(range(6), 0.06), {}, begin=43)
+    steps = scale_steps(quiet, quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5), begin=43), shift, none)
+    assert {s.axis for s in steps} == set(range(6))
+    assert {s.window for s in steps} == {43}

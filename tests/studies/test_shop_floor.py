@@ -18,7 +18,7 @@ from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.windows import merge
 from jointwear.publishing.report.study_page import write_study_page
-from jointwear.studies.shop_floor import aims, figures, sample, stages
+from jointwear.studies.shop_floor import aims, figures, gap_sample, sample, stages
 from jointwear.studies.shop_floor.arms import ARM_TYPES, HEAVY, LIGHT, robot_data
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.closed_loop import SAMPLES, Runs, at_phase, draw_controller, drive
@@ -326,3 +326,20 @@ def test_the_simulator_is_apart_from_the_effects_and_the_reproduction():
         text = path.read_text(encoding="utf-8")
         assert "jointwear.effects" not in text
         assert "jointwear.reproduction" not in text
+
+
+def test_backlash_is_printed_with_when_and_at_which_gap_or_why_it_cannot_be_judged(monkeypatch, capsys):
+    rows = iter(
+        [
+            {"robot": "a", "arm": "x", "delay": 12.0, "at": 0.06, "others": [], "pulses": 40.0, "reason": ""},
+            {"robot": "b", "arm": "y", "delay": None, "at": None, "others": [2], "pulses": np.nan, "reason": "light"},
+        ]
+    )
+    asked = []
+    monkeypatch.setattr(gap_sample, "gap_outcome", lambda *given: asked.append(given) or next(rows))
+    gap_sample.main(["--robots", "1", "3", "--axis", "2", "--gap", "1.5"])
+    told, silent = capsys.readouterr().out.splitlines()
+    assert asked == [("choose", 1, 1, 0.0015), ("choose", 3, 1, 0.0015)]
+    assert told == "a (x): told after 12 h, at 0.06 mrad; pulses +40 %; others []"
+    assert "not told" in silent
+    assert "light" in silent

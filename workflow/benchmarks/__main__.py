@@ -29,6 +29,10 @@ TARGETS = [
     ("monitor", "largest_mib", "<=", 2048, "MiB"),
     ("monitor", "against_per_call", ">=", 5, "x"),
     ("scaling", "useful_share_of_largest_fleet", ">=", 0.8, ""),
+    ("shop_floor", "fleet_seconds", "<=", 60, "s"),
+    ("shop_floor", "new_day_seconds", "<=", 10, "s"),
+    ("shop_floor", "samples_processor_seconds", "<=", 5, "s"),
+    ("shop_floor", "largest_mib", "<=", 1024, "MiB"),
     ("studies", "multiverse_seconds", "<=", 900, "s"),
 ]
 OUTPUT = ROOT / "data" / "benchmarks" / "results.json"
@@ -56,6 +60,7 @@ def parts(peers: str) -> dict[str, Callable[[], dict]]:
         "monitor": lambda: measure(peers, "monitor.py", ROBOT, TASK),
         "reruns": lambda: measure(sys.executable, "reruns.py"),
         "scaling": lambda: measure(sys.executable, "scaling.py"),
+        "shop_floor": lambda: measure(sys.executable, "shop_floor.py"),
     }
 
 

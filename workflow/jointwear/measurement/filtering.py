@@ -21,7 +21,7 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
     """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
     if cutoff >= 0.45 * rate or len(values) < SHORTEST:
         return values
-    pad = min(len(values) - 1, int(3 * rate / cutoff))
     # Rates that were found from stamps differ in their last digits from stretch to stretch.
+    pad = min(len(values) - 1, int(3 * rate / cutoff + 1e-6))
     sections = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
     return sosfiltfilt(sections, values, axis=0, padlen=pad)

@@ -31,6 +31,15 @@ SMOOTH, EDGE = 0.5, 0.3
 CLEAR = 4.0
 #: Time [s] between samples that suffices to find a load. Fewest of them.
 STEP, FEWEST = 0.1, 60
+#: Share of the residual (root mean square) below which gravity or inertia of the model could not matter even if all
+#: wrong, and share of the largest torque of a unit load below which one of its moments is not seen: an axis on which
+#: gravity does not act has nothing but round-off there.
+NEGLIGIBLE, HIDDEN = 1e-3, 1e-4
+#: What is added to the normal equations of the moments, their diagonal being one: moments that the motion hardly tells
+#: apart stay small instead of turning on round-off.
+RIDGE = 1e-8
+#: Rows of the regressors that are torques of the model.
+_TORQUES = slice(3, 5)
 
 
 @dataclass(frozen=True)
@@ -138,9 +147,9 @@ def find_load(
     if rows.sum() < FEWEST or not len(axes):
         return None
     on = used[:, axes].T.astype(float)
-    bases = [_basis(columns[j] * on[k]) for k, j in enumerate(axes)]
     raw = np.where(used, residual, 0.0)[:, axes].T
-    plain = np.stack([_without(b, r) for b, r in zip(bases, raw, strict=True)])
+    bases = _bases([_that_matter(columns[j] * on[k], raw[k]) for k, j in enumerate(axes)])
+    plain = _without(bases, raw[..., None])[..., 0]
     count = on.sum(axis=1)
     before = np.maximum((plain**2).sum(axis=1) / count, 1e-12)
     loads = unit[:, :, axes].transpose(2, 0, 1) * on[..., None]
@@ -149,12 +158,9 @@ def find_load(
     for start in _starts(plain, loads, before, width):
         carried, weight = start, 1.0 / before
         for _ in range(ROUNDS):
-            shown = loads * carried[None, :, None]
-            shown = np.stack([_without(b, s) for b, s in zip(bases, shown, strict=True)])
-            gram = np.einsum("j,jmk,jml->kl", weight, shown, shown)
-            scale = np.sqrt(np.maximum(np.diag(gram), 1e-30))
-            moment = np.einsum("j,jmk,jm->k", weight, shown, plain) / scale
-            moments = np.linalg.lstsq(gram / np.outer(scale, scale), moment, rcond=1e-8)[0] / scale
+            shown = _without(bases, loads * carried[None, :, None])
+            turned = shown.transpose(0, 2, 1) * weight[:, None, None]
+            moments = _moments((turned @ shown).sum(axis=0), (turned @ plain[..., None]).sum(axis=0)[:, 0])
             error = plain - shown @ moments
             after = np.maximum((error**2).sum(axis=1) / count, 1e-12)
             torque = loads @ moments
@@ -170,22 +176,44 @@ def find_load(
     return best if lowest < -np.log(CLEAR) else None
 
 
+def _that_matter(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    """Return the columns (p, m) of one axis, torques of the model that cannot matter set to zero."""
+    kept = columns.copy()
+    small = (columns[_TORQUES] ** 2).sum(axis=1) < NEGLIGIBLE**2 * (residual**2).sum()
+    kept[_TORQUES][small] = 0.0
+    return kept
+
+
+def _moments(gram: np.ndarray, moment: np.ndarray) -> np.ndarray:
+    """Return the moments (4,) of the normal equations; one that no axis shows is zero."""
+    size = np.sqrt(np.diag(gram))
+    seen = size > HIDDEN * size.max(initial=0.0)
+    if not seen.any():
+        return np.zeros(len(size))
+    scale = np.where(seen, size, 1.0)
+    inner = np.where(np.outer(seen, seen), gram / np.outer(scale, scale), 0.0)
+    inner[np.diag_indices_from(inner)] = 1.0 + RIDGE
+    return np.linalg.solve(inner, np.where(seen, moment / scale, 0.0)) / scale
+
+
 def _starts(plain: np.ndarray, loads: np.ndarray, variance: np.ndarray, width: int) -> list[np.ndarray]:
     """Switches (m,) to begin with: carried throughout, and where the residual looks like a mass."""
     inner = _smooth(np.einsum("jm,jm->m", plain / variance[:, None], loads[..., 0]), width)
     return [np.ones(plain.shape[1], dtype=bool), inner > 0]
 
 
-def _basis(columns: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis (m, r) of the space of columns (p, m)."""
-    size = np.sqrt((columns**2).sum(axis=1))
-    shown = columns[size > 0] / size[size > 0, None]
-    left, values, _ = np.linalg.svd(shown.T, full_matrices=False)
-    return left[:, values > 1e-6]
+def _bases(columns: Sequence[np.ndarray]) -> np.ndarray:
+    """Return orthonormal bases (n, m, p) of the spaces of columns (p, m), filled up with zeros."""
+    stacked = np.stack(columns)
+    size = np.sqrt((stacked**2).sum(axis=2, keepdims=True))
+    shown = np.divide(stacked, size, out=np.zeros_like(stacked), where=size > 0).transpose(0, 2, 1)
+    left, values, _ = np.linalg.svd(shown, full_matrices=False)
+    return left * (values > 1e-6)[:, None, :]
 
 
-def _without(basis: np.ndarray, values: np.ndarray) -> np.ndarray:
-    return values - basis @ (basis.T @ values)
+def _without(bases: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return values (n, m, k) less their part in the spaces of `bases` (n, m, p)."""
+    return values - bases @ (bases.transpose(0, 2, 1) @ values)
 
 
 def _smooth(values: np.ndarray, width: int) -> np.ndarray:

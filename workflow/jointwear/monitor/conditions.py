@@ -27,8 +27,9 @@ from jointwear.monitor.windows import WindowStatistics
 
 CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
 LOAD, PROGRAM = 0.2, 0.05
-#: The same of programs that the log names: as much as friction may differ between any two motions.
-NAMED_PROGRAM = 0.3
+#: The same of programs that the log names, as much as friction may differ between any two motions; and of programs that
+#: the motion shows and the baseline did not have, where speed and load are told from what the others showed.
+NAMED_PROGRAM, LATE_PROGRAM = 0.3, 0.15
 #: Of the features: speed (log of its mean, log of the ratio of root mean square and mean), gravity and inertial torque
 #: (root mean square over the friction), gravity against the motion (mean over the friction).
 FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
@@ -90,7 +91,8 @@ def operating_features(
 @dataclass(frozen=True)
 class Design:
     """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range;
-    `programs`: columns of programs that the log names, whose normal is learnt when they first run."""
+    `programs`: columns of programs that the log names or the baseline lacks; their normal is learnt when they first
+    run."""
 
     matrix: np.ndarray
     prior: Posterior
@@ -143,10 +145,12 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
         for name in np.unique(conditions.regime[conditions.regime >= 0]):
             if name != usual_one:
                 columns.append((conditions.regime == name).astype(float))
-                scales.append(NAMED_PROGRAM if conditions.named else PROGRAM)
-                programs.append(len(columns) - 1)
+                late = name not in names
+                scales.append(NAMED_PROGRAM if conditions.named else LATE_PROGRAM if late else PROGRAM)
+                if conditions.named or late:
+                    programs.append(len(columns) - 1)
         columns.append(np.where(conditions.regime >= 0, 0.0, np.nan))
         scales.append(PROGRAM)
     scale = np.array(scales)
     prior = Posterior(np.zeros(len(scale)), np.diag(scale**2))
-    return Design(np.stack(columns, axis=1), prior, beyond, tuple(programs) if conditions.named else ())
+    return Design(np.stack(columns, axis=1), prior, beyond, tuple(programs))

@@ -27,6 +27,8 @@ from jointwear.monitor.shifts import places_of_shifts
 SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.01, 0.03, 6
 #: Last shifts that must all lie below for a fall.
 FALLEN = 3
+#: Share of the variance of shared error and range that neighbouring shifts have in common: weather lasts for days.
+CARRIED = 0.7
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,7 @@ def shift_evidence(
     memory: float,
     between: np.ndarray,
     extra: np.ndarray,
+    inside: np.ndarray,
 ) -> Evidence:
     """Return the evidence at every window.
 
@@ -62,7 +65,8 @@ def shift_evidence(
     value : (w,) log level less shared error; NaN where not judged. variance : (w,) noise of the windows.
     design : (w, p). normal : normal states. which : (w,) the one that holds at each window, by what was known then.
     shift : (w,) labels. memory : of windows within a shift. between : (w,) standard deviation between shifts.
-    extra : (w,) variance that all windows of a shift share (shared error, range).
+    extra : (w,) variance that all windows of a shift share (shared error, range), and part of which carries on.
+    inside : (w,) bool, at temperatures that the baseline had; a fall counts in shifts that mostly are.
     """
     w = len(value)
     means = np.stack([n.mean for n in normal])
@@ -79,6 +83,7 @@ def shift_evidence(
     at = np.stack([_running(weight * clean[:, k], starts) for k in range(design.shape[1])], axis=1) / safe[:, None]
     shared = _running(weight * np.where(good, extra, 0.0), starts) / safe
     own = inflated(count, memory) / safe + shared
+    usual = _running((good & inside).astype(float), starts) > 0.5 * count
     seen = total > 0
     place = places_of_shifts(shift, SHIFTS + 4)
     order = _judged_first(place, seen)
@@ -91,13 +96,16 @@ def shift_evidence(
     best_mean, best_std, best_shifts = np.zeros(w), np.full(w, np.inf), np.zeros(w, dtype=int)
     latest, latest_std = np.full(w, np.nan), np.full(w, np.nan)
     both_up = known[:, 0] & known[:, 1] & (r[:, 0] > TOLERATED) & (r[:, 1] > TOLERATED)
-    all_down = (known & (r < -TOLERATED))[:, :FALLEN].all(axis=1)
+    all_down = (known & (r < -TOLERATED) & usual[index])[:, :FALLEN].all(axis=1)
+    carried = np.sqrt(CARRIED * shared[index])
     for k in range(1, SHIFTS + 1):
         rows = np.flatnonzero(good & known[:, k - 1])
         if not len(rows):
             break
         c = x[rows, :k] @ covariances[which[rows]] @ np.swapaxes(x[rows, :k], 1, 2)
-        c[:, np.arange(k), np.arange(k)] += v[rows, :k]
+        lasting = carried[rows, :k]
+        c += lasting[:, :, None] * lasting[:, None, :]
+        c[:, np.arange(k), np.arange(k)] += v[rows, :k] - lasting**2
         solved = np.linalg.solve(c, np.ones((len(rows), k, 1)))[..., 0]
         information = solved.sum(axis=1)
         centre = np.einsum("wk,wk->w", solved, r[rows, :k]) / information

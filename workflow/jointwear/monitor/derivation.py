@@ -13,6 +13,7 @@ missing no axis is used, because every torque depends on every position. A missi
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,6 +61,7 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
     temperature = None if chunk.temperature is None else np.array(chunk.temperature)
     out_velocity, out_acceleration = np.zeros((m, n)), np.zeros((m, n))
     edges = [0, *(np.flatnonzero(np.diff(stretch)) + 1), m] if m else [0]
+    due: list[_Derived] = []
     for a, b in itertools.pairwise(edges):
         part, time = slice(a, b), chunk.time[a:b]
         hole = _bridge(time, position[part])
@@ -80,16 +82,18 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
         limit = np.minimum(cutoff, 0.4 * rate)
         if given_v:
             out_velocity[part] = velocity[part]
-            _, out_acceleration[part], _ = _differentiate(time, velocity[part], limit)
-        else:
-            smooth, out_velocity[part], out_acceleration[part] = _differentiate(time, position[part], limit, twice=True)
-            position[part] = smooth
+        due.append(_Derived(part, time, velocity[part] if given_v else position[part], limit, not given_v))
         reach = min(int(np.ceil(1.2 * rate / limit.min())) + 1, (b - a) // 4)
         usable[a : a + reach] = False
         usable[b - reach : b] = False
         for j in np.flatnonzero(hole.any(axis=0)):
             around = np.convolve(hole[:, j].astype(float), np.ones(2 * reach + 1), mode="same") > 0.5
             usable[part] &= ~around[:, None]
+    for one, (smooth, first, second) in _differentiated(due):
+        if one.twice:
+            position[one.part], out_velocity[one.part], out_acceleration[one.part] = smooth, first, second
+        else:
+            out_acceleration[one.part] = first
     return Motion(position, out_velocity, out_acceleration, temperature, usable, flags)
 
 
@@ -138,27 +142,58 @@ def _bridge_given(time: np.ndarray, values: np.ndarray, hole: np.ndarray) -> boo
     return True
 
 
-def _differentiate(
-    time: np.ndarray, values: np.ndarray, cutoff: np.ndarray, twice: bool = False
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return filtered values (k, n) with their first and (where asked) second derivative."""
-    count = len(time)
-    step = (time[-1] - time[0]) / (count - 1)
-    steps = np.diff(time)
-    even = float(np.std(steps)) <= EVEN * step
-    grid = time[0] + step * np.arange(count)
-    x = values if even else CubicSpline(time, values)(grid)
-    smooth = np.empty_like(x)
-    for limit in np.unique(cutoff):
-        smooth[:, cutoff == limit] = low_pass(x[:, cutoff == limit], float(limit), 1 / step)
-    first = _first_difference(smooth, step)
-    second = _second_difference(smooth, step) if twice else first
-    if even:
-        return smooth, first, second
-    back = [
-        np.stack([np.interp(time, grid, y[:, j]) for j in range(y.shape[1])], axis=1) for y in (smooth, first, second)
-    ]
-    return back[0], back[1], back[2]
+@dataclass(frozen=True)
+class _Derived:
+    """A stretch to differentiate, once or `twice`: its samples, `time` (k,), `values` (k, n), `cutoff` (n,) [Hz]."""
+
+    part: slice
+    time: np.ndarray
+    values: np.ndarray
+    cutoff: np.ndarray
+    twice: bool
+
+    @property
+    def step(self) -> float:
+        """Usual time between samples [s]."""
+        return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+    @property
+    def like(self) -> tuple:
+        """What stretches must have in common to be filtered together: length, cut-off and rate but for round-off."""
+        return len(self.time), self.twice, *(f"{x:.9g}" for x in (1 / self.step, *self.cutoff))
+
+
+def _differentiated(due: list[_Derived]) -> Iterator[tuple[_Derived, tuple[np.ndarray, np.ndarray, np.ndarray]]]:
+    """Yield stretches with their filtered values (k, n) and the first and (where asked) second derivative.
+
+    Stretches that are alike are filtered in one call: a log of thirty seconds of every hour has many short ones.
+    """
+    groups: dict[tuple, list[_Derived]] = {}
+    for one in due:
+        groups.setdefault(one.like, []).append(one)
+    for alike in groups.values():
+        even = [float(np.std(np.diff(one.time))) <= EVEN * one.step for one in alike]
+        grids = [one.time[0] + one.step * np.arange(len(one.time)) for one in alike]
+        values = [
+            one.values if plain else CubicSpline(one.time, one.values)(grid)
+            for one, plain, grid in zip(alike, even, grids, strict=True)
+        ]
+        x, cutoff = np.stack(values, axis=1), alike[0].cutoff
+        smooth = np.empty_like(x)
+        for limit in np.unique(cutoff):
+            chosen = cutoff == limit
+            smooth[..., chosen] = low_pass(x[..., chosen], float(limit), 1 / alike[0].step)
+        for k, (one, plain, grid) in enumerate(zip(alike, even, grids, strict=True)):
+            first = _first_difference(smooth[:, k], one.step)
+            second = _second_difference(smooth[:, k], one.step) if one.twice else first
+            found = smooth[:, k], first, second
+            if not plain:
+                found = tuple(_interpolated(one.time, grid, y) for y in found)
+            yield one, found
+
+
+def _interpolated(time: np.ndarray, grid: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.stack([np.interp(time, grid, column) for column in values.T], axis=1)
 
 
 def _first_difference(x: np.ndarray, step: float) -> np.ndarray:

@@ -21,8 +21,10 @@ FLOOR = 0.005
 GRID = np.geomspace(FLOOR, 0.3, 60)
 #: Degrees of freedom of the law of shifts. Standard deviation of the log of an axis's about that of its robot.
 FREEDOM, LIKENESS = 5.0, 0.5
-#: Prior of a robot's: median and standard deviation of the log, from a fraction of a percent to several.
-USUAL, USUAL_SPREAD = 0.007, 0.7
+#: Prior of a robot's, smallest, median and standard deviation of the log: where each axis logs its own temperature,
+#: where one sensor stands for all, where none is logged and warming is told from the log's times. What the temperature
+#: does not tell differs from shift to shift; a week without a thermometer cannot rule out the weather of the next.
+USUAL_OWN, USUAL_SHARED, USUAL_NONE = (FLOOR, 0.005, 0.6), (FLOOR, 0.006, 0.8), (2 * FLOOR, 0.011, 1.0)
 #: What a step from shift to shift counts for: neighbouring steps share a shift.
 STEP_WEIGHT = 0.7
 _MOST_MEMORY = 0.9
@@ -110,19 +112,27 @@ def _medians(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return (0.5 * (ordered[row, (counts - 1) // 2] + ordered[row, counts // 2]))[:, None]
 
 
-def between_shifts(axes: Sequence[ShiftMeans]) -> list[tuple[float, float]]:
-    """Return for each axis the standard deviation between shifts and the standard deviation of its log."""
+def between_shifts(
+    axes: Sequence[ShiftMeans], usual: Sequence[tuple[float, float, float]]
+) -> list[tuple[float, float]]:
+    """Return for each axis the standard deviation between shifts and the standard deviation of its log.
+
+    Parameters
+    ----------
+    usual : of each axis, prior: smallest value, median and standard deviation of the log.
+    """
     likelihood = np.array([_log_likelihoods(a) for a in axes])
     log_grid = np.log(GRID)
     # The robot's own level, with the axes scattered about it, on the same grid.
     about = -0.5 * ((log_grid[:, None] - log_grid) / LIKENESS) ** 2
     joined = np.array([np.logaddexp.reduce(about + row, axis=1) for row in likelihood])
-    hyper = -0.5 * ((log_grid - np.log(USUAL)) / USUAL_SPREAD) ** 2
     result = []
-    for j, row in enumerate(likelihood):
+    for j, (row, (least, median, wide)) in enumerate(zip(likelihood, usual, strict=True)):
+        hyper = -0.5 * ((log_grid - np.log(median)) / wide) ** 2
         level = hyper + joined.sum(axis=0) - joined[j]
         level -= np.logaddexp.reduce(level)
         log_posterior = row + np.logaddexp.reduce(about + level[:, None], axis=0)
+        log_posterior[least * (1 - 1e-9) > GRID] = -np.inf
         posterior = np.exp(log_posterior - np.logaddexp.reduce(log_posterior))
         middle = float(posterior @ log_grid)
         spread = float(np.sqrt(posterior @ (log_grid - middle) ** 2))

@@ -11,10 +11,12 @@ import numpy as np
 from jointwear.monitor.judge import CHANGED, UNJUDGED
 from jointwear.monitor.state import RobotState
 from jointwear.publishing.figures import palette
-from jointwear.publishing.figures.style import new_figure, save
+from jointwear.publishing.figures.style import Margins, new_figure, save
 
 #: More windows than this are drawn as weighted means of neighbours.
 MOST_POINTS = 360
+#: The same over temperature, where every point is drawn with its bar.
+MOST_MARKS = 90
 #: Fewer are drawn as points with bars, more as a line with a band.
 FEW_POINTS = 40
 
@@ -47,8 +49,9 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
     w, n = values.shape
     groups = np.array_split(np.arange(w), min(w, MOST_POINTS))
     at = time[[g[len(g) // 2] for g in groups]]
-    figure = new_figure(0.45 + 1.15 * n)
+    figure = new_figure(0.45 + 1.15 * n, layout=None)
     panels = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
+    Margins(left=0.95, bottom=0.5, top=0.1, between=(0.0, 0.16)).apply(figure, 1, n)
     told = []
     for j, axes in enumerate(panels):
         mean, error = _thin(values[:, j], std[:, j], groups)
@@ -69,7 +72,6 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
         told.append(_told(state, j, mean))
     panels[-1].set_xlabel(label)
     if state.dated:
-        figure.autofmt_xdate(rotation=0, ha="center")
         _date_labels(panels[-1], zone)
     title = f"{name.replace('_', ' ')} of every axis over time"
     save(figure, output, title, f"{title}; {'; '.join(told)}.")
@@ -96,15 +98,19 @@ def draw_temperature(state: RobotState, name: str, axes_shown: Sequence[int], ou
     values, std, unit = state.estimates[name]
     columns = min(len(axes_shown), 3)
     rows = -(-len(axes_shown) // columns)
-    figure = new_figure(0.5 + 1.8 * rows)
+    figure = new_figure(0.5 + 1.8 * rows, layout=None)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    Margins(left=0.75, bottom=0.5, between=(0.75, 0.8)).apply(figure, columns, rows)
     for axes in panels[len(axes_shown) :]:
         axes.set_axis_off()
     for axes, j in zip(panels, axes_shown, strict=False):
+        order = np.argsort(state.temperature[:, j], kind="stable")
+        groups = np.array_split(order, min(len(order), MOST_MARKS))
+        mean, error = _thin(values[:, j], std[:, j], groups)
         axes.errorbar(
-            state.temperature[:, j],
-            values[:, j],
-            yerr=2 * std[:, j],
+            [float(np.median(state.temperature[g, j])) for g in groups],
+            mean,
+            yerr=2 * error,
             fmt="o",
             markersize=3.5,
             color=palette.axis_colour(j + 1),
@@ -114,4 +120,5 @@ def draw_temperature(state: RobotState, name: str, axes_shown: Sequence[int], ou
         axes.set_xlabel("temperature [°C]")
         axes.set_ylabel(f"[{unit}]")
     title = f"{name.replace('_', ' ')} over temperature"
-    save(figure, output, title, f"{title}, one point per window with two standard deviations.")
+    words = "window" if len(state.start) <= MOST_MARKS else "group of windows of like temperature"
+    save(figure, output, title, f"{title}, one point per {words} with two standard deviations.")

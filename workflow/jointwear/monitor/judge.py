@@ -156,7 +156,7 @@ def judge(
             break
         scaled = watched("scale", 1.0, services=False, common=False)
         told = {(s.axis, s.window) for s in steps}
-        fresh = [s for s in scale_steps(level, scaled, shift) if (s.axis, s.window) not in told]
+        fresh = [s for s in scale_steps(level, scaled, shift, first) if (s.axis, s.window) not in told]
         if not fresh:
             break
         steps += fresh

@@ -8,7 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.monitor.conditions import Conditions, Design, design_of
-from jointwear.monitor.dispersion import START, Dispersion, between_shifts, shift_means, within_shifts
+from jointwear.monitor.dispersion import (
+    START,
+    USUAL_NONE,
+    USUAL_OWN,
+    USUAL_SHARED,
+    Dispersion,
+    between_shifts,
+    shift_means,
+    within_shifts,
+)
 from jointwear.monitor.normal_state import NormalFit, Posterior, fit_normal_state
 from jointwear.monitor.series import Series
 from jointwear.monitor.warm_up import DRIVES, TIMES, warm_up_state
@@ -110,6 +119,9 @@ def _learn(
     warm: np.ndarray | None,
 ) -> list[AxisNormal | None]:
     n = learnt.shape[1]
+    sensed = np.isfinite(np.where(learnt, conditions.temperature, np.nan)).any(axis=0)
+    told = USUAL_SHARED if conditions.shared else USUAL_OWN
+    usual = [told if sensed[j] else USUAL_NONE for j in range(n)]
     axes = [j for j in range(n) if enough(series.value[:, j], learnt[:, j], shift)]
     designs, fits = {}, {}
     dispersion = dict.fromkeys(axes, START)
@@ -129,7 +141,7 @@ def _learn(
             variance = series.variance[:, j] + extra
             means[j] = shift_means(fits[j].left_out, fits[j].left_out_variance, variance, shift, memory)
             dispersion[j] = Dispersion(extra, memory, dispersion[j].between, dispersion[j].spread)
-        found = between_shifts([means[j] for j in axes])
+        found = between_shifts([means[j] for j in axes], [usual[j] for j in axes])
         for j, (between, spread) in zip(axes, found, strict=True):
             dispersion[j] = Dispersion(dispersion[j].extra, dispersion[j].memory, between, spread)
     result: list[AxisNormal | None] = [None] * n

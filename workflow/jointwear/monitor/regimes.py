@@ -4,8 +4,8 @@ The signature of a window does not change with a speed override or a load: of ea
 axes, and the ratio of root mean square and mean speed. Regimes are found one after the other in the baseline (a window
 joins the nearest one that lies within :data:`ALIKE`, else it founds one); a regime counts from :data:`FEWEST` windows
 on. A later window that lies near none is a program that was never seen: it founds a regime too, and is not judged
-before its constant has been learnt (:func:`jointwear.monitor.normal_state.taught`). Where most windows of the baseline
-found no regime, each being a mixture of its own, none is told apart.
+before its constant has been learnt (:func:`jointwear.monitor.normal_state.introduced`). Where most windows of the
+baseline lie near no regime, each being a mixture of its own, none is told apart.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray) -> np.ndarray | No
             centres[best][known] += (signature[k] - centres[best])[known] / counts[best]
         label[k] = best
     kept = [c for c, count in zip(centres, counts, strict=True) if count >= FEWEST]
-    if sum(n for n in counts if n >= FEWEST) < COVERED * max(int(baseline.sum()), 1):
+    near = [len(kept) > 0 and float(_distances(signature[k], kept).min()) <= UNSEEN for k in np.flatnonzero(baseline)]
+    if sum(near) < COVERED * max(len(near), 1):
         return None
     result = np.full(len(signature), -1)
     members = [FEWEST] * len(kept)

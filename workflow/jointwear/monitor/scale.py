@@ -19,6 +19,8 @@ from jointwear.monitor.watching import Watch
 #: A scale explains growth where the growth is likelier as its step than as no step of it by this log likelihood ratio;
 #: smallest step. Of a second axis the factors are alike within this share, a third contradicts that many errors off.
 CLEAR, LEAST, ALIKE, AGAINST = 1.0, 0.01, 0.5, 2.5
+#: A step of all scales together needs so many standard errors in two shifts in a row, and at least so many axes.
+TOGETHER, FEWEST_TOGETHER = 4.0, 3
 _GRAVITY, _INERTIAL = COLUMNS.index("gravity"), COLUMNS.index("inertial")
 #: Standard deviation of a window's scale above which it shows nothing.
 COARSEST = 0.25
@@ -55,11 +57,15 @@ def scale_series(sums: Sums, pooled: np.ndarray) -> Series:
     return Series(logs, spread, np.ones(n), np.ones(n))
 
 
-def scale_steps(level: Watch, scale: Watch, shift: np.ndarray) -> list[ScaleStep]:
+def scale_steps(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
     """Return the first alarm or proposed service of each axis that a step of its scale explains.
 
     Where the scale of two axes steps at once, or the friction of another axis by as much, a common cause (unit, supply,
     cabinet) is likely: axes whose own scale says nothing against the same factor take it over.
+
+    Parameters
+    ----------
+    level, scale : what was watched. shift : (w,) labels. baseline : (w,) bool.
     """
     found = []
     for j, axis in enumerate(level.axes):
@@ -68,14 +74,47 @@ def scale_steps(level: Watch, scale: Watch, shift: np.ndarray) -> list[ScaleStep
         hits = [(int(k), 1.0) for k in np.flatnonzero(level.alarm[:, j])[:1]]
         hits += [(s.window, -1.0) for s in level.starts[j] if s.proposed][:1]
         for k, sign in sorted(hits):
-            begin = k if sign < 0 else _begin(k, int(level.shifts[k, j]), shift)
+            begin = k if sign < 0 else _begin(level, k, j, shift)
             rows = slice(begin, k + 1) if sign > 0 else slice(k, _end(k, shift))
-            step, error = _mean(scale, rows, j)
-            size = float(level.mean[k, j]) if sign > 0 else step
+            step, error = _mean(scale, rows, j, shift)
+            size = _mean(level, rows, j, shift)[0] if sign > 0 else step
             if np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR:
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
-    return found + _joined(found, level, scale, shift)
+    return _common(level, scale, shift, baseline) or found + _joined(found, level, scale, shift)
+
+
+def _common(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
+    """Return a step that the scales of all axes show together, whether any of them has alarmed or not: a supply, a
+    cabinet or a unit. Two shifts in a row must show it; every axis whose own scale does not contradict it has it."""
+    n = len(level.axes)
+    named = [j for j in range(n) if scale.axes[j] is not None]
+    if len(named) < FEWEST_TOGETHER:
+        return []
+    names = np.unique(shift[~baseline])
+    means = np.full((len(names), len(named), 2), np.nan)
+    for a, s in enumerate(names):
+        rows = (shift == s) & ~baseline
+        means[a] = [_mean(scale, rows, j, shift) for j in named]
+    with np.errstate(invalid="ignore"):
+        weight = np.where(np.isfinite(means[..., 0]), means[..., 1] ** -2.0, 0.0)
+        total = weight.sum(axis=1)
+        size = (weight * np.nan_to_num(means[..., 0])).sum(axis=1) / np.maximum(total, 1e-300)
+        clear = (np.abs(size) * np.sqrt(total) > TOGETHER) & (np.abs(size) > LEAST)
+        clear &= (weight > 0).sum(axis=1) >= FEWEST_TOGETHER
+        apart = np.abs(means[..., 0] - size[:, None]) > AGAINST * means[..., 1]
+    clear &= (apart & (weight > 0)).sum(axis=1) <= len(named) // 3
+    pairs = clear[1:] & clear[:-1] & (np.sign(size[1:]) == np.sign(size[:-1]))
+    if not pairs.any():
+        return []
+    a = int(np.argmax(pairs))
+    # The step itself may lie within a shift: of that one, which shows it in part, and of the one before.
+    part = np.flatnonzero(np.isin(shift, names[max(a - 1, 0) : a + 1]) & ~baseline)
+    value, variance = scale.residual[np.ix_(part, named)], scale.noise[np.ix_(part, named)]
+    begin = int(part[_cut(value, variance, float(size[a + 1]))])
+    factor = float(np.exp(size[a + 1]))
+    against = {j for k, j in enumerate(named) if apart[a : a + 2, k].all()}
+    return [ScaleStep(j, begin, factor) for j in range(n) if level.axes[j] is not None and j not in against]
 
 
 def _evidence(step: float, size: float, error: float) -> float:
@@ -95,7 +134,7 @@ def _joined(found: Sequence[ScaleStep], level: Watch, scale: Watch, shift: np.nd
             if axis is None or any(s.axis == j for s in near):
                 continue
             rows = slice(one.window, _end(one.window, shift))
-            steps = [_mean(w, rows, j) for w in (scale, level) if w.axes[j] is not None]
+            steps = [_mean(w, rows, j, shift) for w in (scale, level) if w.axes[j] is not None]
             # One axis alone is no common cause, unless the friction of another steps with it by as much.
             if len(near) < 2 and not abs(steps[-1][0] - size) < ALIKE * abs(size):
                 continue
@@ -104,9 +143,35 @@ def _joined(found: Sequence[ScaleStep], level: Watch, scale: Watch, shift: np.nd
     return more
 
 
-def _begin(k: int, shifts: int, shift: np.ndarray) -> int:
-    names = np.unique(shift[: k + 1])
-    return int(np.argmax(shift == names[max(len(names) - max(shifts, 1), 0)]))
+def _begin(level: Watch, k: int, j: int, shift: np.ndarray) -> int:
+    """Return the first window of the shift from which on a step explains the level best, up to window `k`.
+
+    The decision looks back over few shifts; a step of the scale that was too small to alarm may be older.
+    """
+    after = max([s.window for s in level.starts[j] if s.window <= k], default=0)
+    known = np.flatnonzero(np.isfinite(level.residual[: k + 1, j]) & ~level.baseline[: k + 1])
+    known = known[known >= after]
+    names = np.unique(shift[known])
+    means = np.array([_mean(level, known[shift[known] == s], j, shift) for s in names])
+    good = np.isfinite(means[:, 0])
+    if not good.any():
+        return k
+    names, means = names[good], means[good]
+    weight = means[:, 1] ** -2.0
+    # Of the shifts from each one on: square of the weighted sum over the sum of weights.
+    total, moment = (np.cumsum(x[::-1])[::-1] for x in (weight, weight * means[:, 0]))
+    best = int(np.argmax(np.where(moment > 0, moment**2 / total, -np.inf)))
+    later = min(best + 1, len(names) - 1)
+    part = known[shift[known] == names[best]]
+    value, variance = level.residual[part, j][:, None], level.noise[part, j][:, None]
+    return int(part[_cut(value, variance, float(moment[later] / total[later]))])
+
+
+def _cut(value: np.ndarray, variance: np.ndarray, size: float) -> int:
+    """Return the window from which on residuals (w, k) are likelier `size` than zero, windows before it the reverse."""
+    weight = np.where(np.isfinite(value), 1.0 / variance, 0.0)
+    gain = (weight * (2 * np.nan_to_num(value) * size - size**2)).sum(axis=1)
+    return int(np.argmax(np.cumsum(gain[::-1])[::-1]))
 
 
 def _end(k: int, shift: np.ndarray) -> int:
@@ -114,14 +179,14 @@ def _end(k: int, shift: np.ndarray) -> int:
     return int(np.flatnonzero(shift == names[-1])[-1]) + 1
 
 
-def _mean(scale: Watch, rows: slice, j: int) -> tuple[float, float]:
-    """Return the mean of the scale over windows and its standard error, shifts counting as a whole."""
-    value, variance = scale.residual[rows, j], scale.noise[rows, j]
+def _mean(watched: Watch, rows: slice | np.ndarray, j: int, shift: np.ndarray) -> tuple[float, float]:
+    """Return the mean residual of axis `j` over windows and its standard error, each shift counting as a whole."""
+    value, variance, label = watched.residual[rows, j], watched.noise[rows, j], shift[rows]
     good = np.isfinite(value)
     if good.sum() < 2:
         return np.nan, np.inf
     weight = 1.0 / variance[good]
-    axis = scale.axes[j]
+    axis = watched.axes[j]
     normal = float(np.nanmedian(axis.fit.left_out_variance))
-    error = np.sqrt(1.0 / weight.sum() + axis.dispersion.between**2 / 2 + normal)
+    error = np.sqrt(1.0 / weight.sum() + axis.dispersion.between**2 / len(np.unique(label[good])) + normal)
     return float(weight @ value[good] / weight.sum()), float(error)

@@ -22,8 +22,10 @@ RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
 FAR, LATEST_SHIFTS = 0.01, 8
 #: Standard deviation of a prediction beyond which the conditions count as unseen.
 UNSEEN = 0.06
-#: Share of the allowance that falls may use: they only propose a service.
-FALL_SHARE = 0.2
+#: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
+FALL_RATE = 1.0
+#: Most rounds in which services are looked for.
+_MOST_TURNS = 8
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Watch:
     `residual`: log level less normal state and shared error, NaN where not judged; `std` of a window; `noise`: the
     part of its variance that windows do not share; `growth`, `fall`, `mean`, `mean_std`, `shifts` of
     :class:`~jointwear.monitor.decision.Evidence`; `alarm`: bool; `learning`, `unseen`: why a window is not judged.
-    `threshold` (n,); `starts`: per axis; `axes`: normal states, None where the baseline shows too little.
+    `threshold` (n,); `starts`: per axis; `axes`: normal states, None where the `baseline` (w,) shows too little.
     """
 
     residual: np.ndarray
@@ -58,6 +60,7 @@ class Watch:
     threshold: np.ndarray
     shared: SharedError
     axes: list[AxisNormal | None]
+    baseline: np.ndarray
     starts: list[list[Start]] = field(default_factory=list)
 
 
@@ -90,15 +93,16 @@ def watch(
     growth, fall = np.full((w, n), -np.inf), np.full((w, n), -np.inf)
     shifts = np.zeros((w, n), dtype=int)
     alarm, learning, unseen = (np.zeros((w, n), dtype=bool) for _ in range(3))
-    threshold = np.full(n, np.inf)
+    threshold, falls = (np.full(n, np.inf) for _ in range(2))
     starts: list[list[Start]] = [
         sorted([Start(k, False) for k in e] + [Start(k, True) for k in set(p) - set(e)], key=lambda s: s.window)
         for e, p in zip(events, proposed, strict=True)
     ]
+    hours = float(conditions.end[0] - conditions.start[0]) / 3600 if w else 1.0
     for j in judged:
         threshold[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * rate / len(judged))
-    falls = np.array([t if np.isfinite(t) else np.inf for t in threshold])
-    # Services that falls propose change what comes after them: found one after the other, until none is left.
+        falls[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * FALL_RATE / 1000 * hours / len(judged))
+    # Services change what comes after them: found one after the other, until none is left.
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
     states: dict[int, _Axis] = {}
     again = judged
@@ -136,12 +140,8 @@ def watch(
         alarm[:, j] = (evidence.growth > threshold[j]) & ~baseline
     return Watch(
         **fields, growth=growth, fall=fall, shifts=shifts, alarm=alarm, learning=learning, unseen=unseen,
-        threshold=threshold, shared=shared, axes=axes, starts=starts,
+        threshold=threshold, shared=shared, axes=axes, baseline=baseline, starts=starts,
     )  # fmt: skip
-
-
-#: Most rounds in which services are looked for.
-_MOST_TURNS = 8
 
 
 class _Axis:
@@ -258,6 +258,7 @@ class _Axis:
                     self.normal.dispersion.memory,
                     between[part],
                     (shared_variance + self.normal.design.beyond)[part],
+                    (self.normal.design.beyond == 0)[part],
                 )
             )
         names = Evidence.__dataclass_fields__
@@ -265,7 +266,7 @@ class _Axis:
 
 
 def _new_program(design: Design, posterior: Posterior, rows: np.ndarray) -> np.ndarray:
-    """Return which windows `rows` run a program that the log names and whose normal is not known yet."""
+    """Return which windows `rows` run a program whose normal is not known yet."""
     unknown = [c for c in design.programs if posterior.covariance[c, c] > UNSEEN**2]
     return (design.matrix[np.ix_(rows, unknown)] > 0).any(axis=1)
 

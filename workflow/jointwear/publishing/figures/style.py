@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -51,10 +52,41 @@ _SETTINGS = {
 }
 
 
-def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """Return an empty figure of the given size [inches] in the project's style."""
+@dataclass(frozen=True)
+class Margins:
+    """Room [inches] around the panels of a figure for their labels, and `between` columns and rows of them."""
+
+    left: float
+    bottom: float
+    right: float = 0.1
+    top: float = 0.25
+    between: tuple[float, float] = (0.0, 0.0)
+
+    def apply(self, figure: Figure, columns: int, rows: int) -> None:
+        """Place the panels of a grid."""
+        width, height = figure.get_size_inches()
+        inner = width - self.left - self.right, height - self.bottom - self.top
+        # Matplotlib wants the space between panels in sizes of one panel.
+        space = [
+            gap / max((whole - (count - 1) * gap) / count, 1e-3)
+            for gap, whole, count in zip(self.between, inner, (columns, rows), strict=True)
+        ]
+        figure.subplots_adjust(
+            left=self.left / width, right=1 - self.right / width, bottom=self.bottom / height,
+            top=1 - self.top / height, wspace=space[0], hspace=space[1],
+        )  # fmt: skip
+
+
+def new_figure(height: float, width: float = WIDTH, layout: str | None = "constrained") -> Figure:
+    """Return an empty figure of the given size [inches] in the project's style.
+
+    Parameters
+    ----------
+    layout : "constrained" finds the room that labels need, which takes as long as drawing; None where
+        :class:`Margins` gives it.
+    """
     matplotlib.rcParams.update(_SETTINGS)
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), layout=layout)
     FigureCanvasSVG(figure)
     return figure
 

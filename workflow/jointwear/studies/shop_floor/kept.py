@@ -26,14 +26,14 @@ def simulate_robots(seed_set: str, indices: Iterable[int], folder: str | Path) -
     Path(folder).mkdir(parents=True, exist_ok=True)
     for index in indices:
         cell = draw_cell(seed_set, index)
-        survey, refused = _survey(cell)
+        survey, refused = survey_cell(cell)
         path = Path(folder) / f"{index:03d}.nc"
         write_statistics(
             statistics_of(cell, survey), path, "windows of a simulated robot-month", _drawn(cell), {"refused": refused}
         )
 
 
-def _survey(cell: Cell) -> tuple[Survey, str]:
+def survey_cell(cell: Cell) -> tuple[Survey, str]:
     """Return the survey of the first log, and why the product refused it (empty if it did not)."""
     reason = ""
     for left in LEFT:
