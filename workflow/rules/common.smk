@@ -34,10 +34,6 @@ if workflow.is_main_process and Path(workflow.main_snakefile).resolve() == OURS:
 lend_to_children()
 if workflow.is_main_process and clear_stale_lock(Path.cwd()):
     print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
-if workflow.local_exec:
-    # Under a rate limit every finished job makes Snakemake look at all ready jobs once a second more, on a core that
-    # jobs could use. There is no queue to protect here.
-    workflow.scheduling_settings.max_jobs_per_timespan = None
 
 
 BEGIN = time.time()
@@ -45,6 +41,10 @@ BEGIN = time.time()
 
 onstart:
     note_run(Path.cwd())
+    if workflow.local_exec:
+        # Under a rate limit every finished job makes Snakemake look at all ready jobs once a second more, on a core
+        # that jobs could use. There is no queue to protect here.
+        workflow.scheduler.job_rate_limiter = None
 
 
 onsuccess:

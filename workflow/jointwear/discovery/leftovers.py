@@ -22,8 +22,12 @@ BASIS_SIZE = 2.0
 OUTLYING = 4.0
 
 
-def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]:
+def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplained], list[Unexplained]]:
     """Test every axis for structure over every argument.
+
+    Parameters
+    ----------
+    robust : let no sample lie further than OUTLYING from the model.
 
     Returns
     -------
@@ -31,7 +35,9 @@ def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]
     """
     problem, white = outcome.problem, outcome.white
     # What a form that is a little off leaves behind is no structure of its own.
-    fit = _without_outliers(white.fit(with_tolerances(white, outcome.named)))
+    fit = white.fit(with_tolerances(white, outcome.named))
+    if robust:
+        fit = _without_outliers(fit)
     settings = problem.settings
     state = problem.train_state
     found, profile = [], []
@@ -73,6 +79,18 @@ def unexplained(outcome: Outcome) -> tuple[list[Unexplained], list[Unexplained]]
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
     return found, profile
+
+
+def lasting(outcome: Outcome) -> list[Unexplained]:
+    """Return the unexplained structure that is left when no single sample may decide.
+
+    Names are held against all structure: a few samples that do not fit a name speak against it. That a joint lacks
+    something that nobody can name is said only of what many samples show.
+    """
+    if not outcome.unexplained:
+        return []
+    firm = {(u.axis, u.argument) for u in unexplained(outcome, robust=True)[0]}
+    return [u for u in outcome.unexplained if (u.axis, u.argument) in firm]
 
 
 def _without_outliers(fit: Fit) -> Fit:

@@ -16,6 +16,7 @@ from jointwear.discovery.estimation import Final
 from jointwear.discovery.experiment import Experiment, propose
 from jointwear.discovery.findings import make_verdict
 from jointwear.discovery.identifiability import Visible, identifiability
+from jointwear.discovery.leftovers import lasting
 from jointwear.discovery.outcome import Outcome, Unexplained
 from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups, repeat
@@ -144,6 +145,7 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
 
 def _judge(recording: Recording, problem: Problem, restrictions: list[str]) -> Discovery:
     outcome = repeat(search(problem))
+    outcome.unexplained = lasting(outcome)
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)
