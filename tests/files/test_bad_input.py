@@ -147,8 +147,8 @@ def test_a_wrong_robot_file(tmp_path, robot, path, value, words):
 
 URDF = """<robot name="two"><link name="base"/><link name="a"><inertial><mass value="1"/>
 <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link><link name="b"/>
-<joint name="first" type="revolute"><parent link="base"/><child link="a"/><limit lower="-1" upper="1" effort="5" velocity="2"/>
-<dynamics damping="0.2" friction="0.3"/></joint>
+<joint name="first" type="revolute"><parent link="base"/><child link="a"/>
+<limit lower="-1" upper="1" effort="5" velocity="2"/><dynamics damping="0.2" friction="0.3"/></joint>
 <joint name="second" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"""
 
 
