@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import provenance
+from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.reproduction.wear import Wear
 from jointwear.robots.robot import Robot, load_robot
@@ -19,6 +20,9 @@ from jointwear.studies.recovery.least_squares import minimise
 from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.search import Effort, screened_start, search_task
 from jointwear.studies.recovery.tables import TORQUE_ROUNDING, Tables, read_tables
+
+#: Fewest pose sets from which a spread is told.
+FEWEST = 10
 
 
 @dataclass(frozen=True)
@@ -286,12 +290,12 @@ def collect_solutions(
 
     Parameters
     ----------
-    settings : `seed`, `solutions` (how many are wanted), `comparison` (fields of Settings), `tolerance` (fields of
+    settings : `seed`, `solutions` (how many are wanted; fewer are taken where no more are found), `comparison` (fields of Settings), `tolerance` (fields of
         Tolerance), `hours` ("published" or "unknown").
 
     Raises
     ------
-    RuntimeError : if fewer solutions were found than wanted.
+    InputError : if fewer than FEWEST solutions were found.
     """
     tables, best_fit = read_tables(published), read_fit(fit)
     comparison = settings_of(settings["comparison"])
@@ -309,6 +313,9 @@ def collect_solutions(
         growth=growth[0],
         growth_spread=growth[1],
     )
-    if len(ensemble.cost) < settings["solutions"]:
-        raise RuntimeError(f"only {len(ensemble.cost)} of {settings['solutions']} solutions were found")
+    if len(ensemble.cost) < min(FEWEST, settings["solutions"]):
+        raise InputError(
+            f"recover: only {len(ensemble.cost)} of {settings['solutions']} solutions were found, fewer than {FEWEST} tell "
+            "no spread; search from more starts (recover.search.starts) or allow more (recover.tolerance)"
+        )
     write_ensemble(output, ensemble, tables, best_fit, settings)
