@@ -91,7 +91,7 @@ def forecast(
     # Friction that has reached the limit has reached it for good.
     reached = np.maximum.accumulate(law @ np.clip(above, 0.0, 1.0))
     edge = (1 - share) / 2
-    return Forecast(*(_quantile(reached, history * ahead, q) for q in (0.5, edge, 1 - edge)))
+    return Forecast(*(time_reached(reached, history * ahead, q) for q in (0.5, edge, 1 - edge)))
 
 
 def _laws(x: np.ndarray) -> np.ndarray:
@@ -107,7 +107,13 @@ def _laws(x: np.ndarray) -> np.ndarray:
     return np.concatenate([power, exponential])
 
 
-def _quantile(reached: np.ndarray, time: np.ndarray, share: float) -> float:
+def time_reached(reached: np.ndarray, time: np.ndarray, share: float) -> float:
+    """Return when a share of all laws has reached the limit, inf where it does not within `time`.
+
+    Parameters
+    ----------
+    reached : (t,) share that has reached it, never falling. time : (t,) from now, in any unit; 0 comes first.
+    """
     if reached[0] >= share:
         return 0.0
     if reached[-1] < share:

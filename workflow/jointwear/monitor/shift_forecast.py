@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import log_ndtr, ndtr
 
-from jointwear.monitor.forecast import Forecast
+from jointwear.monitor.forecast import Forecast, time_reached
 
 #: lambda times the time since the onset, and mean and standard deviation of its prior: at an alarm a small part of the
 #: way to the limit is gone, over which laws bend little, and wear rather hastens than comes to rest.
@@ -80,7 +80,7 @@ def forecast_shifts(
         reached += np.clip(scaled, 0.0, 1.0) @ weight[b]
     reached = np.maximum.accumulate(reached)
     edge = (1 - share) / 2
-    return Forecast(*(_quantile(reached, ahead, q) for q in (0.5, edge, 1 - edge)))
+    return Forecast(*(time_reached(reached, ahead, q) for q in (0.5, edge, 1 - edge)))
 
 
 def _laws(since_onset: np.ndarray, reference: np.ndarray, bend: float) -> np.ndarray:
@@ -89,13 +89,3 @@ def _laws(since_onset: np.ndarray, reference: np.ndarray, bend: float) -> np.nda
     if abs(bend) < 1e-9:
         return x
     return np.expm1(np.minimum(bend * x, 300.0)) / np.expm1(bend)
-
-
-def _quantile(reached: np.ndarray, time: np.ndarray, share: float) -> float:
-    if reached[0] >= share:
-        return 0.0
-    if reached[-1] < share:
-        return float("inf")
-    k = int(np.argmax(reached >= share))
-    low, high = reached[k - 1], reached[k]
-    return float(time[k - 1] + (time[k] - time[k - 1]) * (share - low) / max(high - low, 1e-300))
