@@ -66,3 +66,17 @@ def test_shares_of_a_rating_and_decimal_commas_between_commas_are_refused(tmp_pa
         one(write(tmp_path / "a.csv", [",".join(HEADER), "s,rad,%", "0,0.1,2.0"]))
     with pytest.raises(InputError, match="are its decimals commas"):
         one(write(tmp_path / "b.csv", [",".join(HEADER), "0,0,1,2,0", "1,0,2,2,0"]))
+
+
+def test_a_row_cut_while_it_was_written_is_left_out(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(",".join(HEADER) + "\n0,0.1,1\n1,0.2,2\n2,0.")
+    assert one(path).time.tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("rows", ["0,0.1,1\n1,0.2\n2,0.3,3", "0,0.1,1\n1,0.2\n", "0,0.1,1\n1,0.2,3,4"])
+def test_any_other_row_of_a_wrong_length_is_named(tmp_path, rows):
+    path = tmp_path / "a.csv"
+    path.write_text(",".join(HEADER) + "\n" + rows)
+    with pytest.raises(InputError, match=r"a\.csv: row 3 has [24] cells, the header names 3 columns: '1,0\.2"):
+        one(path)

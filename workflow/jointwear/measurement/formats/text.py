@@ -14,7 +14,7 @@ from pathlib import Path
 import pyarrow as pa
 from pyarrow import csv as arrow_csv
 
-from jointwear.files.errors import InputError
+from jointwear.files.errors import InputError, shown
 from jointwear.measurement.formats.arrow import chunk_of, stamps
 from jointwear.measurement.formats.chunk import Chunk, check_count, find_columns
 from jointwear.measurement.formats.layout import Layout
@@ -26,6 +26,8 @@ _BYTES_A_NUMBER = 18
 
 #: Lines looked at for the header and for the form of the numbers.
 _LOOK = 60
+#: Bytes at the end of a log in which a row that was cut is looked for.
+_LAST = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         if not _is_number(cell.replace(",", ".")):
             stamps(path, pa.array([cell]))
             types[columns["time"][0]] = pa.string()
+    torn = _TornRow(path, head.encoding)
     try:
         with arrow_csv.open_csv(
             path,
@@ -65,7 +68,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
                 skip_rows=head.skip,
                 encoding=head.encoding,
             ),
-            parse_options=arrow_csv.ParseOptions(delimiter=head.delimiter),
+            parse_options=arrow_csv.ParseOptions(delimiter=head.delimiter, invalid_row_handler=torn),
             convert_options=arrow_csv.ConvertOptions(
                 column_types=types,
                 include_columns=wanted,
@@ -77,10 +80,37 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             for batch in reader:
                 yield chunk_of(path, batch, columns, layout, head.units)
     except (pa.ArrowException, OSError) as error:
+        if torn.fault:
+            raise InputError(torn.fault) from None
         first_line = next(iter(str(error).splitlines()), "unknown reason").rstrip(".")
         if "Empty CSV" in first_line:
             raise InputError(f"{path}: holds no samples") from None
         raise InputError(f"{path}: cannot be read as CSV ({first_line})") from None
+
+
+class _TornRow:
+    """Leaves out a last row that was cut while it was written; any other row of a wrong length is a `fault`."""
+
+    def __init__(self, path: Path, encoding: str) -> None:
+        self._path, self._encoding, self.fault = path, encoding, ""
+
+    def __call__(self, row: arrow_csv.InvalidRow) -> str:
+        """Return what pyarrow is to do with a row; an error raised here would be lost."""
+        if row.actual_columns < row.expected_columns and row.text == self._unfinished():
+            return "skip"
+        number = "a row" if row.number is None else f"row {row.number}"
+        self.fault = self.fault or (
+            f"{self._path}: {number} has {row.actual_columns} cells, the header names {row.expected_columns} columns: "
+            f"{shown(row.text)}"
+        )
+        return "error"
+
+    def _unfinished(self) -> str | None:
+        """Return the last line where no line end follows it."""
+        with self._path.open("rb") as file:
+            file.seek(max(0, self._path.stat().st_size - _LAST))
+            end = file.read().decode("utf-8" if self._encoding == "utf8" else self._encoding, errors="replace")
+        return None if end.endswith("\n") else end.rpartition("\n")[2]
 
 
 def _head(path: Path, layout: Layout) -> Head:

@@ -290,8 +290,8 @@ def collect_solutions(
 
     Parameters
     ----------
-    settings : `seed`, `solutions` (how many are wanted; fewer are taken where no more are found), `comparison` (fields of Settings), `tolerance` (fields of
-        Tolerance), `hours` ("published" or "unknown").
+    settings : `seed`, `solutions` (how many are wanted; fewer are taken where no more are found), `comparison` (fields
+        of Settings), `tolerance` (fields of Tolerance), `hours` ("published" or "unknown").
 
     Raises
     ------
@@ -315,7 +315,7 @@ def collect_solutions(
     )
     if len(ensemble.cost) < min(FEWEST, settings["solutions"]):
         raise InputError(
-            f"recover: only {len(ensemble.cost)} of {settings['solutions']} solutions were found, fewer than {FEWEST} tell "
-            "no spread; search from more starts (recover.search.starts) or allow more (recover.tolerance)"
+            f"recover: only {len(ensemble.cost)} of {settings['solutions']} solutions were found, fewer than {FEWEST} "
+            "tell no spread; search from more starts (recover.search.starts) or allow more (recover.tolerance)"
         )
     write_ensemble(output, ensemble, tables, best_fit, settings)
