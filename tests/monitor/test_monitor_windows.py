@@ -197,3 +197,18 @@ def test_derived_motion_finds_the_same_friction_as_measured(tmp_path):
     for fit in found.values():
         np.testing.assert_allclose(fit[:5, 0], truth, rtol=0.15, atol=0.03)
         np.testing.assert_allclose(fit[:5, 1], truth, rtol=0.15, atol=0.03)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda s: {"torque_reference": -s.torque_reference},
+        lambda s: {"torque_reference": np.where(np.arange(6) == 2, np.nan, s.torque_reference)},
+        lambda s: {"start": s.start - 1e300},
+    ],
+)
+def test_kept_windows_with_impossible_values_are_refused(tmp_path, change):
+    found = statistics(make_log(24.0))
+    write_statistics(replace(found, **change(found)), tmp_path / "w.nc", "windows", {})
+    with pytest.raises(InputError, match=r"w\.nc: a torque reference or a time in it is impossible"):
+        read_statistics(tmp_path / "w.nc")

@@ -12,6 +12,7 @@ from jointwear.files import provenance
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
 from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.measurement.timestamps import LATEST
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, PER_WINDOW, REGRESSORS, WindowStatistics
 
 _WA = ("window", "axis")
@@ -93,5 +94,9 @@ def read_statistics(path: str | Path) -> WindowStatistics:
         values = {name: read_variable(dataset, path, name) for name in PER_WINDOW}
         reference, dated = read_variable(dataset, path, "torque_reference"), bool(dataset.dated)
     values = {k: v.astype(np.int64) if v.dtype.kind == "i" else v for k, v in values.items()}
+    clock = np.concatenate([np.ravel(values["start"]), np.ravel(values["end"])])
+    timely = np.abs(clock[np.isfinite(clock)]) < LATEST
+    if not (np.isfinite(reference).all() and (reference > 0).all() and timely.all()):
+        raise InputError(f"{path}: a torque reference or a time in it is impossible; delete it and run again")
     values["labels"] = np.array([str(text) for text in values["labels"]], dtype=object)
     return WindowStatistics(**values, torque_reference=reference, dated=dated)

@@ -30,6 +30,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.errors import InputError
 from jointwear.measurement.flags import DISQUALIFYING, Flag
 from jointwear.monitor.program_labels import add_labels
 
@@ -188,7 +189,8 @@ def merge(parts: Sequence[WindowStatistics]) -> WindowStatistics:
 
     Raises
     ------
-    ValueError : if there is nothing to merge, or the parts differ in length of window, axes or torque reference.
+    ValueError : if there is nothing to merge, or the parts differ in length of window or axes.
+    InputError : if their torque references differ.
     """
     parts = [p for p in parts if p.windows] or list(parts)[:1]
     if not parts:
@@ -198,7 +200,7 @@ def merge(parts: Sequence[WindowStatistics]) -> WindowStatistics:
         if other.axes != first.axes or not np.isclose(other.length, length):
             raise ValueError("statistics of different windows or robots cannot be merged")
         if not np.allclose(other.torque_reference, first.torque_reference):
-            raise ValueError("statistics with different torque references cannot be merged")
+            raise InputError("windows with different torque references cannot be merged; delete them and run again")
     if not first.windows:
         return first
     key = np.concatenate([np.rint(p.start / length).astype(np.int64) for p in parts])

@@ -104,6 +104,8 @@ def watch_robot(
         return row
     except InputError as error:
         reason = str(error)
+    except OSError as error:
+        reason = f"{error.filename or own}: {error.strerror or error}"
     except Exception as error:  # a robot that breaks the library must not cost the others their judgement
         traceback.print_exc(file=sys.stderr)
         reason = f"internal error, please report it: {type(error).__name__}: {error}"
