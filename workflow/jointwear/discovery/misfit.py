@@ -59,14 +59,14 @@ def tempered(white: White, misfit: np.ndarray) -> White:
 
 def divided(term: Term, misfit: np.ndarray) -> Term:
     """Return a term whose whitened columns belong to the problem that is :func:`tempered`."""
-    return replace(term, blocks={axis: x / np.sqrt(misfit[axis]) for axis, x in term.blocks.items()})
+    return replace(term, blocks=_divided(term.blocks, misfit))
 
 
 def masses_of(dictionary: Dictionary, misfit: np.ndarray, effect: str) -> Dictionary:
     """Return the whole-arm candidates of one effect for the problem that is :func:`tempered`."""
-    whole = [
-        (c, {axis: x / np.sqrt(misfit[axis]) for axis, x in blocks.items()}, std)
-        for c, blocks, std in dictionary.whole
-        if c.effect == effect
-    ]
+    whole = [(c, _divided(blocks, misfit), std) for c, blocks, std in dictionary.whole if c.effect == effect]
     return Dictionary({}, {}, whole)
+
+
+def _divided(blocks: dict[int, np.ndarray], misfit: np.ndarray) -> dict[int, np.ndarray]:
+    return {axis: x / np.sqrt(misfit[axis]) for axis, x in blocks.items()}

@@ -52,8 +52,9 @@ def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]
     """Return `first` with the files of the kinds that are `bad` from `second`, or as given where that is bad too."""
     final, other = first[0], second[0]
     for kind in bad:
-        if _worse(problem, second[2][kind]):
-            other = _as_given(problem, other, kind, _worse(problem, second[2][kind]))
+        still = _worse(problem, second[2][kind])
+        if still:
+            other = _as_given(other, kind, still)
         kept = tuple(f for f in final.fallbacks if f.model != kind) + tuple(
             f for f in other.fallbacks if f.model == kind
         )
@@ -66,7 +67,7 @@ def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]
     return write_files(problem, final)
 
 
-def _as_given(problem: Problem, final: Final, kind: str, bad: dict[int, float]) -> Final:
+def _as_given(final: Final, kind: str, bad: dict[int, float]) -> Final:
     """Return a model of which one kind of file is the given robot; its effects stay named."""
     given_up = tuple(FallBack(kind, axis + 1, float(f"{r:.4g}"), "everything as given") for axis, r in bad.items())
     friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)

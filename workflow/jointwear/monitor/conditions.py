@@ -55,6 +55,11 @@ class Conditions:
     named: bool = False
 
     @property
+    def hours(self) -> float:
+        """Length of a window [h], 1 where there is none."""
+        return float(self.end[0] - self.start[0]) / 3600 if len(self.start) else 1.0
+
+    @property
     def shared(self) -> bool:
         """Whether all axes that have a temperature have the same one."""
         known = np.isfinite(self.temperature).any(axis=0)

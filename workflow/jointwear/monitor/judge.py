@@ -128,8 +128,7 @@ def judge(
     conditions = Conditions(statistics.start, statistics.end, warmth, features, speed, load, regime, named)
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     shift = shift_labels(statistics.start, statistics.end, first, steady)
-    hours = statistics.length / 3600 if statistics.windows else 1.0
-    rate = settings.false_alarms_per_1000_h / 1000 * hours
+    rate = settings.false_alarms_per_1000_h / 1000 * conditions.hours
     events = event_windows(settings.events, statistics.start, statistics.axes)
     levels = ("coulomb", "friction")
     scale_of = scale_series(sums, noise)

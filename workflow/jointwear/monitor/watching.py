@@ -98,10 +98,10 @@ def watch(
         sorted([Start(k, False) for k in e] + [Start(k, True) for k in set(p) - set(e)], key=lambda s: s.window)
         for e, p in zip(events, proposed, strict=True)
     ]
-    hours = float(conditions.end[0] - conditions.start[0]) / 3600 if w else 1.0
+    fall_rate = FALL_RATE / 1000 * conditions.hours
     for j in judged:
         threshold[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * rate / len(judged))
-        falls[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * FALL_RATE / 1000 * hours / len(judged))
+        falls[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * fall_rate / len(judged))
     # Services change what comes after them: found one after the other, until none is left.
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
     states: dict[int, _Axis] = {}

@@ -237,7 +237,8 @@ def main(arguments: list[str] | None = None) -> int:
     except InputError as error:
         print(error, file=sys.stderr)
         return 1
-    command = f"python -m jointwear.studies.world.sensitivity --cases {given.cases} --skip {given.skip}"
+    what = f"--of {len(given.of)} files" if given.of else f"--cases {given.cases} --skip {given.skip}"
+    command = f"python -m jointwear.studies.world.sensitivity {what}"
     if given.rows:
         write_json(given.rows, {"answers": rows})
     stored = summary([*kept, *rows], command)
