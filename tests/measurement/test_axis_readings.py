@@ -15,7 +15,8 @@ from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement.axis_readings import Reading, readings
 from jointwear.measurement.checks import Refused, check_recording
-from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.filtering import RINGING, low_pass
+from jointwear.measurement.motion import TRANSIENT
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
@@ -92,9 +93,21 @@ def test_every_reading_is_undone_by_itself_or_its_gear(puma):
 @pytest.mark.parametrize("cutoff", [2.0, 20.0])
 def test_the_filter_is_that_of_scipy(shape, cutoff):
     values = np.cumsum(np.random.default_rng(1).standard_normal(shape), axis=0)
-    pad = min(len(values) - 1, int(300 / cutoff))
+    pad = min(len(values) - 1, max(int(300 / cutoff), RINGING))
     expected = sosfiltfilt(butter(4, cutoff, fs=100.0, output="sos"), values, axis=0, padlen=pad)
     np.testing.assert_allclose(low_pass(values, cutoff, 100.0), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("cutoff", [20.0, 31.0, 38.0])
+def test_a_joint_that_moves_at_the_end_of_its_record_keeps_its_acceleration(cutoff):
+    time = np.arange(0, 12, 0.01)
+    position = 1 + 0.45 * (time - 11) + 0.28 * (time - 11) ** 2 + 0.1 * np.sin(time)
+    for sign in (1, -1):
+        smooth = low_pass(position[::sign], cutoff, 100.0)
+        error = np.diff(smooth, 2) * 1e4 - np.diff(position[::sign], 2) * 1e4
+        # The samples beyond the edge that :func:`measure` leaves out.
+        edge = int(np.ceil(TRANSIENT / cutoff * 100.0))
+        assert np.abs(error[edge:-edge]).max() < 0.1 * np.abs(np.diff(position, 2) * 1e4).max()
 
 
 def test_an_effect_of_one_record_is_not_one_of_the_robot():
@@ -108,6 +121,8 @@ def test_an_effect_of_one_record_is_not_one_of_the_robot():
     assert missed(replace(of_all, gain_share=-0.01), 60.0, limits)[0][0].startswith("drop of the squared error")
     assert missed(replace(of_all, worst=-20.0), 60.0, limits)[0][0].endswith("that gains least")
     assert missed(replace(of_all, nats=1.0), 60.0, limits)[0][0].startswith("nats gained")
+    # Nor is one of a single stop.
+    assert missed(replace(of_all, elsewhere=-3.0), 60.0, limits)[0][0].endswith("block of time that gains most")
     # Every gate that is missed is told.
     assert len(missed(replace(of_all, nats=1.0, worst=-20.0), 60.0, limits)) == 2
     assert stiff(Candidate("joint_flexibility", 1, None))

@@ -45,6 +45,7 @@ def missed(found: CrossValidated, evidence: float, settings: Settings) -> list[t
     gates = (
         ("nats gained on records left out", found.nats, nats),
         ("nats gained on the record left out that gains least", found.worst, worst),
+        ("nats without the block of time that gains most", found.elsewhere, 0.5 * settings.accept),
         ("probability of a smaller error on records left out", found.lowers_error, settings.certainty),
         ("drop of the squared error over the noise variance", found.gain_share, settings.smallest_share),
     )

@@ -11,6 +11,11 @@ from scipy.special import ndtr
 from jointwear.discovery.linear import Term
 from jointwear.discovery.whitening import White
 
+#: Columns (m, k) on every axis with the places of their coefficients.
+Designs = dict[int, tuple[np.ndarray, np.ndarray]]
+#: Coefficients without and with the extra terms, for every record left out.
+Coefficients = dict[int, tuple[np.ndarray, ...]]
+
 
 @dataclass(frozen=True)
 class CrossValidated:
@@ -20,10 +25,10 @@ class CrossValidated:
     ----------
     nats : gain in the log predictive density, summed over the records left out in turn; `worst` that of the record
         that gains least, `last` that of the last record.
+    elsewhere : evidence [nats] of the terms without the block of time that gains most from them.
     share : part of the squared error beyond the noise that they explain on their axes, whitened, at most 1.
     lowers_error : probability that they lower the squared error [N m^2], by signed ranks over blocks of time.
     gain_share : drop of the mean squared error [N m^2] over the noise variance, on the axis where it drops most.
-    raw : squared error with the terms over that without, on their axes; `middle` : the median over the records.
     """
 
     nats: float
@@ -32,8 +37,7 @@ class CrossValidated:
     last: float = 0.0
     lowers_error: float = 1.0
     gain_share: float = 1.0
-    raw: float = 0.9
-    middle: float = 0.9
+    elsewhere: float = np.inf
 
 
 def cross_validate(white: White, before: list[Term], extra: list[Term]) -> CrossValidated:
@@ -52,6 +56,7 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
     axes = sorted({axis for t in extra for axis in t.blocks})
     parts: dict[int, np.ndarray] = {}
     own: dict[int, np.ndarray] = {}
+    whitened: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     in_newton_metres: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for axis, y in enumerate(white.targets):
         if not len(y):
@@ -61,6 +66,7 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
         where = np.append(columns, total)
         block = np.concatenate([*(terms[i].blocks[axis] for i in active), y[:, None]], axis=1)
         if axis in axes:
+            whitened[axis] = block[:, :-1], columns
             in_newton_metres[axis] = np.concatenate([terms[i].raw[axis] for i in active], axis=1), columns
         label = white.parts(axis)
         for record in np.unique(label):
@@ -70,7 +76,8 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
                 held = sums.setdefault(int(record), np.zeros((total + 1, total + 1)))
                 held[np.ix_(where, where)] += gram
     whole = sum(parts.values())
-    evidence = [_posterior(whole, std, size, total)[1] for size in (plain, total)]
+    fitted = [_posterior(whole, std, size, total) for size in (plain, total)]
+    evidence = [value for _, value in fitted]
     gains: dict[int, float] = {}
     coefficients: dict[int, tuple[np.ndarray, ...]] = {}
     errors = np.zeros(2)
@@ -88,66 +95,65 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
     gained = errors[0] - errors[1]
     share = float(np.clip(gained / max(errors[0] - count, gained, 1e-9), -1.0, 1.0))
     order = list(gains.values())
-    lowers, gain_share, raw, middle = _in_newton_metres(white, in_newton_metres, coefficients, plain)
+    everywhere = dict.fromkeys(parts, tuple(theta for theta, _ in fitted))
+    most = int(np.argmax(_drops(white, whitened, white.targets, everywhere, plain)))
+    rest = whole - _of_block(white, whitened, most, total)
+    without, extended = (_posterior(rest, std, size, total)[1] for size in (plain, total))
+    lowers, gain_share = _in_newton_metres(white, in_newton_metres, coefficients, plain)
     return CrossValidated(
         nats=sum(order),
+        elsewhere=extended - without,
         share=share,
         worst=min(order, default=0.0),
         last=order[-1] if order else 0.0,
         lowers_error=lowers,
         gain_share=gain_share,
-        raw=raw,
-        middle=middle,
     )
 
 
-def _in_newton_metres(
-    white: White,
-    designs: dict[int, tuple[np.ndarray, np.ndarray]],
-    coefficients: dict[int, tuple[np.ndarray, ...]],
-    plain: int,
-) -> tuple[float, float, float, float]:
-    """Return `lowers_error`, `gain_share`, `raw` and `middle` of :class:`CrossValidated`.
+def _in_newton_metres(white: White, designs: Designs, coefficients: Coefficients, plain: int) -> tuple[float, float]:
+    """Return `lowers_error` and `gain_share` of :class:`CrossValidated`; arguments as of :func:`_drops`, unwhitened."""
+    targets = white.raw_targets()
+    blocks, shares = 0.0, []
+    for axis, design in designs.items():
+        variance = white.whiteners[axis].marginal ** 2
+        drops = _drops(white, {axis: design}, targets, coefficients, plain) / variance
+        shares.append(float(drops.sum()) / max(len(targets[axis]), 1))
+        blocks = blocks + drops
+    # Blocks in which no axis can be judged say nothing.
+    return positive(blocks[blocks != 0.0]), max(shares)
+
+
+def _drops(
+    white: White, designs: Designs, targets: list[np.ndarray], coefficients: Coefficients, plain: int
+) -> np.ndarray:
+    """Return by how much extra terms lower the squared error of records left out in every block of time, (blocks,).
 
     Parameters
     ----------
-    designs : axis -> unwhitened columns (m, k) and their places. coefficients : record -> without and with the extra
-        terms, fitted on the other records; the first `plain` places are those without.
+    designs : axis -> columns (m, k) and their places. targets : (m,) of every axis. coefficients : record -> without
+        and with the extra terms, fitted on the other records; the first `plain` places are those without.
     """
-    targets = white.raw_targets()
-    drops: dict[tuple[int, float], float] = {}
-    per_record: dict[int, np.ndarray] = {}
-    shares = []
+    drops = np.zeros(white.problem.block_of_sample.max(initial=-1) + 1)
     for axis, (design, places) in designs.items():
         first = places < plain
-        label, time = white.parts(axis), white.problem.train_state.time[white.whiteners[axis].rows]
-        variance = white.whiteners[axis].marginal ** 2
-        dropped = 0.0
+        label, block = white.parts(axis), white.blocks(axis)
         for record, (without, extended) in coefficients.items():
             rows = label == record
-            if not rows.any():
-                continue
-            square = [
-                (targets[axis][rows] - x @ theta) ** 2 / variance
-                for x, theta in (
-                    (design[rows][:, first], without[places[first]]),
-                    (design[rows], extended[places]),
-                )
-            ]
-            block = (time[rows] - time[rows][0]) // white.problem.settings.block
-            # Recordings may lie years apart: what is kept is as long as there are blocks with samples.
-            numbers, place = np.unique(block, return_inverse=True)
-            sums = np.bincount(place, square[0] - square[1])
-            for index, total in zip(numbers.tolist(), sums.tolist(), strict=True):
-                drops[record, index] = drops.get((record, index), 0.0) + total
-            per_record[record] = per_record.get(record, np.zeros(2)) + np.sum(square, axis=1)
-            dropped += float(sums.sum())
-        shares.append(dropped / max(len(label), 1))
-    lowers = positive(np.array(list(drops.values())))
-    both = np.array(list(per_record.values()))
-    ratios = both[:, 1] / np.maximum(both[:, 0], 1e-300)
-    raw = float(both[:, 1].sum() / max(both[:, 0].sum(), 1e-300))
-    return lowers, max(shares), raw, float(np.median(ratios))
+            x, y = design[rows], targets[axis][rows]
+            square = (y - x[:, first] @ without[places[first]]) ** 2 - (y - x @ extended[places]) ** 2
+            drops += np.bincount(block[rows], square, minlength=len(drops))
+    return drops
+
+
+def _of_block(white: White, designs: Designs, block: int, total: int) -> np.ndarray:
+    """Return the sums of products (total + 1, total + 1) of one block of time; `designs` as of :func:`_drops`."""
+    sums = np.zeros((total + 1, total + 1))
+    for axis, (design, places) in designs.items():
+        rows = white.blocks(axis) == block
+        joint = np.column_stack([design[rows], white.targets[axis][rows]])
+        sums[np.ix_(where := np.append(places, total), where)] += joint.T @ joint
+    return sums
 
 
 def positive(values: np.ndarray) -> float:

@@ -265,4 +265,4 @@ def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Ter
     size = float(np.sqrt(np.mean((raw_columns(white, candidate) @ coefficients)[used] ** 2)))
     flexible = companion(white, form, size)
     found = cross_validate(white, [*others, term], [flexible])
-    return (form, flexible) if found.nats > 0.5 * white.problem.settings.accept and found.raw < 1.0 else None
+    return (form, flexible) if found.nats > 0.5 * white.problem.settings.accept and found.gain_share > 0 else None

@@ -12,7 +12,6 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Term
-from jointwear.discovery.misfit import blocks_of
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import White
 
@@ -69,7 +68,7 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
             right[where] += design[rows].T @ y[rows]
     whole = sum(g for g, _ in parts.values()), sum(r for _, r in parts.values())
     square: dict[int, list[tuple[float, float, bool]]] = {axis: [] for axis in raw}
-    blocks = {axis: blocks_of(white, axis) for axis in raw} if each else {}
+    blocks = {axis: white.blocks(axis) for axis in raw} if each else {}
     middle: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
     for record, (gram, right) in parts.items():
         theta = cho_solve(cho_factor(whole[0] - gram + np.diag(precision)), whole[1] - right) if total else right

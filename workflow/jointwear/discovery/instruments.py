@@ -152,7 +152,7 @@ def smear_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
     Nothing where columns of torque end below that filter: what is left of it there would be noise alone.
     """
     smear = problem.smear[problem.train, axis]
-    return smear[:, :0] if np.isfinite(cutoffs.torque) else smear
+    return smear[:, :0] if cutoffs.torque < problem.measured.cutoff[axis] else smear
 
 
 def clock_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:

@@ -25,24 +25,12 @@ def misfit_of(white: White, fit: Fit) -> np.ndarray:
     result = np.ones(len(white.targets))
     for axis, residual in enumerate(fit.residual):
         if len(residual):
-            label = blocks_of(white, axis)
+            label = white.blocks(axis)
             count = np.bincount(label)
             sums = np.bincount(label, residual)[count > 0] ** 2 / count[count > 0]
             chance = 1.0 + 2.0 * np.sqrt(2.0 / len(sums))
             result[axis] = max(1.0, float(np.mean(residual**2)), float(np.mean(sums)) / chance)
     return result
-
-
-def blocks_of(white: White, axis: int) -> np.ndarray:
-    """Return the block of time, within its record, of each whitened row of an axis."""
-    problem = white.problem
-    rows = white.whiteners[axis].rows
-    time, record = problem.train_state.time[rows], np.asarray(problem.train_state.record)[rows]
-    start = np.concatenate([[0], np.flatnonzero(np.diff(record)) + 1])
-    first = np.repeat(time[start], np.diff(np.append(start, len(rows))))
-    block = ((time - first) // problem.settings.block).astype(int)
-    change = (np.diff(block) != 0) | (np.diff(record) != 0)
-    return np.concatenate([[0], np.cumsum(change)])
 
 
 def tempered(white: White, misfit: np.ndarray) -> White:

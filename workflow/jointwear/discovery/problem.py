@@ -74,6 +74,18 @@ class Problem:
         """
         return self._folds(fewest=4)
 
+    @cached_property
+    def block_of_sample(self) -> np.ndarray:
+        """(N_train,) block of time of each training sample, `settings.block` long within its record, in order."""
+        time, record = self.train_state.time, np.asarray(self.train_state.record)
+        if not len(record):
+            return np.zeros(0, dtype=int)
+        start = np.concatenate([[0], np.flatnonzero(np.diff(record)) + 1])
+        first = np.repeat(time[start], np.diff(np.append(start, len(record))))
+        block = ((time - first) // self.settings.block).astype(int)
+        change = (np.diff(block) != 0) | (np.diff(record) != 0)
+        return np.concatenate([[0], np.cumsum(change)])
+
     def _folds(self, fewest: int) -> np.ndarray:
         """Return the record of each training sample, cut into blocks, four in all or more, if there are too few."""
         record = np.asarray(self.train_state.record)

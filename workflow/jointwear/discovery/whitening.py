@@ -77,6 +77,10 @@ class White:
         """Return the part, out of at least four, that a name has to predict, of each whitened row of `axis`."""
         return self.problem.part_of_sample[self.whiteners[axis].rows]
 
+    def blocks(self, axis: int) -> np.ndarray:
+        """Return the block of time, within its record, of each whitened row of `axis`."""
+        return self.problem.block_of_sample[self.whiteners[axis].rows]
+
 
 def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
     """Whiten targets and base regression; inertial directions that the data cannot see are dropped."""

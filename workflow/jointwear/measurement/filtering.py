@@ -9,6 +9,10 @@ from scipy.signal import butter, sosfiltfilt
 
 #: Fewest samples that are filtered.
 SHORTEST = 24
+#: Fewest samples that a signal is continued by beyond its ends. A filter with its cut-off near Nyquist rings for so
+#: long, however short its period: continued by less, a joint that moves at an end of its record gets an acceleration
+#: there that is wrong by ten times itself.
+RINGING = 30
 
 
 @lru_cache(maxsize=512)
@@ -22,6 +26,6 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
     if cutoff >= 0.45 * rate or len(values) < SHORTEST:
         return values
     # Rates that were found from stamps differ in their last digits from stretch to stretch.
-    pad = min(len(values) - 1, int(3 * rate / cutoff + 1e-6))
+    pad = min(len(values) - 1, max(int(3 * rate / cutoff + 1e-6), RINGING))
     sections = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
     return sosfiltfilt(sections, values, axis=0, padlen=pad)

@@ -25,6 +25,8 @@ from jointwear.measurement.smoothing import END, smooth, widest_band
 HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 #: Samples below this share of the speed of the axis (95 % quantile), and below this speed [rad/s], count as rest.
 SLOW_SHARE, SLOW = 0.02, 0.02
+#: Periods of the cut-off after which the transient of the filter at an end has fallen to a thousandth.
+TRANSIENT = 3.0
 #: Share of the rate at which a noise floor is read: the middle of the upper third of the band.
 FLOOR_AT = 5 / 12
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
@@ -199,7 +201,7 @@ def measure(recording: Recording) -> Measured:
             for j in range(n):
                 known = cutoff[j] if np.isfinite(cutoff[j]) else 0.4 * out_rate
                 # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.
-                reaches = END * 0.5 / known if splines else 1.2 / known
+                reaches = END * 0.5 / known if splines else TRANSIENT / known
                 edge = min(int(np.ceil(reaches * rate)) + 1, len(ok) // 4)
                 ok[:edge, j] = ok[len(ok) - edge :, j] = False
                 # A gap spoils its surroundings as far as the filter reaches.
