@@ -9,14 +9,20 @@ from discovery_cases import make_case
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.discovery import Settings, discover, pipeline
-from jointwear.discovery.crossval import positive
+from jointwear.discovery import Settings, decide, discover, pipeline
+from jointwear.discovery.acceptance import missed, predictive
+from jointwear.discovery.candidates import build_dictionary, raw_blocks, scan
+from jointwear.discovery.crossval import cross_validate, positive
 from jointwear.discovery.fallback import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named
 from jointwear.discovery.page import body_in_words, lead, write_page
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
+from jointwear.discovery.whitening import whiten
+from jointwear.effects import get_effect
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.recording import split
@@ -75,6 +81,53 @@ def test_a_name_says_how_sure_it_is(found):
     assert effect["repeated"] == 1.0
     assert found.data["to_the_noise"]
     assert "nothing beyond the noise is left" in " ".join(lead(found.data))
+
+
+def test_a_form_that_says_more_than_was_seen_gives_way_to_a_plainer_one(found, monkeypatch):
+    white, dictionary = found.final.outcome.white, found.final.outcome.dictionary
+    drift = next(s for s in scan(white, dictionary, white.fit()) if s.candidate.key == ("torque_offset_drift", 2, None))
+    (other,) = drift.others
+    assert {"period", "time_constant"} == set(drift.candidate.nonlinear) ^ set(other.candidate.nonlinear)
+    assert other.evidence <= drift.evidence
+    drift = replace(drift, others=(replace(other, evidence=50.0),))
+    asked = []
+
+    def only_the_plain(white, named, trial):
+        asked.append(trial)
+        return ["refused"] if set(trial.candidate.nonlinear) == set(drift.candidate.nonlinear) else []
+
+    monkeypatch.setattr(decide, "refusals", only_the_plain)
+    trial, failed = decide._tried(white, white.fit(), [], drift)
+    assert failed == []
+    assert set(trial.candidate.nonlinear) == set(other.candidate.nonlinear)
+    assert len(asked) == 2
+    # With too little evidence of its own the other form is not asked.
+    assert decide._tried(white, white.fit(), [], replace(drift, others=(replace(other, evidence=5.0),)))[1] == [
+        "refused"
+    ]
+
+
+def test_a_load_is_not_refused_for_what_one_joint_lacks(found):
+    outcome = found.final.outcome
+    problem, coefficients = outcome.problem, np.zeros(10)
+    load = get_effect("payload")
+    columns = load.columns(problem.train_state, 0, None, {})
+    coefficients[:4] = 0.5, 0.0, 0.0, 0.02
+    torque = columns @ coefficients[: columns.shape[-1]]
+    # In the last record something of another kind acts on joint 2, many times as large and against the load.
+    last = problem.part_of_sample == problem.part_of_sample.max()
+    wrong = torque.copy()
+    wrong[last, 1] -= 6.0 * torque[last, 1]
+    discrepancy = problem.discrepancy.copy()
+    discrepancy[problem.train] += wrong
+    white = whiten(replace(problem, discrepancy=discrepancy), outcome.white.whiteners)
+    candidate, blocks, std = next(x for x in build_dictionary(white).whole if x[0].effect == "payload")
+    term = Term("payload", blocks, std, raw_blocks(white, candidate))
+    before = [t for n in outcome.named for t in n.terms]
+    trial = Named(candidate, term, None, 1000.0)
+    plain = missed(cross_validate(white, before, [term]), 1000.0, problem.settings)
+    assert any("gains least" in gate for gate, _, _ in plain)
+    assert not any("gains least" in r.gate for r in predictive(white, before, trial)[1])
 
 
 def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):

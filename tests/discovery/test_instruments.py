@@ -125,6 +125,15 @@ def test_a_limited_state_keeps_steps_of_friction(white):
     assert band_limited(state, axis, np.inf, RATE) is state
 
 
+@pytest.mark.parametrize("side", ["motor", "link"])
+def test_behind_the_gear_its_twist_shows_in_the_positions_of_the_motor_alone(white, side):
+    gear = effects.get_effect("joint_flexibility")
+    state = replace(white.problem.train_state, torque_kind="link_sensor", encoder_side=side)
+    assert bool(gear.unmet(state, 2)) == (side == "link")
+    assert {p["side"] for p in gear.grid(state, 2)} == {1}
+    assert not gear.unmet(replace(state, torque_kind="motor"), 2)
+
+
 def test_a_coarse_encoder_is_no_timing(robot):
     found = discover(coarse(robot, seed=5), robot)
     assert not found.effects, found.effects

@@ -12,6 +12,7 @@ import numpy as np
 from jointwear.discovery.candidates import LINK_MASS, Candidate, possible, prior_std, raw_columns
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain
+from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
@@ -60,9 +61,12 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
     """Return how an effect predicts records left out, with the gates that it misses.
 
     The textbook form may fail where the effect itself does not: then its form may bend, unless a robot file cannot
-    hold the bend. What changes with time is wanted for the time to come: it has to predict either way.
+    hold the bend. What changes with time is wanted for the time to come: it has to predict either way. What acts on
+    several axes may be there while one of them lacks something else: each counts by its misfit beside the effect.
     """
     settings = white.problem.settings
+    if len(trial.term.blocks) > 1:
+        white, before, trial = _by_misfit(white, before, trial)
     found = cross_validate(white, before, [trial.term])
     failed = missed(found, trial.evidence, settings)
     lasting = follows_time(trial.candidate)
@@ -72,6 +76,16 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
         if not lasting or bent_failed:
             found, failed = bent, bent_failed
     return found, [_refused(trial, *gate) for gate in failed]
+
+
+def _by_misfit(white: White, before: list[Term], trial: Named) -> tuple[White, list[Term], Named]:
+    """Return problem, terms and trial in which every axis counts by what is left on it with the trial in the model."""
+    misfit = misfit_of(white, white.fit([*before, *trial.terms]))
+    if np.all(misfit <= 1.0):
+        return white, before, trial
+    form = None if trial.form is None else divided(trial.form, misfit)
+    weighed = replace(trial, term=divided(trial.term, misfit), form=form)
+    return tempered(white, misfit), [divided(t, misfit) for t in before], weighed
 
 
 def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:

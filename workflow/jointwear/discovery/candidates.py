@@ -168,12 +168,16 @@ def _shrunk(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Scored:
-    """The best point of one family (effect, axis, source) and the evidence [nats] of the family."""
+    """The best point of one family (effect, axis, source) and the evidence [nats] of the family.
+
+    `others` are the best points of the forms that have other parameters, best first: a rise beside a wave.
+    """
 
     candidate: Candidate
     evidence: float
     blocks: dict[int, np.ndarray]
     std: np.ndarray
+    others: tuple[Scored, ...] = ()
 
 
 def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None) -> list[Scored]:
@@ -210,9 +214,13 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
     found = []
     for points in families.values():
         values = np.array([p[0] for p in points])
-        best = points[int(np.argmax(values))]
-        evidence = float(logsumexp(values) - np.log(len(values))) - (price if keys is None else 0.0)
-        found.append(Scored(best[1], evidence, best[2], best[3]))
+        cost = np.log(len(values)) + (price if keys is None else 0.0)
+        forms: dict[frozenset, tuple] = {}
+        for point in sorted(points, key=lambda p: -p[0]):
+            forms.setdefault(frozenset(point[1].nonlinear), point)
+        first, *rest = forms.values()
+        others = tuple(Scored(c, float(value - cost), blocks, std) for value, c, blocks, std in rest)
+        found.append(Scored(first[1], float(logsumexp(values) - cost), first[2], first[3], others))
     return sorted(found, key=lambda s: -s.evidence)
 
 

@@ -62,8 +62,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
         best = _best(white, dictionary, fit, named, refused)
         if best is None:
             break
-        trial = _named(white, fit, best)
-        failed = refusals(white, named, trial)
+        trial, failed = _tried(white, fit, named, best)
         if failed:
             outcome.refusals += failed
             refused.append(trial)
@@ -92,6 +91,22 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
+
+
+def _tried(white: White, fit: Fit, named: list[Named], best: Scored) -> tuple[Named, list[Refusal]]:
+    """Return the first form of a family that passes the gates, else the one of most evidence with what it missed.
+
+    A form with more coefficients fits better what has been seen, and may say less of what has not.
+    """
+    first = _named(white, fit, best)
+    failed = refusals(white, named, first)
+    if failed:
+        for other in best.others:
+            if other.evidence > white.problem.settings.accept:
+                trial = _named(white, fit, other)
+                if not refusals(white, named, trial):
+                    return trial, []
+    return first, failed
 
 
 def _best(white: White, dictionary: Dictionary, fit: Fit, named: list[Named], refused: list[Named]) -> Scored | None:

@@ -51,6 +51,12 @@ def _motor_torque(state: State, axis: int) -> str:
     return ""
 
 
+def _gear_between(state: State, axis: int) -> str:
+    if state.torque_kind == "link_sensor" and state.encoder_side == "link":
+        return "torque and position were both measured behind the gear, where its twist does not show"
+    return ""
+
+
 #: Name of a need -> (state, axis) -> why it is not met, or nothing.
 ALL = {
     "temperature": _temperature,
@@ -61,4 +67,5 @@ ALL = {
     "tip": _tip,
     "gravity": _gravity,
     "motor torque": _motor_torque,
+    "gear between": _gear_between,
 }

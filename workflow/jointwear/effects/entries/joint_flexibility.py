@@ -30,11 +30,15 @@ def _columns(state, axis, source, p):
 
 
 def _grid(state, axis):
+    of_motor = [{"inertia_over_stiffness": x, "inertia": 0.0, "side": 1} for x in _SHARES]
+    if state.torque_kind == "link_sensor":
+        # Behind the gear the motor is not felt: only the positions may be its own.
+        return of_motor
     # The stiffness follows from the motor inertia of the model; where that is unknown, so is how the motor turns.
     of_link = [{"inertia_over_stiffness": x, "inertia": float(state.drive.armature[axis]), "side": 0} for x in _SHARES]
     if state.encoder_side == "link":
         return of_link
-    return of_link + [{"inertia_over_stiffness": x, "inertia": 0.0, "side": 1} for x in _SHARES]
+    return of_link + of_motor
 
 
 EFFECT = Effect(
@@ -58,7 +62,7 @@ EFFECT = Effect(
     # Inertia enters in proportion; the reversals of the motor do not, so that the search moves the parameter too.
     parameters_of=lambda p, c: {**p, "inertia_over_stiffness": float(p["inertia_over_stiffness"] * c[0])},
     grid=_grid,
-    needs=("order",),
+    needs=("order", "gear between"),
     scaled="inertia_over_stiffness",
     timing=True,
     bend=timing_bend(),
