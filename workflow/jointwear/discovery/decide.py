@@ -94,19 +94,18 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
 
 
 def _tried(white: White, fit: Fit, named: list[Named], best: Scored) -> tuple[Named, list[Refusal]]:
-    """Return the first form of a family that passes the gates, else the one of most evidence with what it missed.
+    """Return the form of a family that passes the gates and predicts best, else that of most evidence with its misses.
 
     A form with more coefficients fits better what has been seen, and may say less of what has not.
     """
-    first = _named(white, fit, best)
-    failed = refusals(white, named, first)
-    if failed:
-        for other in best.others:
-            if other.evidence > white.problem.settings.accept:
-                trial = _named(white, fit, other)
-                if not refusals(white, named, trial):
-                    return trial, []
-    return first, failed
+    others = [s for s in best.others if s.evidence > white.problem.settings.accept]
+    trials = [_named(white, fit, s) for s in (best, *others)]
+    failed = [refusals(white, named, t) for t in trials]
+    passed = [t for t, gates in zip(trials, failed, strict=True) if not gates]
+    if len(passed) < 2:
+        return (passed[0], []) if passed else (trials[0], failed[0])
+    before = [t for n in named for t in n.terms]
+    return max(passed, key=lambda t: predictive(white, before, t)[0].gain_share), []
 
 
 def _best(white: White, dictionary: Dictionary, fit: Fit, named: list[Named], refused: list[Named]) -> Scored | None:
