@@ -36,6 +36,7 @@ class Settings:
     certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
     block : length of such a block [s]; the noise forgets within a third of a second. A step within a record, which
         must not do better than an effect that follows time, is tried as often.
+        Without the block that gives most of it the evidence of an effect has to be half of `accept`.
     smallest_share : drop of the mean squared error on records left out, over the noise variance of the axis, below
         which an effect does not matter to a simulation.
     predicted : share of the evidence of an effect that must show as nats gained on records left out, up to a limit.
