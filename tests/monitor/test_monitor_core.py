@@ -279,6 +279,23 @@ def test_two_axes_at_once_are_both_named():
     assert {a["axis"] for a in result.alarms if a["detector"] == "model"} == {1, 3}
 
 
+def test_an_axis_too_coarse_for_its_limit_says_so_and_still_alarms_for_a_large_change():
+    # Friction of the second axis differs from shift to shift.
+    growth = np.zeros((300, 3))
+    growth[:, 1] = np.repeat(0.17 * np.random.default_rng(3).uniform(-1, 1, 38), 8)[:300]
+    quiet = judge(statistics_of(residuals(300, growth, 15)), 120, SETTINGS)
+    (told,) = [f for f in quiet.findings if f["kind"] == "coarse"]
+    assert told["axes"] == [2]
+    assert told["least"] > 0.2
+    assert f"{100 * told['least']:.0f} %" in told["words"]
+    assert set(quiet.status[120:, 1]) == {HEALTHY}
+    assert not [a for a in quiet.alarms if a["detector"] == "model"]
+    growth[200:, 1] += 1.5 * told["least"]
+    worn = judge(statistics_of(residuals(300, growth, 15)), 120, SETTINGS)
+    assert {a["axis"] for a in worn.alarms if a["detector"] == "model"} == {2}
+    assert worn.status[-1, 1] == CHANGED
+
+
 def test_friction_that_drowns_is_not_called_healthy():
     loud = residuals(150, np.zeros((150, 3)), 15)
     loud[..., 1] *= 400
