@@ -17,7 +17,7 @@ from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.ranking import ORDER, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.local_time import local_time, zone_of
-from jointwear.monitor.standing import NOTHING
+from jointwear.monitor.standing import NOTHING, rhythm_hours
 from jointwear.monitor.words import outlook_words
 
 NOW = 1_767_225_600.0
@@ -34,7 +34,7 @@ def axis(number=1, level=HEALTHY, **more):
 
 def robot(name, *axes, **more):
     found = {"robot": name, "folder": name, "result": "judged", "logs": 10, "windows": 240, "last_sample": NOW - 3600,
-             "rhythm_hours": 24.0, "window_hours": 1.0, "dated": True, "axes": list(axes) or [axis()]}  # fmt: skip
+             "rhythm_hours": 24.0, "dated": True, "axes": list(axes) or [axis()]}  # fmt: skip
     return {**NOTHING, **found, **more}
 
 
@@ -132,6 +132,15 @@ def test_healthy_means_that_nothing_is_known_against_it(levels, silence, refused
     assert (found["urgency"] == HEALTHY) == fine
     assert (found["stale_windows"] > 0) == (found["stale_logs"] > 0) == (silence > 72)
     assert found["urgency"] in ORDER
+
+
+def test_nights_and_weekends_count_into_the_rhythm_of_logs():
+    shifts = [day * 86400 + hour * 3600.0 for day in range(40) if day % 7 < 5 for hour in range(6, 22)]
+    rhythm = rhythm_hours(np.array([np.nan, *shifts]))
+    # 16 logs on five of seven days.
+    assert 18 * 24 / rhythm == pytest.approx(18 * 16 * 5 / 7, rel=0.1)
+    assert rhythm_hours(np.array([0.0, 40 * 86400.0])) == 960
+    assert rhythm_hours(np.array([5.0])) is None
 
 
 @given(st.permutations(FLEET))

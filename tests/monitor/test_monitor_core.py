@@ -27,7 +27,7 @@ from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import forecast
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, JudgeSettings, judge
 from jointwear.monitor.locate import axis_probability, named_axis
-from jointwear.monitor.paper_detector import raised_limit
+from jointwear.monitor.paper_detector import paper_alarms, raised_limit
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
 
@@ -368,6 +368,18 @@ def test_the_paper_detector_alarms_on_a_changed_distribution(monkeypatch):
     assert paper
     assert all(a["time"] > 150 * 3600 for a in paper)
     assert paper[0]["axis"] == 1
+
+
+def test_the_paper_detector_passes_over_a_program_that_it_never_saw(monkeypatch):
+    monkeypatch.setattr(paper_detector, "VARIANCE_SHARE", 0.5)
+    growth = np.zeros((200, 3))
+    growth[150:, 0] = 0.5
+    statistics, program = statistics_of(residuals(200, growth, 19)), np.zeros(200, dtype=int)
+    assert paper_alarms(statistics, 120, 1e-3, program).alarm.any()
+    program[150:] = 1
+    verdict = paper_alarms(statistics, 120, 1e-3, program)
+    assert not verdict.alarm.any()
+    assert np.isnan(verdict.q[150:]).all()
 
 
 def test_raised_limits():

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from jointwear.files.errors import InputError
 from jointwear.reproduction.published import load_published
 from jointwear.reproduction.readings import ambiguities
-from jointwear.studies.multiverse import choice, records
+from jointwear.studies.multiverse import choice, pose_stages, records
 from jointwear.studies.multiverse.design import (
     build_design,
     latin_column,
@@ -28,6 +28,7 @@ from jointwear.studies.multiverse.dimensions import SIMULATION, default_reading,
 from jointwear.studies.multiverse.evaluation import Outcomes
 from jointwear.studies.multiverse.influence import influence
 from jointwear.studies.multiverse.lag_rule import cross_correlation, named_axis, rising_alone
+from jointwear.studies.multiverse.pose_stages import evaluate_pose_sets
 from jointwear.studies.multiverse.reading_stages import best_readings
 from jointwear.studies.multiverse.scoring import Target, claims, score, target_of
 
@@ -325,3 +326,29 @@ def test_of_readings_that_detect_the_same_the_first_goes_on(keys, count):
     assert places == sorted(places)
     assert [keys[k] for k in places] == list(dict.fromkeys(keys))[:count]
     assert all(keys.index(keys[k]) == k for k in places)
+
+
+@pytest.mark.parametrize("found", [10, 18, 50, 70])
+def test_the_pose_sets_that_were_found_are_dealt_out(monkeypatch, found):
+    dealt: list[list[int]] = []
+    monkeypatch.setattr(pose_stages, "ensemble_size", lambda path: found)
+    monkeypatch.setattr(pose_stages, "ensemble_pose_sets", lambda path, unloaded, chosen: dealt.append(list(chosen)))
+    monkeypatch.setattr(pose_stages, "read_design", lambda path: [])
+
+    def stop(*args):
+        raise StopIteration
+
+    monkeypatch.setattr(pose_stages, "experiment_of", stop)
+    how = {"pose_sets": 50, "pose_parts": 10, "pose_replicates": 1}
+    for part in range(10):
+        with pytest.raises(StopIteration):
+            evaluate_pose_sets("best.csv", "ensemble.nc", "arm.yaml", "paper.yaml", "out.nc", part, how)
+    assert all(dealt)
+    assert sorted(k for part in dealt for k in part) == list(range(min(found, 50)))
+
+
+def test_too_few_pose_sets_are_refused(monkeypatch):
+    monkeypatch.setattr(pose_stages, "ensemble_size", lambda path: 7)
+    how = {"pose_sets": 50, "pose_parts": 10, "pose_replicates": 1}
+    with pytest.raises(InputError, match=r"ensemble\.nc: has 7 solutions, .* at least 10; raise recover\.solutions"):
+        evaluate_pose_sets("best.csv", "ensemble.nc", "arm.yaml", "paper.yaml", "out.nc", 0, how)

@@ -19,6 +19,7 @@ ENTRY = {
     "robot": "config/robots/puma560.yaml",
     "window": "12s",
     "baseline": {"windows": 8},
+    "files_per_job": 1,
 }
 
 
@@ -124,7 +125,18 @@ def test_small_logs_share_a_job_and_a_new_one_changes_its_own(new):
     changed = [key for key, group in more.items() if groups.get(key) != group]
     assert len(changed) <= 2
     assert any(new in more[key] for key in changed)
-    assert batches_of(logs, {}) == {log_key(log): [log] for log in logs}
+
+
+def test_logs_share_a_job_by_their_size(tmp_path):
+    small, large = ([str(tmp_path / f"{kind}_{k}.csv") for k in range(200)] for kind in ("small", "large"))
+    for path, size in [*((p, 400_000) for p in small), *((p, 9_000_000) for p in large)]:
+        with open(path, "wb") as file:
+            file.truncate(size)
+    assert 4 <= len(batches_of(small, {})) <= 20
+    assert batches_of(large, {}) == {log_key(log): [log] for log in large}
+    absent = ["logs/a.csv", "logs/b.csv"]
+    assert batches_of(absent, {}) == {log_key(log): [log] for log in absent}
+    assert len(batches_of(small, {"files_per_job": 1})) == 200
 
 
 def test_a_folder_that_cannot_be_reached_concerns_its_robot_alone(project, monkeypatch):

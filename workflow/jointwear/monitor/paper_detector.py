@@ -73,12 +73,20 @@ def raised_limit(ratio: np.ndarray, rate: float, consecutive: int = CONSECUTIVE)
     return float(max(1.0, edge + excess * np.log(max(_TAIL / rate, 1.0))))
 
 
-def paper_alarms(statistics: WindowStatistics, baseline: int, rate: float) -> PaperVerdict:
+def paper_alarms(
+    statistics: WindowStatistics, baseline: int, rate: float, programs: np.ndarray | None = None
+) -> PaperVerdict:
     """Run the detector; reset after each alarm.
 
     Parameters
     ----------
     baseline : windows of the normal period, the first ones. rate : false alarms a window that are allowed.
+    programs : (w,) program of each window (:mod:`.regimes`), or None where none are told apart.
+
+    Notes
+    -----
+    The paper's task repeats itself. The torques of a program that the normal period never ran differ by their motion
+    alone, so its windows have no Q.
     """
     from jointwear.reproduction.detection import score
     from jointwear.reproduction.features import kl_divergence
@@ -89,6 +97,8 @@ def paper_alarms(statistics: WindowStatistics, baseline: int, rate: float) -> Pa
     histograms = folded_histograms(statistics, baseline)
     # A robot that stands still all window has no torque pattern of its task.
     known = np.isfinite(histograms).all(axis=(1, 2)) & (statistics.count > 0).any(axis=1)
+    if programs is not None:
+        known &= np.isin(programs, programs[:baseline])
     normal = np.flatnonzero(known[:baseline])
     if len(normal) < 8:
         return nothing

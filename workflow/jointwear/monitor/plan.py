@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import stat
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
@@ -28,6 +29,8 @@ READING_KEYS = (
     "variables", "units", "joints", "topic", "window", "dead_band", "torque_constant", "scale", "sign", "time_zone",
     "program",
 )  # fmt: skip
+#: Logs that one job reads [bytes]: they take as long to read as the job takes to start (a second or two on one core).
+BATCH_BYTES = 8e6
 #: Where `learn_normal` leaves the robot file of a robot.
 LEARNED = "results/learned/{name}/robot.yaml"
 #: Shortest and longest length of time [s] in a config: a stroke of an arm, and the life of one.
@@ -200,18 +203,28 @@ def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict
 
 
 def batches_of(logs: Sequence[str], entry: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return key -> logs of every batch; about `files_per_job` logs are read by one job, named after its first.
+    """Return key -> logs of every batch; a batch is read by one job and named after its first log.
 
-    A batch ends after a log whose name says so, one name in `files_per_job`: a log that is added or removed anywhere
-    changes the batch that it falls into and no other.
+    A batch ends after a log whose name and size say so, one name in `files_per_job` or, where the entry has none, one
+    in :data:`BATCH_BYTES` over its size: a log that is added or removed anywhere changes the batch that it falls into
+    and no other.
     """
-    size = int(entry.get("files_per_job", 1))
     groups: list[list[str]] = [[]]
     for log in logs:
         groups[-1].append(log)
-        if zlib.crc32(os.fsencode(log)) % size == 0:
+        per_job = entry.get("files_per_job") or BATCH_BYTES / _size(log)
+        if zlib.crc32(os.fsencode(log)) < 2**32 / per_job:
             groups.append([])
     return {log_key(group[0]): group for group in groups if group}
+
+
+def _size(log: str) -> float:
+    """Return the size of a log [bytes]; a folder, or one that is yet to be fetched, fills a batch."""
+    try:
+        found = os.stat(log)
+    except OSError:
+        return BATCH_BYTES
+    return max(found.st_size, 1) if stat.S_ISREG(found.st_mode) else BATCH_BYTES
 
 
 def model_file(name: str, entry: Mapping[str, Any]) -> str:

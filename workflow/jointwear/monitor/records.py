@@ -220,9 +220,11 @@ class Teller:
         return result
 
 
-def paper_records(statistics: WindowStatistics, baseline: int, rate: float) -> list[dict[str, Any]]:
+def paper_records(
+    statistics: WindowStatistics, baseline: int, rate: float, programs: np.ndarray | None
+) -> list[dict[str, Any]]:
     """Return the alarms of the paper's detector."""
-    verdict = paper_alarms(statistics, baseline, rate)
+    verdict = paper_alarms(statistics, baseline, rate, programs)
     unknown = [np.nan] * 3
     return [
         record(

@@ -20,8 +20,10 @@ from jointwear.monitor.state import RobotState
 NOTHING: dict[str, Any] = {
     "alarms": 0, "axes_changed": "", "reason": "", "logs": 0, "refused_logs": 0, "unjudged_logs": 0, "windows": 0,
     "refused_windows": 0, "unjudged_windows": 0, "kept_logs": 0, "last_sample": None, "rhythm_hours": None,
-    "window_hours": None, "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
+    "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
 }  # fmt: skip
+#: Time [s] before the newest log that its rhythm is read from: four weeks, so that weekends count with their weight.
+RHYTHM = 28 * 86400.0
 #: Refusals that a row tells in words; the page of the robot has all.
 TOLD_REFUSALS = 3
 
@@ -67,8 +69,7 @@ def standing(state: RobotState) -> dict[str, Any]:
         "refused_windows": int(np.sum((state.flags & int(Flag.REFUSED)).any(axis=1))),
         "unjudged_windows": int(unjudged.all(axis=1).sum()),
         "last_sample": float(np.nanmax(state.last)),
-        "rhythm_hours": _rhythm(state),
-        "window_hours": float(state.end[0] - state.start[0]) / 3600,
+        "rhythm_hours": rhythm_hours(state.first),
         "dated": state.dated,
         "axes": [axis_row(c) for c in ordered],
         "episodes": [episode_row(e, conditions) for e in episodes],
@@ -86,10 +87,18 @@ def _unjudged_logs(state: RobotState, blind: np.ndarray) -> int:
     return int(sum(seen[b] == seen[a] for a, b in zip(begin[read], end[read], strict=True)))
 
 
-def _rhythm(state: RobotState) -> float | None:
-    """Median time between the begins of logs [h], None of a single log."""
-    begins = np.unique(state.first[np.isfinite(state.first)])
-    return float(np.median(np.diff(begins))) / 3600 if len(begins) > 1 else None
+def rhythm_hours(first: np.ndarray) -> float | None:
+    """Return the calendar time per log [h] over the last :data:`RHYTHM`, nights and weekends included.
+
+    Parameters
+    ----------
+    first : (logs,) [s], begin of every log, NaN of one that was not read. Of fewer than two there is None.
+    """
+    begins = np.unique(first[np.isfinite(first)])
+    recent = begins[begins >= begins[-1] - RHYTHM] if len(begins) else begins
+    if len(recent) < 2:
+        recent = begins[-2:]
+    return float(np.mean(np.diff(recent))) / 3600 if len(recent) > 1 else None
 
 
 def axis_row(condition: AxisCondition) -> dict[str, Any]:

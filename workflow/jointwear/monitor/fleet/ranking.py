@@ -25,8 +25,8 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:
     """Return a robot's row with `urgency`, `silence_hours`, `stale_logs`, `stale_windows` as of `now` [s since 1970].
 
-    Stale logs are those that are overdue by the robot's own rhythm, stale windows those that they would have filled;
-    both are 0 until the robot has been silent for `stale_after` hours.
+    Stale logs are those that are overdue by the robot's own rhythm, stale windows those that they would have filled,
+    as many of each as before; both are 0 until the robot has been silent for `stale_after` hours.
     """
     silence = silence_hours(row, now)
     stale = silence > stale_after
@@ -54,7 +54,7 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
         "silence_hours": None if math.isnan(silence) else silence,
         "stale": bool(stale),
         "stale_logs": overdue,
-        "stale_windows": math.floor(silence / row["window_hours"]) if stale and row["window_hours"] else 0,
+        "stale_windows": math.ceil(overdue * row["windows"] / row["logs"]) if stale and row["logs"] else 0,
     }
 
 

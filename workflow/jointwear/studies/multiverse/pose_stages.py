@@ -116,17 +116,19 @@ def evaluate_pose_sets(
 
     Parameters
     ----------
-    settings : of :func:`experiment_of` and :func:`analysis_of`; `pose_sets` their number, `pose_parts`,
-        `pose_replicates`.
+    settings : of :func:`experiment_of` and :func:`analysis_of`; `pose_sets` their largest number, `pose_parts`,
+        `pose_replicates`. The search of `recover` may have found fewer.
 
     Raises
     ------
-    InputError : if the ensemble has fewer solutions.
+    InputError : if the ensemble has fewer solutions than there are parts.
     """
-    count = settings["pose_sets"]
-    available = ensemble_size(ensemble)
-    if available < count:
-        raise InputError(f"{ensemble}: has {available} solutions, multiverse.pose_sets asks for {count}")
+    count = min(settings["pose_sets"], ensemble_size(ensemble))
+    if count < settings["pose_parts"]:
+        raise InputError(
+            f"{ensemble}: has {count} solutions, the multiverse needs at least {settings['pose_parts']}; raise "
+            "recover.solutions"
+        )
     points = read_design(best)
     readings = [p.reading for p in points]
     sets = ensemble_pose_sets(ensemble, unloaded, range(count)[part :: settings["pose_parts"]])
