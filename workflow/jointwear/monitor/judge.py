@@ -160,8 +160,10 @@ def judge(
             break
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
-    viscous = watched("viscous", VISCOUS_SHARE)
     backlash = watched("backlash", BACKLASH_SHARE, services=False)
+    # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
+    found = [[s.window for s in starts if s.proposed] for starts in level.starts]
+    viscous = watched("viscous", VISCOUS_SHARE)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)

@@ -50,7 +50,7 @@ class Axis:
             return float(least * 1.2 ** np.ceil(np.log(max(value, least) / least) / np.log(1.2) - 1e-9))
 
         return Axis(
-            up(self.between, 0.002),
+            up(self.between, FLOOR),
             round(max(self.spread, 0.1), 1),
             up(self.normal, 0.001),
             up(self.within, 0.0005),
