@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
+from jointwear.files.errors import InputError
 from jointwear.measurement.checks import Refused
 from jointwear.monitor.findings import missing_temperature
 from jointwear.monitor.logs import log_statistics
@@ -28,6 +29,12 @@ def surveyed(tmp_path, log):
 def test_a_short_first_log_is_not_refused(tmp_path, noise):
     # Read with joints 4 and 5 exchanged the model leaves a hundred-thousandth of the torque too.
     assert surveyed(tmp_path, make_log(10.0, noise=noise)).left[3] < 0.01
+
+
+def test_a_first_log_without_torque_decides_nothing(tmp_path):
+    log = make_log(10.0)
+    with pytest.raises(InputError, match=r"log\.parquet: no torque of any joint is a finite number"):
+        surveyed(tmp_path, replace(log, torque=np.full_like(log.torque, np.nan)))
 
 
 @pytest.mark.parametrize("index", [13, 21, 33])

@@ -396,6 +396,13 @@ def test_the_paper_detector_passes_over_a_program_that_it_never_saw(monkeypatch)
     assert np.isnan(verdict.q[150:]).all()
 
 
+def test_no_baseline_yet_is_no_judgement():
+    statistics = statistics_of(residuals(40, np.zeros((40, 3)), 19))
+    result = judge(statistics, np.zeros(40, dtype=bool), SETTINGS)
+    assert not result.alarms
+    assert (result.status == UNJUDGED).all()
+
+
 def test_raised_limits():
     random = np.random.default_rng(20)
     quiet = random.uniform(0, 0.5, 200)

@@ -89,6 +89,11 @@ def test_only_what_concerns_reading_reads_again(project, change, jobs):
         ({"baseline": {"windows": 2}}, "the nearest valid value is 8"),
         ({"joints": ["a", "b"]}, "names 2 joints, robot 'puma560' has 6"),
         ({"widow": "1h"}, "did you mean 'window'"),
+        ({"time_zone": "Europe/Berln"}, "arm.time_zone' is 'Europe/Berln'; did you mean 'Europe/Berlin'"),
+        ({"robot": "x" * 5000}, "no such file"),
+        ({"scale": 1e18}, "the nearest valid value is 1000000"),
+        ({"torque_constant": [1e-18] * 6}, "the nearest valid value is 1e-06"),
+        ({"dead_band": 1e3}, "the nearest valid value is 10"),
         ({"limits": {"coulomb_increase": 20}}, "did you mean 'coulomb_increase_percent'"),
     ],
 )

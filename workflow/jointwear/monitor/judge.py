@@ -168,7 +168,8 @@ def judge(
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
-    alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime)
+    if first.any():
+        alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime)
     estimates, std = _estimates(level, viscous, series, usual, coulomb)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)

@@ -6,13 +6,13 @@ import math
 from datetime import UTC, datetime, tzinfo
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError, available_timezones
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
 
 DEFAULT_ZONE = "UTC"
 
 
-def zone_of(name: str | None) -> tzinfo:
-    """Return the time zone of the config key ``monitor.time_zone``, an IANA name; None is UTC.
+def zone_of(name: str | None, key: str = "monitor.time_zone") -> tzinfo:
+    """Return the time zone that a key of the config names, an IANA name; None is UTC.
 
     Raises
     ------
@@ -25,9 +25,7 @@ def zone_of(name: str | None) -> tzinfo:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):
         hint = nearest(name, available_timezones())
-        raise InputError(
-            f"config: 'monitor.time_zone' is '{name}'{hint} (allowed: IANA names, as Europe/Berlin)"
-        ) from None
+        raise InputError(f"config: '{key}' is {shown(name)}{hint} (allowed: IANA names, as Europe/Berlin)") from None
 
 
 def local_time(seconds: float, zone: tzinfo) -> str:

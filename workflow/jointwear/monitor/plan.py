@@ -22,6 +22,7 @@ from jointwear.files.patterns import matches
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import LATEST, moment_of
 from jointwear.monitor.events import events_of
+from jointwear.monitor.local_time import zone_of
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 #: Keys of an entry that decide how a log is read; its windows depend on no other.
@@ -132,11 +133,17 @@ def check_robots(config: Mapping[str, Any]) -> None:
     for name, entry in config["monitor"]["robots"].items():
         where = f"monitor.robots.{name}"
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
-            raise InputError(f"config: '{where}': a robot's name is letters, digits and _")
+            raise InputError(f"config: '{where}': a robot's name is letters, digits and _, a letter first")
         path = Path(entry["robot"])
-        if not path.is_file():
-            there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() else []
-            raise InputError(f"config: '{where}.robot' is {path}: no such file{nearest(path.name, there)}")
+        if not os.path.isfile(path):
+            there = [p.name for p in path.parent.glob("*")] if os.path.isdir(path.parent) else []
+            raise InputError(f"config: '{where}.robot' is {shown(str(path))}: no such file{nearest(path.name, there)}")
+        if path.suffix.lower() in (".urdf", ".xacro"):
+            raise InputError(
+                f"config: '{where}.robot' is {shown(str(path))}, a URDF; name a robot file (YAML) that holds "
+                f"'urdf: {path.name}' and the drives"
+            )
+        zone_of(entry.get("time_zone"), f"{where}.time_zone")
         robot = read_once(path)
         for source in robot_sources(entry["robot"])[1:]:
             if not Path(source).is_file():

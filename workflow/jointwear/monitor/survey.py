@@ -104,6 +104,8 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         raise InputError(
             f"{path}: the position of joint {dead[0] + 1} is never a finite number; every torque depends on it"
         )
+    if not np.isfinite(chunk.torque).any():
+        raise InputError(f"{path}: no torque of any joint is a finite number (N m, after 'scale' or 'torque_constant')")
     steps = np.diff(chunk.time)[np.diff(stretch) == 0]
     rate = 1.0 / float(np.median(steps)) if len(steps) else 0.0
     roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]

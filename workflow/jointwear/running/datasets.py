@@ -5,6 +5,7 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -40,13 +41,13 @@ def check_datasets(config: Mapping[str, Any]) -> None:
                 continue
             if will_be_fetched(entry[key]):
                 continue
-            if made_for is not None and not Path(entry[key]).is_file():
+            if made_for is not None and not os.path.isfile(entry[key]):
                 raise InputError(
                     f"config: 'discover.datasets.{name}.robot' is {entry[key]}, which does not exist, and the config "
                     f"has no data set '{made_for}' that would make it{nearest(made_for, datasets)}"
                 )
             try:
-                if key == "measured" and Path(entry[key]).is_dir():
+                if key == "measured" and os.path.isdir(entry[key]):
                     continue  # a bag
                 check_regular(entry[key])
             except InputError as error:
@@ -54,7 +55,7 @@ def check_datasets(config: Mapping[str, Any]) -> None:
         if written_for(entry["robot"]) in datasets:
             continue
         for path in robot_sources(entry["robot"])[1:]:
-            if not Path(path).exists() and not will_be_fetched(path):
+            if not os.path.exists(path) and not will_be_fetched(path):
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
 
 

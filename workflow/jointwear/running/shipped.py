@@ -7,6 +7,7 @@ is one, else the file beside the workflow.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from jointwear.files.registered import locate
@@ -26,7 +27,8 @@ def shipped(path: str | Path, root: Path = ROOT) -> str:
     InputError : if the registry has no such file.
     """
     path = locate(str(path))
-    if path.exists() or not (root / path).exists():
+    # os.path takes a name that no system allows for a file that is not there.
+    if os.path.exists(path) or not os.path.exists(root / path):
         return str(path)
     return str(root / path)
 
