@@ -127,6 +127,13 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(built):
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
 
 
+def test_a_reason_of_another_version_is_no_failure(built):
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    other = replace(state, reason=np.full_like(state.reason, 99), flags=np.zeros_like(state.flags))
+    assert "too small against the noise" in why_unjudged(other, 5)
+
+
 def test_an_axis_whose_limit_cannot_be_seen_says_from_where_on(built):
     folder, _, _ = built
     state = read_state(folder / "state.nc")

@@ -41,9 +41,8 @@ CARRIED = 0.7
 @dataclass(frozen=True)
 class Evidence:
     """Of one axis, (w,): `growth` and `fall`, the largest admitted z (-inf where none is); `step`, the same of the last
-    shifts less those before; `mean`, `std` of the
-    generalised least-squares mean that `growth` (or, where larger, `fall`) comes from; `shifts` of that mean;
-    `latest`, `latest_std` of the running shift."""
+    shifts less those before; `mean`, `std` of the generalised least-squares mean that `growth` (or, where larger,
+    `fall`) comes from; `shifts` of that mean; `latest`, `latest_std` of the running shift."""
 
     growth: np.ndarray
     fall: np.ndarray

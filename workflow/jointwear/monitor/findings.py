@@ -157,10 +157,9 @@ def coarse_findings(
     baseline : (w,) bool. least : (n,) smallest growth of Coulomb friction that two shifts show, NaN unknown. limit : of
         that growth.
     """
-    time = float(statistics.end[np.flatnonzero(baseline)[-1]])
     return [
         {
-            "time": time,
+            "time": float(statistics.end[np.flatnonzero(baseline)[-1]]),
             "axes": [int(j) + 1],
             "kind": COARSE,
             "least": float(least[j]),

@@ -95,10 +95,11 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     if count == len(flags):
         return words
     reasons, counts = np.unique(state.reason[start:, j][here], return_counts=True)
-    main = Reason(int(reasons[np.argmax(counts)]))
-    if main is Reason.NONE and count >= 0.5 * len(flags):
-        return words
-    return REASONS[main]
+    main = int(reasons[np.argmax(counts)])
+    if main not in REASONS or (main == Reason.NONE and count >= 0.5 * len(flags)):
+        # A state of another version may hold a reason that this one does not know.
+        return words if count else REASONS[Reason.NONE]
+    return REASONS[Reason(main)]
 
 
 def when(state: RobotState, seconds: float, zone: tzinfo = UTC) -> str:
