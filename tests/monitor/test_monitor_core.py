@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear.measurement.flags import Flag
+from jointwear.monitor import judge as judge_module
 from jointwear.monitor import paper_detector
 from jointwear.monitor.charts import CLIP, LENGTHS, inflation, run_chart, threshold_for, thresholds_for
 from jointwear.monitor.estimate import (
@@ -29,6 +30,7 @@ from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, JudgeSettings, j
 from jointwear.monitor.locate import axis_probability, named_axis
 from jointwear.monitor.paper_detector import paper_alarms, raised_limit
 from jointwear.monitor.shared_error import shared_error
+from jointwear.monitor.watching import watch
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
 
 COULOMB = np.array([[10.0, 6.0], [2.0, 2.0], [1.0, 1.5]])
@@ -279,6 +281,23 @@ def test_two_axes_at_once_are_both_named():
     assert {a["axis"] for a in result.alarms if a["detector"] == "model"} == {1, 3}
 
 
+def test_an_axis_too_coarse_for_its_limit_says_so_and_still_alarms_for_a_large_change():
+    # Friction of the second axis differs from shift to shift.
+    growth = np.zeros((300, 3))
+    growth[:, 1] = np.repeat(0.17 * np.random.default_rng(3).uniform(-1, 1, 38), 8)[:300]
+    quiet = judge(statistics_of(residuals(300, growth, 15)), 120, SETTINGS)
+    (told,) = [f for f in quiet.findings if f["kind"] == "coarse"]
+    assert told["axes"] == [2]
+    assert told["least"] > 0.2
+    assert f"{100 * told['least']:.0f} %" in told["words"]
+    assert set(quiet.status[120:, 1]) == {HEALTHY}
+    assert not [a for a in quiet.alarms if a["detector"] == "model"]
+    growth[200:, 1] += 1.5 * told["least"]
+    worn = judge(statistics_of(residuals(300, growth, 15)), 120, SETTINGS)
+    assert {a["axis"] for a in worn.alarms if a["detector"] == "model"} == {2}
+    assert worn.status[-1, 1] == CHANGED
+
+
 def test_friction_that_drowns_is_not_called_healthy():
     loud = residuals(150, np.zeros((150, 3)), 15)
     loud[..., 1] *= 400
@@ -321,6 +340,18 @@ def test_a_service_that_is_told_raises_no_alarm_and_wear_after_it_does():
     alarms = [a for a in told.alarms if a["detector"] == "model"]
     assert {a["axis"] for a in alarms} == {1}
     assert alarms[0]["time"] > 320 * 3600
+
+
+def test_a_fall_of_friction_starts_the_viscous_part_anew_too(monkeypatch):
+    watched = []
+    monkeypatch.setattr(judge_module, "watch", lambda *a, **k: watched.append(watch(*a, **k)) or watched[-1])
+    growth = np.zeros((320, 3))
+    growth[200:, 1] = -0.3
+    judge(statistics_of(residuals(320, growth, 22)), 120, SETTINGS)
+    viscous = watched[-1]
+    assert [s.window for s in viscous.starts[1]] == [200]
+    assert viscous.learning[200:210, 1].all()
+    assert not viscous.learning[:, [0, 2]].any()
 
 
 def test_all_axes_at_once_are_a_finding_and_no_wear():

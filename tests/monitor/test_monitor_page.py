@@ -127,6 +127,25 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(built):
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
 
 
+def test_a_reason_of_another_version_is_no_failure(built):
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    other = replace(state, reason=np.full_like(state.reason, 99), flags=np.zeros_like(state.flags))
+    assert "too small against the noise" in why_unjudged(other, 5)
+
+
+def test_an_axis_whose_limit_cannot_be_seen_says_from_where_on(built):
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    found = {"time": 0.0, "axes": [1], "kind": "coarse", "least": 0.34, "words": ""}
+    summaries = [axis_summary(replace(state, findings=[found]), j) for j in (0, 1)]
+    assert summaries[0]["remark"] == "only changes above 34 % can be seen"
+    assert summaries[1]["remark"] == ""
+    heading, sentences = headline(summaries)
+    assert heading == "No change of friction found where it can be judged"
+    assert "Only changes beyond the limit can be seen: axis 1." in sentences
+
+
 def greased(state, entry_of):
     """The state after the friction came back, with what the config says of it."""
     status = state.status.copy()

@@ -19,7 +19,7 @@ from jointwear.monitor.dispersion import (
     updated_between,
 )
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
-from jointwear.monitor.null_runs import Axis, null_threshold
+from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.regimes import find_regimes
 from jointwear.monitor.scale import scale_steps
 from jointwear.monitor.shared_error import shared_error
@@ -129,18 +129,25 @@ def test_later_shifts_widen_the_scatter_and_slow_growth_hardly_does(growth):
 
 def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
     axis = Axis(0.006, 0.2, 0.003, 0.002, 8)
-    assert null_threshold(axis, 1e-4) > null_threshold(axis, 1e-3)
-    assert null_threshold(Axis(0.006, 0.6, 0.003, 0.002, 8), 1e-4) > null_threshold(axis, 1e-4)
+    usual = null_thresholds(axis, 1e-4)
+    rare = null_thresholds(axis, 1e-6)
+    unknown = null_thresholds(Axis(0.006, 0.6, 0.003, 0.002, 8), 1e-4)
+    for k in range(2):
+        assert rare[k] > usual[k] > null_thresholds(axis, 1e-3)[k]
+        assert unknown[k] > usual[k]
+    # A normal state that is hardly known hides steps of the level, not those from shift to shift.
+    coarse = null_thresholds(Axis(0.006, 0.2, 0.05, 0.002, 8), 1e-4)
+    assert coarse[0] < coarse[1]
 
 
-def evidence(level: np.ndarray, extra: float = 0.0, inside: bool = True):
+def evidence(level: np.ndarray, extra: float = 0.0, inside: bool = True, odd: np.ndarray | float = 0.0, known=1e-6):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
     return shift_evidence(
-        np.repeat(level, 8),
+        np.repeat(level, 8) + np.tile(np.repeat([1, -1], 4), len(level)) * np.repeat(odd * np.ones(len(level)), 8),
         np.full(w, 1e-5),
         np.ones((w, 1)),
-        [Posterior(np.zeros(1), np.full((1, 1), 1e-6))],
+        [Posterior(np.zeros(1), np.full((1, 1), known))],
         np.zeros(w, dtype=int),
         shift,
         START.memory,
@@ -170,6 +177,30 @@ def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     step = evidence(np.array([0, 0, 0, 0.1])).growth
     assert np.isfinite(step[-8 + STEP_WINDOWS - 1])
     assert np.isneginf(step[-8 + STEP_WINDOWS - 2])
+
+
+def test_friction_that_fell_before_does_not_hide_wear_that_begins_from_there():
+    grown = np.array([*[-0.05] * 8, -0.01, 0.02, 0.03])
+    told = evidence(grown)
+    assert told.step[-1] > 2 * told.growth[-1]
+    # What is not known of the normal state is the same before and after.
+    unsure = evidence(grown, known=4e-4)
+    assert unsure.growth[-1] < 0.5 * told.growth[-1]
+    assert unsure.step[-1] > 0.9 * told.step[-1]
+    # It must lie above the normal state, and above what went before.
+    assert np.isneginf(evidence(grown - 0.03).step[-1])
+    assert evidence(np.full(11, 0.02)).step[-1] < 0
+    assert np.isneginf(evidence(grown[-4:]).step[-1])
+
+
+def test_shifts_whose_windows_disagree_tell_less_and_so_do_those_after_them():
+    level = np.array([0, 0, 0, 0.04, 0.04])
+    sure = evidence(level)
+    now, before = np.array([0, 0, 0, 0.05, 0.05]), np.array([0.05, 0.05, 0.05, 0, 0])
+    assert evidence(level, odd=now).growth[-1] < 0.5 * sure.growth[-1]
+    assert evidence(level, odd=before).growth[-1] < 0.5 * sure.growth[-1]
+    # As much as their noise says is no disagreement.
+    assert evidence(level, odd=0.003).growth[-1] == pytest.approx(sure.growth[-1], rel=0.02)
 
 
 def test_one_worn_axis_is_no_shared_error():

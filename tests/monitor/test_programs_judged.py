@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from test_monitor_core import SETTINGS, residuals, statistics_of
 
+from jointwear.monitor.conditions import Conditions, design_of
 from jointwear.monitor.judge import HEALTHY, UNJUDGED, judge
+from jointwear.monitor.normal_state import Noise, fit_normal_state
 from jointwear.monitor.program_labels import add_labels, label_text, window_programs
 from jointwear.monitor.programs import labelled_regimes
 from jointwear.monitor.records import Reason
@@ -50,3 +52,23 @@ def test_windows_that_mix_programs_are_a_program_of_their_own():
     labels = np.array([label_text(np.array([name])) for name in "aaaabbbbab"], dtype=object)
     regime = labelled_regimes(labels, np.arange(10) < 4)
     assert regime.tolist() == [0] * 4 + [1] * 4 + [0, 1]
+
+
+def test_what_a_part_and_the_speed_do_to_friction_is_learnt_program_by_program():
+    random, w = np.random.default_rng(2), 96
+    regime, load = np.arange(w) % 2, random.uniform(0.0, 0.2, w)
+    speed = random.choice([-0.5, 0.0], w)
+    features = np.zeros((w, 1, 5))
+    features[:, 0, 0] = speed
+    start = 3600.0 * np.arange(w)
+    conditions = Conditions(
+        start, start + 3600, np.full((w, 1), 30.0), features, np.ones((w, 1)), load, regime, named=True
+    )
+    shift, first = np.arange(w) // 8, np.arange(w) < 64
+    value = regime * (-0.6 * load + 0.15 * speed) + 0.002 * random.standard_normal(w)
+    design = design_of(conditions, 0, first, None)
+    noise = Noise(np.full(w, 4e-6), 0.0, 1e-6)
+    fit = fit_normal_state(design.matrix, np.where(first, value, np.nan), noise, shift, design.prior)
+    expected, spread = fit.posterior.predict(design.matrix[~first])
+    assert np.abs(value[~first] - expected).max() < 0.015
+    assert np.sqrt(spread).max() < 0.01

@@ -9,7 +9,9 @@ operating feature that is itself a log is an elasticity:
   logged: :data:`WARM`, :data:`DAY`;
 - operating features (:func:`operating_features`): :data:`FEATURES`;
 - the load at the flange (:mod:`.payload`): :data:`LOAD`;
-- a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`;
+- a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`; its products with the load, since
+  a part that is carried on some moves of a program weighs on an axis there and not elsewhere, and with the speed, at
+  which programs that use other parts of the friction curve differ: :data:`LOAD_PROGRAM`, :data:`SPEED_PROGRAM`;
 - products of the features with temperature, or with the warm-up state: :data:`PRODUCT` times that of the feature.
 
 The sizes are those that friction of joints shows (see Bittencourt and Gunnarsson 2012 for speed, load and temperature;
@@ -27,6 +29,7 @@ from jointwear.monitor.windows import WindowStatistics
 
 CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
 LOAD, PROGRAM = 0.2, 0.05
+LOAD_PROGRAM, SPEED_PROGRAM = 0.5, 0.2
 #: The same of programs that the log names, as much as friction may differ between any two motions; and of programs that
 #: the motion shows and the baseline did not have, where speed and load are told from what the others showed.
 NAMED_PROGRAM, LATE_PROGRAM = 0.3, 0.15
@@ -141,7 +144,8 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     elif warm is not None:
         columns += list((centred * columns[1][:, None]).T)
         scales += list(FEATURES * PRODUCT_WARM)
-    columns.append(conditions.load - float(np.median(conditions.load[baseline])))
+    load = conditions.load - float(np.median(conditions.load[baseline]))
+    columns.append(load)
     scales.append(LOAD)
     programs: list[int] = []
     if conditions.regime is not None:
@@ -154,6 +158,9 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
                 scales.append(NAMED_PROGRAM if conditions.named else LATE_PROGRAM if late else PROGRAM)
                 if conditions.named or late:
                     programs.append(len(columns) - 1)
+                inside = columns[-1]
+                columns += [load * inside, np.where(inside > 0, centred[:, 0], 0.0)]
+                scales += [LOAD_PROGRAM, SPEED_PROGRAM]
         columns.append(np.where(conditions.regime >= 0, 0.0, np.nan))
         scales.append(PROGRAM)
     scale = np.array(scales)

@@ -6,6 +6,8 @@ holds the windows' noise, the variance between shifts, and the error of the norm
 axis alarms where
 
 - the largest z_K over K >= 2 exceeds the threshold and the last two shifts both exceed :data:`TOLERATED`, or
+- they do, and the last K shifts less those before them exceed a threshold of their own (friction that fell since the
+  baseline, by running in, hides wear that begins from there; what is not known of the normal state they share), or
 - z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once.
 
 A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts. The threshold
@@ -24,21 +26,27 @@ from jointwear.monitor.normal_state import Posterior
 from jointwear.monitor.shifts import places_of_shifts
 
 #: Shifts looked back at; growth that is tolerated; growth and windows of a large step.
-SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.01, 0.03, 6
+SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.005, 0.025, 6
+#: Shifts looked back at in all where the last ones are held against those before; fewest of these.
+BACK, FEWEST_BEFORE = 12, 3
 #: Last shifts that must all lie below for a fall.
 FALLEN = 3
+#: Windows of a shift that scatter more than their noise show that their conditions are not all known; what is unknown
+#: comes in runs (a program, a part, a speed), of which a shift holds no more than this many.
+RUNS_IN_SHIFT = 2.0
 #: Share of the variance of shared error and range that neighbouring shifts have in common: weather lasts for days.
 CARRIED = 0.7
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Of one axis, (w,): `growth` and `fall`, the largest admitted z (-inf where none is); `mean`, `std` of the
-    generalised least-squares mean that `growth` (or, where larger, `fall`) comes from; `shifts` of that mean;
-    `latest`, `latest_std` of the running shift."""
+    """Of one axis, (w,): `growth` and `fall`, the largest admitted z (-inf where none is); `step`, the same of the last
+    shifts less those before; `mean`, `std` of the generalised least-squares mean that `growth` (or, where larger,
+    `fall`) comes from; `shifts` of that mean; `latest`, `latest_std` of the running shift."""
 
     growth: np.ndarray
     fall: np.ndarray
+    step: np.ndarray
     mean: np.ndarray
     std: np.ndarray
     shifts: np.ndarray
@@ -83,9 +91,11 @@ def shift_evidence(
     at = np.stack([_running(weight * clean[:, k], starts) for k in range(design.shape[1])], axis=1) / safe[:, None]
     shared = _running(weight * np.where(good, extra, 0.0), starts) / safe
     own = inflated(count, memory) / safe + shared
+    odd = _unexplained(value - np.einsum("wp,wp->w", clean, means[which]), weight, count, starts)
+    own += np.maximum(odd, _so_far(odd, count, starts)) / RUNS_IN_SHIFT
     usual = _running((good & inside).astype(float), starts) > 0.5 * count
     seen = total > 0
-    place = places_of_shifts(shift, SHIFTS + 4)
+    place = places_of_shifts(shift, BACK + 4)
     order = _judged_first(place, seen)
     known = order >= 0
     index = np.maximum(order, 0)
@@ -98,6 +108,7 @@ def shift_evidence(
     both_up = known[:, 0] & known[:, 1] & (r[:, 0] > TOLERATED) & (r[:, 1] > TOLERATED)
     all_down = (known & (r < -TOLERATED) & usual[index])[:, :FALLEN].all(axis=1)
     carried = np.sqrt(CARRIED * shared[index])
+    step = _steps(r, x, v, covariances, which, carried, known, both_up & good)
     for k in range(1, SHIFTS + 1):
         rows = np.flatnonzero(good & known[:, k - 1])
         if not len(rows):
@@ -125,7 +136,91 @@ def shift_evidence(
         best_shifts[rows] = np.where(fresh, k, best_shifts[rows])
         growth[rows] = np.maximum(growth[rows], rise)
         fall[rows] = np.maximum(fall[rows], drop)
-    return Evidence(growth, fall, best_mean, best_std, best_shifts, latest, latest_std)
+    return Evidence(growth, fall, step.max(axis=1), best_mean, best_std, best_shifts, latest, latest_std)
+
+
+def _steps(
+    r: np.ndarray,
+    x: np.ndarray,
+    v: np.ndarray,
+    covariances: np.ndarray,
+    which: np.ndarray,
+    carried: np.ndarray,
+    known: np.ndarray,
+    rows: np.ndarray,
+) -> np.ndarray:
+    """Return z (w, SHIFTS) of the last K shifts less those before them; -inf where `rows` (w,) do not ask for it.
+
+    Parameters
+    ----------
+    r, v : (w, BACK) residuals of shifts and their own variance. x : (w, BACK, p) their designs. covariances : of the
+    normal states, `which` (w,) holds. carried : (w, BACK) standard deviations in common. known : (w, BACK) bool.
+    """
+    result = np.full((len(r), SHIFTS), -np.inf)
+    rows = np.flatnonzero(rows & (known.sum(axis=1) >= 2 + FEWEST_BEFORE))
+    if not len(rows):
+        return result
+    some = known[rows]
+    c = x[rows] @ covariances[which[rows]] @ np.swapaxes(x[rows], 1, 2)
+    c += carried[rows][:, :, None] * carried[rows][:, None, :]
+    both = some[:, :, None] & some[:, None, :]
+    own = np.arange(BACK)
+    c = np.where(both, c, 0.0)
+    # A place without a shift is known to nothing.
+    c[:, own, own] += np.where(some, v[rows] - carried[rows] ** 2, 1e6)
+    precision = np.linalg.inv(c)
+    moment = np.einsum("wij,wj->wi", precision, np.where(some, r[rows], 0.0))
+    for k in range(2, SHIFTS + 1):
+        old = some[:, k:].sum(axis=1) >= FEWEST_BEFORE
+        a, b, d = (precision[:, i, j].sum(axis=(1, 2)) for i, j in _blocks(k))
+        p, q = moment[:, :k].sum(axis=1), moment[:, k:].sum(axis=1)
+        determinant = a * d - b**2
+        difference = (d * p - b * q - a * q + b * p) / determinant
+        error = np.sqrt((a + 2 * b + d) / determinant)
+        result[rows, k - 1] = np.where(old, (difference - TOLERATED) / error, -np.inf)
+    return result
+
+
+def _blocks(k: int) -> tuple[tuple[slice, slice], ...]:
+    """Return the blocks of the last `k` shifts, of these and those before, and of those before."""
+    new, old = slice(0, k), slice(k, None)
+    return (new, new), (new, old), (old, old)
+
+
+def _unexplained(error: np.ndarray, weight: np.ndarray, count: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return the variance (w,) by which the windows of a shift so far scatter more than their noise.
+
+    Parameters
+    ----------
+    error : (w,) residuals. weight : (w,) 1 / variance, 0 where not judged. count : (w,) windows of the shift so far.
+
+    Notes
+    -----
+    The estimator of DerSimonian and Laird (1986), less what chance adds to it by one standard deviation.
+    """
+    error = np.where(weight > 0, error, 0.0)
+    total, square = _running(weight, starts), _running(weight**2, starts)
+    safe = np.where(total > 0, total, 1.0)
+    spread = _running(weight * error**2, starts) - _running(weight * error, starts) ** 2 / safe
+    freedom = np.maximum(count - 1, 0.0)
+    beyond = spread - freedom - np.sqrt(2 * freedom)
+    scale = total - square / safe
+    return np.where((freedom > 0) & (beyond > 0), beyond / np.where(scale > 0, scale, np.inf), 0.0)
+
+
+def _so_far(odd: np.ndarray, count: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return the mean (w,) of `odd` (w,) at the end of all shifts before, which may come to any shift; 0 before any.
+
+    Parameters
+    ----------
+    count : (w,) windows of the shift so far; a shift of one says nothing. starts : (w,) bool.
+    """
+    last = np.flatnonzero(np.append(starts[1:], True)) if len(starts) else np.zeros(0, dtype=int)
+    told = count[last] > 1
+    total = np.concatenate([[0.0], np.cumsum(np.where(told, odd[last], 0.0))])
+    shifts = np.concatenate([[0], np.cumsum(told)])
+    before = np.cumsum(starts) - 1
+    return total[before] / np.maximum(shifts[before], 1)
 
 
 def _running(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
@@ -137,8 +232,8 @@ def _running(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
 
 
 def _judged_first(place: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """Return the places (w, SHIFTS) with shifts that show nothing passed over, the running one kept first."""
+    """Return the places (w, BACK) with shifts that show nothing passed over, the running one kept first."""
     valid = (place >= 0) & seen[np.maximum(place, 0)]
     rank = np.argsort(~valid, axis=1, kind="stable")
     ordered = np.where(np.take_along_axis(valid, rank, 1), np.take_along_axis(place, rank, 1), -1)
-    return ordered[:, :SHIFTS]
+    return ordered[:, :BACK]

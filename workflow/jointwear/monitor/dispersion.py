@@ -16,7 +16,7 @@ from scipy.special import gammaln
 from jointwear.monitor.normal_state import Noise
 
 #: Smallest standard deviation between shifts, of a log level.
-FLOOR = 0.005
+FLOOR = 0.002
 #: Standard deviations between shifts that are weighed against each other.
 GRID = np.geomspace(FLOOR, 0.3, 60)
 #: Degrees of freedom of the law of shifts. Standard deviation of the log of an axis's about that of its robot.
@@ -24,7 +24,7 @@ FREEDOM, LIKENESS = 5.0, 0.5
 #: Prior of a robot's, smallest, median and standard deviation of the log: where each axis logs its own temperature,
 #: where one sensor stands for all, where none is logged and warming is told from the log's times. What the temperature
 #: does not tell differs from shift to shift; a week without a thermometer cannot rule out the weather of the next.
-USUAL_OWN, USUAL_SHARED, USUAL_NONE = (FLOOR, 0.005, 0.6), (FLOOR, 0.006, 0.8), (2 * FLOOR, 0.011, 1.0)
+USUAL_OWN, USUAL_SHARED, USUAL_NONE = (FLOOR, 0.005, 0.6), (FLOOR, 0.006, 0.8), (0.007, 0.011, 1.0)
 #: What a step from shift to shift counts for: neighbouring steps share a shift.
 STEP_WEIGHT = 0.7
 _MOST_MEMORY = 0.9

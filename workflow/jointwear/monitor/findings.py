@@ -17,6 +17,9 @@ from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 
+#: Kind of a finding on an axis whose limit cannot be seen.
+COARSE = "coarse"
+
 
 def moment_words(statistics: WindowStatistics, seconds: float) -> str:
     """Return a time as ISO 8601 UTC, or in hours of the log's clock."""
@@ -142,6 +145,37 @@ def _shared(
             result.append({"time": time, "axes": [], "kind": "shared", "words": words})
         before = abs(mean) > FINDING
     return result
+
+
+def coarse_findings(
+    statistics: WindowStatistics, baseline: np.ndarray, least: np.ndarray, limit: float
+) -> list[dict[str, Any]]:
+    """Return one finding for each axis whose growth up to the limit would not be seen, with the `least` that would be.
+
+    Parameters
+    ----------
+    baseline : (w,) bool. least : (n,) smallest growth of Coulomb friction that two shifts show, NaN unknown. limit : of
+        that growth.
+    """
+    return [
+        {
+            "time": float(statistics.end[np.flatnonzero(baseline)[-1]]),
+            "axes": [int(j) + 1],
+            "kind": COARSE,
+            "least": float(least[j]),
+            "words": (
+                f"Of axis {j + 1} {coarse_words(least[j])}, and its limit is {100 * limit:.0f} %: its friction differs "
+                "too much from shift to shift, or is too small against the noise. That there is no alarm says nothing "
+                "of smaller changes."
+            ),
+        }
+        for j in np.flatnonzero(least > limit)
+    ]
+
+
+def coarse_words(least: float) -> str:
+    """Return in words the smallest growth of Coulomb friction that can be seen."""
+    return f"only changes above {100 * least:.0f} % can be seen"
 
 
 def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict[str, Any]]:

@@ -24,7 +24,7 @@ from jointwear.monitor.backlash import (
 )
 from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
-from jointwear.monitor.findings import findings_of
+from jointwear.monitor.findings import coarse_findings, findings_of
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.programs import labelled_regimes, program_findings
@@ -160,8 +160,10 @@ def judge(
             break
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
-    viscous = watched("viscous", VISCOUS_SHARE)
     backlash = watched("backlash", BACKLASH_SHARE, services=False)
+    # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
+    found = [[s.window for s in starts if s.proposed] for starts in level.starts]
+    viscous = watched("viscous", VISCOUS_SHARE)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
@@ -173,6 +175,7 @@ def judge(
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     status = raised_status(teller.status, backlash, CHANGED)
     findings = findings_of(statistics, shift, first, level, steps, status == CHANGED, conditions)
+    findings += coarse_findings(statistics, first, teller.least, limit)
     findings += backlash_findings(hidden, float(statistics.start[0]))
     findings += program_findings(statistics, first)
     return Judgement(

@@ -2,8 +2,9 @@
 
 A run draws the true standard deviation between shifts from what the baseline leaves open, shifts and the error of the
 normal state with heavier tails than the normal law, a part of them carried on from shift to shift, and windows within
-the shift; then it decides as :mod:`.decision` does, at several moments of every shift. A resampling of the few shifts
-of a baseline cannot give such tails: the largest of six is not the largest of a year.
+the shift; then it decides as :mod:`.decision` does, at several moments of every shift, with what the shifts before have
+taught of the scatter between them. A resampling of the few shifts of a baseline cannot give such tails: the largest of
+six is not the largest of a year.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from jointwear.monitor.decision import SHIFTS, STEP, STEP_WINDOWS, TOLERATED
+from jointwear.monitor.decision import BACK, FEWEST_BEFORE, SHIFTS, STEP, STEP_WINDOWS, TOLERATED
+from jointwear.monitor.dispersion import FLOOR, STEP_WEIGHT
 
 #: Runs, shifts that are judged in each, moments of a shift at which the decision is taken.
 RUNS, JUDGED, MOMENTS = 4000, 20, 4
@@ -21,9 +23,8 @@ RUNS, JUDGED, MOMENTS = 4000, 20, 4
 FREEDOM = 5.0
 #: Largest correlation of one shift with the next; each run draws its own from 0 up to it.
 CARRIED = 0.5
-#: Share of the allowed false alarms that the threshold of all axes uses up. The rest is for what no run holds, and for
-#: alarms that are told again.
-BUDGET = 0.5
+#: A step between shifts teaches the scatter between them as if it were at most so many standard deviations.
+LARGEST_STEP = 3.0
 #: Fewest runs that a threshold may rest on; beyond, the tail goes on as that of a Student law.
 FEWEST = 25
 
@@ -49,7 +50,7 @@ class Axis:
             return float(least * 1.2 ** np.ceil(np.log(max(value, least) / least) / np.log(1.2) - 1e-9))
 
         return Axis(
-            up(self.between, 0.005),
+            up(self.between, FLOOR),
             round(max(self.spread, 0.1), 1),
             up(self.normal, 0.001),
             up(self.within, 0.0005),
@@ -58,8 +59,8 @@ class Axis:
 
 
 @lru_cache(maxsize=512)
-def _maxima(axis: Axis) -> np.ndarray:
-    """Return the sorted largest statistic of each run."""
+def _maxima(axis: Axis) -> tuple[np.ndarray, np.ndarray]:
+    """Return the largest statistic of each run (RUNS,): of the level, and of the last shifts less those before."""
     random = np.random.default_rng([20150824, axis.windows])
     law = np.sqrt((FREEDOM - 2) / FREEDOM)
 
@@ -68,53 +69,83 @@ def _maxima(axis: Axis) -> np.ndarray:
 
     true = axis.between * np.exp(axis.spread * random.standard_normal((RUNS, 1)))
     carried = random.uniform(0.0, CARRIED, (RUNS, 1))
-    level = np.empty((RUNS, JUDGED))
+    shifts = np.empty((RUNS, JUDGED))
     fresh = heavy(RUNS, JUDGED)
-    level[:, 0] = fresh[:, 0]
+    shifts[:, 0] = fresh[:, 0]
     for s in range(1, JUDGED):
-        level[:, s] = carried[:, 0] * level[:, s - 1] + np.sqrt(1 - carried[:, 0] ** 2) * fresh[:, s]
+        shifts[:, s] = carried[:, 0] * shifts[:, s - 1] + np.sqrt(1 - carried[:, 0] ** 2) * fresh[:, s]
     offset = axis.normal * heavy(RUNS, 1)
     # Means of the first 1/M, 2/M ... of a shift.
     parts = axis.within * np.sqrt(MOMENTS) * random.standard_normal((RUNS, JUDGED, MOMENTS))
     share = np.arange(1, MOMENTS + 1)
-    running = np.cumsum(parts, axis=2) / share + (true * level + offset)[..., None]
-    noise = axis.within**2 * MOMENTS / share + axis.between**2
-    largest = np.full(RUNS, -np.inf)
-    whole = noise[-1]
+    running = np.cumsum(parts, axis=2) / share + (true * shifts + offset)[..., None]
+    known = _known_scatter(axis, running[:, :, -1])
+    # Sums of whole shifts, from the first up to before each one.
+    before = np.concatenate([np.zeros((RUNS, 1)), np.cumsum(running[:, :, -1], axis=1)], axis=1)
+    level, step = np.full(RUNS, -np.inf), np.full(RUNS, -np.inf)
     for s in range(JUDGED):
+        whole = axis.within**2 + known[:, s]
         for m in range(MOMENTS):
-            now = running[:, s, m]
+            now, noise = running[:, s, m], axis.within**2 * MOMENTS / share[m] + known[:, s]
             if share[m] * axis.windows / MOMENTS >= STEP_WINDOWS:
-                z = (now - TOLERATED) / np.sqrt(noise[m] + axis.normal**2)
-                largest = np.where(now > STEP, np.maximum(largest, z), largest)
+                z = (now - TOLERATED) / np.sqrt(noise + axis.normal**2)
+                level = np.where(now > STEP, np.maximum(level, z), level)
             if not s:
                 continue
             admitted = (now > TOLERATED) & (running[:, s - 1, -1] > TOLERATED)
             if not admitted.any():
                 continue
-            total, weight = now / noise[m], 1.0 / noise[m]
+            total, weight = now / noise, 1.0 / noise
             for k in range(1, min(SHIFTS, s + 1)):
                 total = total + running[:, s - k, -1] / whole
-                weight += 1.0 / whole
-                z = (total / weight - TOLERATED) / np.sqrt(1.0 / weight + axis.normal**2)
-                largest = np.where(admitted, np.maximum(largest, z), largest)
-    return np.sort(largest)
+                weight = weight + 1.0 / whole
+                mean = total / weight - TOLERATED
+                z = mean / np.sqrt(1.0 / weight + axis.normal**2)
+                level = np.where(admitted, np.maximum(level, z), level)
+                old = min(s - k, BACK - 1 - k)
+                if old >= FEWEST_BEFORE:
+                    reference = (before[:, s - k] - before[:, s - k - old]) / old
+                    z = (mean - reference) / np.sqrt(1.0 / weight + whole / old)
+                    step = np.where(admitted, np.maximum(step, z), step)
+    return level, step
 
 
-def null_threshold(axis: Axis, chance_per_window: float) -> float:
-    """Return the threshold of z at which one axis alarms falsely with this chance in a window.
+def _known_scatter(axis: Axis, means: np.ndarray) -> np.ndarray:
+    """Return the variance between shifts (RUNS, JUDGED) as known before each shift, from `means` (RUNS, JUDGED).
+
+    The baseline's estimate counts as many degrees of freedom as its spread tells; each step from shift to shift adds
+    to them, as in :func:`jointwear.monitor.dispersion.updated_between`.
+    """
+    freedom = 1.0 / (2 * axis.spread**2)
+    result = np.full(means.shape, axis.between**2)
+    for s in range(1, means.shape[1] - 1):
+        size = (means[:, s] - means[:, s - 1]) ** 2 / 2
+        size = np.minimum(size, LARGEST_STEP**2 * (result[:, s] + axis.within**2)) - axis.within**2
+        share = STEP_WEIGHT / (freedom + STEP_WEIGHT * s)
+        result[:, s + 1] = np.maximum(result[:, s] + share * (size - result[:, s]), FLOOR**2)
+    return result
+
+
+def null_thresholds(axis: Axis, chance_per_window: float) -> tuple[float, float]:
+    """Return the thresholds of z, of the level and of steps, at which one axis alarms falsely with this chance in a
+    window by either.
 
     Parameters
     ----------
-    chance_per_window : false alarms of this axis a window; of all axes times :data:`BUDGET` for the stated rate.
+    chance_per_window : false alarms of this axis a window.
     """
     rounded = axis.rounded()
     maxima = _maxima(rounded)
     wanted = -np.expm1(-chance_per_window * JUDGED * rounded.windows)
     smallest = FEWEST / RUNS
-    if wanted >= smallest:
-        found = np.quantile(maxima, 1 - min(wanted, 0.5), method="higher")
-        return float(max(found, 1.0)) if np.isfinite(found) else 1.0
-    anchor = np.quantile(maxima, 1 - smallest, method="higher")
-    anchor = float(max(anchor, 1.0)) if np.isfinite(anchor) else 1.0
-    return anchor * float((smallest / wanted) ** (1 / FREEDOM))
+    at = 1 - min(max(wanted, smallest), 0.5)
+    alone = [_quantile(m, at) for m in maxima]
+    both = _quantile(np.maximum(maxima[0] / alone[0], maxima[1] / alone[1]), at)
+    farther = float((smallest / wanted) ** (1 / FREEDOM)) if wanted < smallest else 1.0
+    return alone[0] * both * farther, alone[1] * both * farther
+
+
+def _quantile(maxima: np.ndarray, at: float) -> float:
+    """Return a quantile of largest statistics, at least 1: what exceeds no error is no alarm."""
+    found = np.quantile(maxima, at, method="higher")
+    return float(max(found, 1.0)) if np.isfinite(found) else 1.0

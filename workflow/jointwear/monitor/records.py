@@ -40,14 +40,13 @@ class Reason(IntEnum):
     BASELINE = 1
     LEARNING = 2
     CONDITIONS = 3
-    COARSE = 4
 
 
 _NOTHING = Forecast(np.nan, np.nan, np.nan)
 
 
 class Teller:
-    """Alarms and states of the axes of one robot."""
+    """Alarms and states of the axes of one robot; `least` (n,): smallest growth of Coulomb friction that is seen."""
 
     def __init__(
         self,
@@ -66,7 +65,7 @@ class Teller:
         self._level, self._viscous, self._series, self._speed = level, viscous, series, speed
         self._events = events
         self._alarm = level.alarm | self._viscous_alone()
-        self._hide_coarse()
+        self.least = self._least_seen()
         self._told = self._spaced()
         self.status = self._states()
 
@@ -75,18 +74,20 @@ class Teller:
         alone = np.array([a is not None and a.source == "coulomb" for a in self._level.axes])
         return self._viscous.alarm & alone
 
-    def _hide_coarse(self) -> None:
-        """An axis whose limit would hardly show is not judged: two shifts at the limit must stand out clearly."""
-        level, self._coarse = self._level, []
+    def _least_seen(self) -> np.ndarray:
+        """Return the growth (n,) of Coulomb friction from which on two shifts alarm, NaN where no normal is known."""
+        level, result = self._level, np.full(len(self._level.axes), np.nan)
         for j, axis in enumerate(level.axes):
             if axis is None:
                 continue
-            normal = float(np.nanmedian(axis.fit.left_out_variance))
-            least = level.threshold[j] * np.sqrt(axis.dispersion.between**2 / 2 + normal)
-            if (np.expm1(least) + 0.01) * axis.to_coulomb > self._limit:
-                level.residual[:, j] = np.nan
-                self._coarse.append(j)
-                self._alarm[:, j] = False
+            between = axis.dispersion.between**2
+            judged = np.isfinite(level.residual[:, j]) & ~self._baseline
+            # What is not known of the normal state under the conditions that the axis is judged in.
+            unknown = (level.std[:, j] ** 2 - level.noise[:, j] - between)[judged]
+            normal = float(np.median(unknown) if len(unknown) else np.nanmedian(axis.fit.left_out_variance))
+            least = level.threshold[j] * np.sqrt(between / 2 + normal) + TOLERATED
+            result[j] = axis.to_coulomb * np.expm1(least)
+        return result
 
     def _spaced(self) -> np.ndarray:
         """Return which alarms (w, n) are told."""
@@ -147,7 +148,6 @@ class Teller:
             if axis is None:
                 result[hidden, j] = Reason.BASELINE
                 continue
-            result[hidden, j] = Reason.COARSE if j in self._coarse else Reason.NONE
             result[hidden & self._level.unseen[:, j], j] = Reason.CONDITIONS
             result[hidden & self._level.learning[:, j], j] = Reason.LEARNING
         return result

@@ -20,6 +20,7 @@ from jointwear.monitor.condition import (
     axis_conditions,
     latest,
 )
+from jointwear.monitor.findings import COARSE, coarse_words
 from jointwear.monitor.local_time import log_time
 from jointwear.monitor.records import Reason
 from jointwear.monitor.state import RobotState
@@ -41,7 +42,6 @@ REASONS = {
     Reason.BASELINE: "it moves in too few windows or shifts of the normal period to know what is normal",
     Reason.LEARNING: "what is normal is being learnt anew since an event or a step",
     Reason.CONDITIONS: "a program, load or temperature that the normal period did not have",
-    Reason.COARSE: "its friction is too small against the noise for the limit to be seen",
 }
 
 
@@ -58,6 +58,9 @@ def axis_summary(
     elif after[-1] < len(state.start) - FEWEST_NOW:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
+    coarse = next((f["least"] for f in state.findings if f["kind"] == COARSE and j + 1 in f["axes"]), None)
+    if len(after) and coarse is not None:
+        remark = "; ".join(filter(None, (coarse_words(coarse), remark)))
     return {
         "axis": j + 1,
         "joint": state.joints[j],
@@ -66,6 +69,7 @@ def axis_summary(
         "remark": remark,
         "estimates": [_latest(state, name, j) for name in state.estimates],
         "windows": len(judged),
+        "coarse": coarse is not None,
     }
 
 
@@ -91,10 +95,11 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     if count == len(flags):
         return words
     reasons, counts = np.unique(state.reason[start:, j][here], return_counts=True)
-    main = Reason(int(reasons[np.argmax(counts)]))
-    if main is Reason.NONE and count >= 0.5 * len(flags):
-        return words
-    return REASONS[main]
+    main = int(reasons[np.argmax(counts)])
+    if main not in REASONS or (main == Reason.NONE and count >= 0.5 * len(flags)):
+        # A state of another version may hold a reason that this one does not know.
+        return words if count else REASONS[Reason.NONE]
+    return REASONS[Reason(main)]
 
 
 def when(state: RobotState, seconds: float, zone: tzinfo = UTC) -> str:
@@ -109,6 +114,7 @@ def headline(summaries: Sequence[dict[str, Any]], whole_robot: bool = False) -> 
         return name_axes([s["axis"] for s in summaries if s["status"] == status])
 
     changed, unresolved, healthy, unjudged = map(named, (CHANGED, UNRESOLVED, HEALTHY, UNJUDGED))
+    coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
     if changed:
         heading = f"Friction has changed: {changed}"
     elif unresolved:
@@ -116,7 +122,7 @@ def headline(summaries: Sequence[dict[str, Any]], whole_robot: bool = False) -> 
     elif whole_robot:
         heading = "The whole robot has changed"
     elif healthy:
-        heading = "No change of friction found" + (" where it can be judged" if unjudged else "")
+        heading = "No change of friction found" + (" where it can be judged" if unjudged or coarse else "")
     else:
         heading = "No axis can be judged"
     sentences = []
@@ -127,6 +133,8 @@ def headline(summaries: Sequence[dict[str, Any]], whole_robot: bool = False) -> 
         )
     if healthy:
         sentences.append(f"No change: {healthy}.")
+    if coarse:
+        sentences.append(f"Only changes beyond the limit can be seen: {coarse}.")
     if unjudged:
         sentences.append(f"Cannot be judged: {unjudged}. That is no sign of health; the reasons are below.")
     return heading, sentences

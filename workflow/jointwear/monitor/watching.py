@@ -13,7 +13,7 @@ from jointwear.monitor.decision import Evidence, shift_evidence
 from jointwear.monitor.dispersion import inflated, updated_between
 from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
 from jointwear.monitor.normal_state import Posterior, introduced, taught
-from jointwear.monitor.null_runs import BUDGET, Axis, null_threshold
+from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.shared_error import SharedError, shared_error
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
@@ -23,7 +23,7 @@ FAR, LATEST_SHIFTS = 0.01, 8
 #: Standard deviation of a prediction beyond which the conditions count as unseen.
 UNSEEN = 0.06
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
-FALL_RATE = 1.0
+FALL_RATE = 0.5
 #: Most rounds in which services are looked for.
 _MOST_TURNS = 8
 
@@ -93,15 +93,15 @@ def watch(
     growth, fall = np.full((w, n), -np.inf), np.full((w, n), -np.inf)
     shifts = np.zeros((w, n), dtype=int)
     alarm, learning, unseen = (np.zeros((w, n), dtype=bool) for _ in range(3))
-    threshold, falls = (np.full(n, np.inf) for _ in range(2))
+    threshold, steps, falls = (np.full(n, np.inf) for _ in range(3))
     starts: list[list[Start]] = [
         sorted([Start(k, False) for k in e] + [Start(k, True) for k in set(p) - set(e)], key=lambda s: s.window)
         for e, p in zip(events, proposed, strict=True)
     ]
     fall_rate = FALL_RATE / 1000 * conditions.hours
     for j in judged:
-        threshold[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * rate / len(judged))
-        falls[j] = _threshold(axes[j], conditions, shift, baseline, BUDGET * fall_rate / len(judged))
+        threshold[j], steps[j] = _thresholds(axes[j], shift, baseline, rate / len(judged))
+        falls[j] = _thresholds(axes[j], shift, baseline, fall_rate / len(judged))[0]
     # Services change what comes after them: found one after the other, until none is left.
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
     states: dict[int, _Axis] = {}
@@ -137,7 +137,7 @@ def watch(
         fields["mean"][:, j], fields["mean_std"][:, j] = evidence.mean, evidence.std
         growth[:, j], fall[:, j], shifts[:, j] = evidence.growth, evidence.fall, evidence.shifts
         learning[:, j], unseen[:, j] = state.learning, state.unseen
-        alarm[:, j] = (evidence.growth > threshold[j]) & ~baseline
+        alarm[:, j] = ((evidence.growth > threshold[j]) | (evidence.step > steps[j])) & ~baseline
     return Watch(
         **fields, growth=growth, fall=fall, shifts=shifts, alarm=alarm, learning=learning, unseen=unseen,
         threshold=threshold, shared=shared, axes=axes, baseline=baseline, starts=starts,
@@ -277,8 +277,8 @@ def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int)
     return np.stack([baseline & (place < min(events[j], default=len(baseline))) for j in range(n)], axis=1)
 
 
-def _threshold(axis: AxisNormal, conditions: Conditions, shift: np.ndarray, baseline: np.ndarray, rate: float) -> float:
-    """Return the threshold of one axis for a rate of false alarms a window."""
+def _thresholds(axis: AxisNormal, shift: np.ndarray, baseline: np.ndarray, rate: float) -> tuple[float, float]:
+    """Return the thresholds of one axis, of level and steps, for a rate of false alarms a window."""
     rows = np.isfinite(axis.series_value) & baseline
     usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else 8.0
     noise = float(np.nanmedian(axis.noise))
@@ -286,7 +286,7 @@ def _threshold(axis: AxisNormal, conditions: Conditions, shift: np.ndarray, base
     left = axis.fit.left_out_variance
     normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else 0.01
     null = Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual))
-    return null_threshold(null, rate)
+    return null_thresholds(null, rate)
 
 
 def _begin_of_change(window: int, shifts: int, shift: np.ndarray) -> int:
