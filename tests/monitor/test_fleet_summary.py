@@ -14,6 +14,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from jointwear.files.errors import InputError
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
+from jointwear.monitor.fleet.page import robot_item
 from jointwear.monitor.fleet.ranking import ORDER, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.local_time import local_time, zone_of
@@ -74,6 +75,13 @@ def test_the_most_urgent_robot_comes_first(built):
     assert "2025-12-31 19:00 EST" in text
     assert "shift 2" in text
     assert "silent for 5 days" in text
+
+
+def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
+    told = [{"time": NOW, "axes": [2], "kind": "coarse", "least": 0.3, "words": "only large changes"}]
+    row = as_of(robot("big", axis(1), axis(2), axis(3, UNJUDGED), findings=told), NOW)
+    item = robot_item(row, zone_of(None), "robots")
+    assert (item["unjudged"], item["coarse"]) == ("axis 3", "axis 2")
 
 
 def test_the_table_counts_what_was_refused_stale_or_not_judged(built):

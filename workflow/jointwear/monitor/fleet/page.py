@@ -9,6 +9,7 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.findings import COARSE
 from jointwear.monitor.fleet.ranking import ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_time, log_time
 from jointwear.monitor.summaries import name_axes
@@ -33,6 +34,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
     """Return what the page says of one robot; `link` leads to the folder of its files."""
     axes = [todo(row, axis, zone) for axis in row["axes"] if axis["check"]]
     check = "" if axes else CHECKS.get(row["urgency"], "")
+    coarse = {axis for f in row["findings"] if f["kind"] == COARSE for axis in f["axes"]}
     whole = [e["quantity"] for e in row["episodes"] if e["axis"] is None]
     return {
         "name": row["robot"],
@@ -49,6 +51,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
         "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
+        "coarse": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == HEALTHY and a["axis"] in coarse)),
         "counts": row,
     }
 
