@@ -10,6 +10,7 @@ import pytest
 from jointwear.publishing.report import drivers, numbers, origin, wording
 from jointwear.publishing.report.first_screen import claims, left_out
 from jointwear.publishing.report.inline import inline_svg
+from jointwear.publishing.report.page import read_chapter
 from jointwear.publishing.report.rendering import environment
 from jointwear.reproduction.grid import Cell
 
@@ -97,6 +98,14 @@ def test_commit_is_told_only_for_the_project_itself(tmp_path):
     assert origin.commit(tmp_path)["changed"] is True
     (tmp_path / "inside").mkdir()
     assert origin.commit(tmp_path / "inside") is None
+
+
+def test_the_first_screen_says_what_one_experiment_explains(data):
+    chapter = read_chapter("data/studies/joint_fit/chapter.json")
+    first = left_out(data, {"joint_fit": chapter})[0]
+    assert first["anchor"] == "joint_fit"
+    assert "the outcome of 32 of 36 runs and Table V within 0.9" in first["finding"]
+    assert "14 h apart" in first["finding"]
 
 
 def test_inlined_figures_do_not_share_identifiers_and_bring_no_script(tmp_path):

@@ -152,7 +152,8 @@ def _of_block(white: White, designs: Designs, block: int, total: int) -> np.ndar
     for axis, (design, places) in designs.items():
         rows = white.blocks(axis) == block
         joint = np.column_stack([design[rows], white.targets[axis][rows]])
-        sums[np.ix_(where := np.append(places, total), where)] += joint.T @ joint
+        where = np.append(places, total)
+        sums[np.ix_(where, where)] += joint.T @ joint
     return sums
 
 
