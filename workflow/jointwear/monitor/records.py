@@ -85,7 +85,7 @@ class Teller:
             # What is not known of the normal state under the conditions that the axis is judged in.
             unknown = (level.std[:, j] ** 2 - level.noise[:, j] - between)[judged]
             normal = float(np.median(unknown) if len(unknown) else np.nanmedian(axis.fit.left_out_variance))
-            least = level.threshold[j] * np.sqrt(between / 2 + normal) + TOLERATED
+            least = level.threshold[j] * np.sqrt(between / 2 + max(normal, 0.0)) + TOLERATED
             result[j] = axis.to_coulomb * np.expm1(least)
         return result
 
