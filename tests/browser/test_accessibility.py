@@ -98,5 +98,6 @@ def test_no_page_scrolls_sideways_on_a_phone(driver, site, kind):
     show(driver, page_of(site, kind).as_uri(), width=390, mobile=True)
     open_details(driver)
     assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
-    wide = "return [...document.querySelectorAll('figure .scroll')].filter(e => e.scrollWidth > e.clientWidth + 2).length"
+    frames = "[...document.querySelectorAll('figure .scroll')]"
+    wide = f"return {frames}.filter(e => e.scrollWidth > e.clientWidth + 2).length"
     assert driver.execute_script(wide) == 0

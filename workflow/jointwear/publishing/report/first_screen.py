@@ -101,8 +101,8 @@ def _one_experiment(fit: Mapping[str, Any] | None) -> list[Line]:
     return [
         {
             "claim": "One experiment for all tables",
-            "finding": f"one arm, one payload and one reading give the outcome of {cells} of 36 runs and Table V within "
-            f"{percent(torque, 1)} in the median; their hours stay {number(hours, 2)} h apart",
+            "finding": f"one arm, one payload and one reading give the outcome of {cells} of 36 runs and Table V "
+            f"within {percent(torque, 1)} in the median; their hours stay {number(hours, 2)} h apart",
             "anchor": "joint_fit",
         }
     ]
