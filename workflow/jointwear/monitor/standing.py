@@ -95,10 +95,10 @@ def rhythm_hours(first: np.ndarray) -> float | None:
     first : (logs,) [s], begin of every log, NaN of one that was not read. Of fewer than two there is None.
     """
     begins = np.unique(first[np.isfinite(first)])
-    recent = begins[begins >= begins[-1] - RHYTHM] if len(begins) else begins
-    if len(recent) < 2:
-        recent = begins[-2:]
-    return float(np.mean(np.diff(recent))) / 3600 if len(recent) > 1 else None
+    if len(begins) < 2:
+        return None
+    recent = begins[begins >= min(begins[-1] - RHYTHM, begins[-2])]
+    return float(np.mean(np.diff(recent))) / 3600
 
 
 def axis_row(condition: AxisCondition) -> dict[str, Any]:
