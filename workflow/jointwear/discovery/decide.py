@@ -83,6 +83,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     outcome.unexplained, outcome.profile = unexplained(outcome)
     if outcome.unexplained:
         stand_alone(outcome)
+    before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
     outcome.refusals += [
         Refusal(n.candidate, n.evidence, "probability, given the data and the library", n.probability, settings.likely)
@@ -90,8 +91,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
         if n.probability < settings.likely
     ]
     outcome.named = sorted((n for n in weighed if n.probability >= settings.likely), key=lambda n: -n.evidence)
-    known = {n.candidate.key for n in named}
-    if len(outcome.named) < len(weighed) or not {n.candidate.key for n in outcome.named} <= known:
+    if {n.candidate.key for n in outcome.named} != before:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
