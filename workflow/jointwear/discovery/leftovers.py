@@ -116,39 +116,55 @@ def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> t
 def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
-    An effect stands on its own where it is nearly all of what the axis lacked, or most of it and still passes the
-    gates of prediction with all the unexplained structure of its axis in the model, and no other joint lacks the same.
-    Changes `outcome`.
+    An effect stands on its own where it is nearly all of what its axes lacked, or most of it and still passes the
+    gates of prediction with all the unexplained structure of its axes in the model, and no other joint lacks the same.
+    An effect of the whole arm is asked where half of the axes that it moves stay unexplained. Changes `outcome`.
     """
     kept: list[Named] = []
     for one in outcome.named:
-        axis = one.candidate.axis
         elsewhere = acts_elsewhere(outcome, one)
         if elsewhere is not None:
             outcome.suspects.append((one, f"joint {elsewhere + 1} lacks the same torque, and this effect acts on one"))
             continue
-        if axis is None or one.candidate.effect == LINK_MASS or not any(u.axis == axis for u in outcome.unexplained):
+        axes = _left_open(outcome, one)
+        if not axes:
             kept.append(one)
             continue
+        where = f"joint{'s' if len(axes) > 1 else ''} {', '.join(str(a + 1) for a in axes)}"
         others = [t for n in outcome.named if n is not one for t in n.terms]
         found, failed = predictive(outcome.white, others, one)
         if failed:
             reason = f"{failed[0].gate}: {failed[0].reached:.3g}, needed {failed[0].needed:.3g}"
         elif found.share <= MOST:
-            reason = f"explains {100 * found.share:.0f} % of what joint {axis + 1} lacks, and structure is left there"
+            reason = f"explains {100 * found.share:.0f} % of what {where} lacks, and structure is left there"
         elif (
             found.share > outcome.problem.settings.nearly_all
-            or not predictive(outcome.white, [*others, *_structure(outcome, axis)], one)[1]
+            or not predictive(outcome.white, [*others, *(t for a in axes for t in _structure(outcome, a))], one)[1]
         ):
             kept.append(one)
             continue
         else:
-            reason = f"the structure that is left on joint {axis + 1} could stand for it as well"
+            reason = f"the structure that is left on {where} could stand for it as well"
         outcome.suspects.append((one, reason))
     if len(kept) != len(outcome.named):
         outcome.named = kept
         outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
+
+
+def _left_open(outcome: Outcome, one: Named) -> list[int]:
+    """Return the unexplained axes of an effect; none for one of the whole arm that explains most axes that it moves."""
+    still = {u.axis for u in outcome.unexplained}
+    if one.candidate.effect == LINK_MASS:
+        return []
+    if one.candidate.axis is not None:
+        return [one.candidate.axis] if one.candidate.axis in still else []
+    fit = outcome.fit
+    size = next(fit.theta[where] for term, where in zip(fit.terms, fit.slices, strict=True) if term is one.term)
+    energy = {axis: float(np.sum((columns @ size) ** 2)) for axis, columns in one.term.blocks.items()}
+    moved = [axis for axis, e in energy.items() if e > outcome.problem.settings.visible]
+    left = [axis for axis in moved if axis in still]
+    return sorted(left) if 2 * len(left) >= len(moved) else []
 
 
 def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
