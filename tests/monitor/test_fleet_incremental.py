@@ -5,7 +5,7 @@ import pytest
 from monitor_logs import ROBOT, START, columns, make_log, write_parquet
 
 from jointwear.files.storage import open_dataset
-from jointwear.monitor.fleet.watch import watch_robot
+from jointwear.monitor.fleet import watch
 
 DAYS, DAY, WORN = 9, 86400.0, 2
 ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "12s", "baseline": {"until": START + DAY * 4}}
@@ -46,9 +46,17 @@ def assert_alike(ours, theirs):
 
 
 def judged(logs, folder, entry=ENTRY):
-    row = watch_robot("arm", entry, sorted(logs), folder, page=False)
+    row = watch.watch_robot("arm", entry, sorted(logs), folder, page=False)
     assert row["result"] == "judged", row["reason"]
     return said(folder)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def no_pages():
+    """Pages say what the state says; drawing them would take most of the time of these tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(watch, "write_page", lambda *_: None)
+        yield
 
 
 @pytest.fixture(scope="module")
