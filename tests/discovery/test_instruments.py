@@ -10,13 +10,17 @@ import pytest
 
 from jointwear import effects
 from jointwear.discovery import Recording, discover
-from jointwear.discovery.instruments import band_limited, cutoff_of, limit, torque_noise
+from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.instruments import Cutoffs, band_limited, cutoff_of, limit, torque_noise
+from jointwear.discovery.linear import Term
 from jointwear.discovery.noise import Whitener
+from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_drives import STICKS, sticking
-from jointwear.discovery.whitening import whiten
+from jointwear.discovery.tolerance import with_tolerances
+from jointwear.discovery.whitening import bridged, whiten
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
 from jointwear.measurement.filtering import low_pass
 from jointwear.measurement.motion import measure
@@ -56,6 +60,14 @@ def coarse(robot, seed=0, step=2 * np.pi / 2**16, late=0.0, **told):
 @pytest.fixture(scope="module")
 def white(robot):
     recording = split(coarse(robot))
+    problem = build_problem(recording, robot, Settings(), measure(recording))
+    return whiten(problem, estimate_noise(problem))
+
+
+@pytest.fixture(scope="module")
+def rough(robot):
+    """Positions so coarse that every axis needs instruments."""
+    recording = split(coarse(robot, step=2 * np.pi / 2**13))
     problem = build_problem(recording, robot, Settings(), measure(recording))
     return whiten(problem, estimate_noise(problem))
 
@@ -212,3 +224,46 @@ def test_samples_of_a_shared_drive_that_sticks_are_left_out():
     np.testing.assert_array_equal(stuck[:, 1:], np.stack([slow, slow], axis=1))
     missing[:, 1] = 0.02 * rng.standard_normal(4000)
     assert not sticking(usable, velocity, acceleration, missing, inertial)[:, 1].any()
+
+
+def test_bridges_are_straight_within_a_record_and_change_nothing_that_can_be_judged():
+    rng = np.random.default_rng(3)
+    columns, usable = rng.normal(size=(40, 2)), rng.random(40) > 0.4
+    record = np.repeat([0, 1], 20)
+    usable[[18, 19, 20, 21]] = False
+    found = bridged(columns, usable, record)
+    assert np.array_equal(found[usable], columns[usable])
+    for piece in (slice(0, 20), slice(20, 40)):
+        place = np.arange(20)[usable[piece]]
+        for k in range(2):
+            straight = np.interp(np.arange(20), place, columns[piece, k][usable[piece]])
+            assert found[piece, k] == pytest.approx(straight, abs=1e-12)
+    assert np.array_equal(bridged(columns[:, 0], usable, record), found[:, 0])
+    assert np.array_equal(bridged(columns, np.zeros(40, bool), record), columns)
+
+
+def test_what_cannot_be_judged_does_not_reach_its_neighbours(rough):
+    axis = next(a for a in rough.problem.judged if np.isfinite(rough.cutoffs[a].judged))
+    column = rough.problem.discrepancy[rough.problem.train, axis]
+    spiked = np.where(rough.problem.usable[:, axis], column, 100.0)
+    assert np.array_equal(rough.raw(axis, spiked), rough.raw(axis, column))
+
+
+def test_a_delay_above_the_band_of_its_columns_is_no_structure(rough):
+    """What the band limit of an instrument takes off is part of the tolerance of the effect."""
+    axis = rough.problem.judged[0]
+    cutoffs = [Cutoffs(timing=0.4, torque=8.0, judged=8.0)] * len(rough.cutoffs)
+    asked = replace(rough, base=[], cutoffs=cutoffs, _states={})
+    candidate = Candidate("actuation_delay", axis, None, {"delay": 0.02, "lag": 0})
+    columns = raw_columns(asked, candidate)
+    term = Term("delay", {axis: rough.columns(axis, columns)}, np.ones(1), {axis: asked.raw(axis, columns)})
+    delay = effects.get_effect("actuation_delay")
+    whole = rough.columns(axis, delay.columns(rough.problem.train_state, axis, None, candidate.nonlinear))[:, 0]
+    asked = replace(asked, targets=[whole if a == axis else y for a, y in enumerate(rough.targets)])
+
+    def left(terms):
+        residual = asked.fit(terms).residual[axis]
+        return float(residual @ residual) / float(whole @ whole)
+
+    found = with_tolerances(asked, [Named(candidate, term, None, 100.0)])
+    assert left([term]) > 20 * left(found)

@@ -233,6 +233,17 @@ def test_closed_loop_obeys_its_own_dynamics(robot):
     assert 1e-6 < error < 0.1
 
 
+def test_a_loop_that_is_tuned_too_high_is_tuned_down(robot, monkeypatch):
+    arm = Arm(robot)
+    paths = [fourier_path(robot, np.random.default_rng(3), np.full(6, 1.0))]
+    (moved,) = track(arm, arm, paths, np.zeros(1), _steady(), 0.3, 160.0)
+    error = moved.position - paths[0].at(np.arange(len(moved.position)) * moved.step)[0]
+    assert np.abs(error).max() < 0.1
+    monkeypatch.setattr("jointwear.studies.challenge.tracking._TRIES", 1)
+    with pytest.raises(InputError, match="the controller loses 'puma560' even at 160 Hz"):
+        track(arm, arm, paths, np.zeros(1), _steady(), 0.3, 160.0)
+
+
 def _steady():
     return Temperatures(np.full((1, 6), 30.0), np.zeros((1, 6)), np.ones((1, 6)))
 

@@ -6,11 +6,12 @@ import numpy as np
 from scipy.special import gammaincc
 
 from jointwear.discovery.acceptance import predictive
-from jointwear.discovery.candidates import LINK_MASS, resolved
+from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.linear import Fit, Term, chi_square
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
+from jointwear.effects import get_effect
 
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
 #: together: half, by what the word means.
@@ -116,11 +117,16 @@ def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
     An effect stands on its own where it is nearly all of what the axis lacked, or most of it and still passes the
-    gates of prediction with all the unexplained structure of its axis in the model. Changes `outcome`.
+    gates of prediction with all the unexplained structure of its axis in the model, and no other joint lacks the same.
+    Changes `outcome`.
     """
     kept: list[Named] = []
     for one in outcome.named:
         axis = one.candidate.axis
+        elsewhere = acts_elsewhere(outcome, one)
+        if elsewhere is not None:
+            outcome.suspects.append((one, f"joint {elsewhere + 1} lacks the same torque, and this effect acts on one"))
+            continue
         if axis is None or one.candidate.effect == LINK_MASS or not any(u.axis == axis for u in outcome.unexplained):
             kept.append(one)
             continue
@@ -143,6 +149,28 @@ def stand_alone(outcome: Outcome) -> None:
         outcome.named = kept
         outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
+
+
+def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
+    """Return another axis that lacks, without a name, for the most part what an effect says of its own, or None.
+
+    Friction, a spring or a drift of one joint acts on that joint alone. Where a neighbour follows the same argument,
+    the cause lies between them, as a hose does. An elastic gear shakes the other joints, and a shared drive is two.
+    """
+    candidate, white = one.candidate, outcome.white
+    if candidate.axis is None or candidate.effect == LINK_MASS:
+        return None
+    effect = get_effect(candidate.effect)
+    if effect.timing or effect.needs_source:
+        return None
+    columns = raw_columns(white, candidate)
+    for axis in sorted({u.axis for u in outcome.unexplained} - {candidate.axis}):
+        x, residual = white.columns(axis, columns), outcome.fit.residual[axis]
+        statistic, freedom = chi_square(*outcome.fit.gram({axis: x}), x.T @ x)
+        lacking = float(residual @ residual) - len(residual)
+        if 0.5 * (statistic - freedom) > outcome.problem.settings.accept and statistic > MOST * lacking:
+            return axis
+    return None
 
 
 def _structure(outcome: Outcome, axis: int) -> list[Term]:

@@ -102,6 +102,10 @@ def _unit(x: np.ndarray) -> np.ndarray:
 
 #: Neighbouring frequencies that a line has to stand out of.
 SURROUNDINGS = 64
+#: Chirps are looked for below this frequency [Hz]: what shakes an arm at a rate that changes is a machine beside it.
+FASTEST_CHIRP = 20.0
+#: Sweeps in one record [Hz] up to which neighbouring rates of chirps differ by one cell, and by `COARSER` cells.
+SLOW_SWEEP, WIDEST_SWEEP, COARSER = 5.0, 20.0, 4
 
 
 def _level(power: np.ndarray) -> np.ndarray:
@@ -126,11 +130,36 @@ class Line:
     record: int
 
 
+def _lines(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frequencies (k,) [Hz], the chirp rate 0 and power (1, k) over that of the surroundings of one record."""
+    size = 2 ** int(np.ceil(np.log2(len(series))))
+    power = np.abs(np.fft.fft(series, size)[None, : size // 2]) ** 2 / filled
+    return np.arange(size // 2) * rate / size, np.zeros(1), power / _level(power)
+
+
+def _chirps(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the same for chirps below :data:`FASTEST_CHIRP`: frequencies (k,), rates (r,) [Hz/s], power (r, k).
+
+    Only the band in which chirps are looked for is turned back: its spectrum is a short series of its own.
+    """
+    span = len(series) / rate
+    fine = np.arange(1, int(SLOW_SWEEP * span) + 1)
+    cells = np.concatenate([fine, np.arange(fine[-1] + COARSER, WIDEST_SWEEP * span, COARSER)])
+    rates = np.concatenate([-cells[::-1], [0], cells]) / span**2
+    band = np.fft.rfft(series)[: max(int(FASTEST_CHIRP * span), 1)]
+    size = 2 ** int(np.ceil(np.log2(len(band))))
+    turned = np.fft.ifft(band, size)
+    t = np.arange(size) * span / size
+    power = np.abs(np.fft.fft(np.exp(-1j * np.pi * np.outer(rates, t**2)) * turned, 2 * size, axis=1)) ** 2
+    power /= filled
+    return np.arange(2 * size) / (2 * span), rates, power / _level(power)
+
+
 def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> Line | None:
     """Search the whitened residual of one axis for a line or linear chirp over time, in each record and in all.
 
-    The residual is put back on its time grid (zero where there is no sample), multiplied by
-    exp(-i pi c t^2) for a grid of chirp rates c, and Fourier-transformed; under white noise each cell is
+    The residual is put back on its time grid (zero where there is no sample) and Fourier-transformed; its lower part is
+    multiplied by exp(-i pi c t^2) for a grid of chirp rates c before. Under white noise each cell is
     exponential with mean one. Where its surroundings hold more than that, the noise is not quite white, and a line has
     to stand out of them. `p_value` counts the cells searched.
     """
@@ -148,23 +177,15 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
     cells = 0
     together: dict[int, tuple[np.ndarray, int]] = {}
     for one, series, filled in pieces:
-        length = len(series)
-        t = np.arange(length) / rate
-        span = length / rate
-        # Neighbouring chirp rates differ by one cell over the record.
-        rates = np.linspace(-0.25, 0.25, 41) * rate / span
-        size = 2 ** int(np.ceil(np.log2(length)))
-        turned = np.exp(-1j * np.pi * np.outer(rates, t**2)) * series
-        power = np.abs(np.fft.fft(turned, size, axis=1)[:, : size // 2]) ** 2 / filled
-        power /= _level(power)
-        cells += power.size // 2
-        where = np.unravel_index(np.argmax(power), power.shape)
-        value = float(power[where])
-        if best is None or value > best.power:
-            best = Line(value, 1.0, float(where[1] * rate / size), float(rates[where[0]]), one)
-        line = power[20]
-        old, count = together.get(size, (0.0, 0))
-        together[size] = (old + line, count + 1)
+        for frequency, chirp, power in (_lines(series, rate, filled), _chirps(series, rate, filled)):
+            cells += power.size // 2
+            where = np.unravel_index(np.argmax(power), power.shape)
+            value = float(power[where])
+            if best is None or value > best.power:
+                best = Line(value, 1.0, float(frequency[where[1]]), float(chirp[where[0]]), one)
+            if len(chirp) == 1:
+                old, count = together.get(len(frequency), (0.0, 0))
+                together[len(frequency)] = (old + power[0], count + 1)
     if best is None:
         return None
     from scipy.special import gammaincc
@@ -175,5 +196,5 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
         joint = min(1.0, len(power) * float(gammaincc(count, power[where])))
         if joint < p:
             p = joint
-            best = Line(float(power[where]), joint, float(where * rate / size), 0.0, -1)
+            best = Line(float(power[where]), joint, float(0.5 * where * rate / size), 0.0, -1)
     return Line(best.power, p, best.frequency, best.rate, best.record)

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
 
 
 def with_tolerances(white: White, named: list[Named]) -> list[Term]:
@@ -39,10 +41,30 @@ def _tolerance(white: White, one: Named, coefficients: np.ndarray) -> list[Term]
         ways += [state.direction[:, axis], _unit(state.position[:, axis]), _unit(speed)]
         columns = torque[:, None] * np.stack(ways, axis=1)
         std = np.full(columns.shape[1], error)
+        beyond = _beyond_its_band(white, one, coefficients)
+        columns = np.concatenate([columns, beyond], axis=1)
+        std = np.append(std, np.ones(beyond.shape[1]))
         result.append(
             Term(f"tolerance of {one.term.label}", {axis: white.columns(axis, columns)}, std, {axis: columns[rows]})
         )
     return result
+
+
+def _beyond_its_band(white: White, one: Named, coefficients: np.ndarray) -> np.ndarray:
+    """Return the torque (N_train, k) of an effect of timing above the band that its columns end at.
+
+    There the columns would feed on the noise of derived accelerations, but the effect goes on: what it does there is
+    no structure without a name.
+    """
+    candidate = one.candidate
+    state = white.problem.train_state
+    if candidate.effect == LINK_MASS or candidate.axis is None or not get_effect(candidate.effect).timing:
+        return np.zeros((len(state.velocity), 0))
+    effect = get_effect(candidate.effect)
+    bands = (white.state_of(effect, candidate.axis), white.axis_state(candidate.axis), state)
+    torques = [effect.columns(s, candidate.axis, candidate.source, candidate.nonlinear) @ coefficients for s in bands]
+    steps = np.diff(np.stack(torques, axis=1), axis=1)
+    return steps[:, np.any(steps != 0.0, axis=0)]
 
 
 def _filled(values: np.ndarray, rows: np.ndarray) -> np.ndarray:

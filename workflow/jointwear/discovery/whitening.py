@@ -11,6 +11,7 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.effects import Effect, State
+from jointwear.measurement.motion import runs
 from jointwear.robots.inertia import mass_direction
 
 
@@ -59,7 +60,7 @@ class White:
 
     def raw(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Return columns (N_train, k) [N m] on the rows of the whitened ones, below what is noise of derivatives."""
-        return _raw(self.problem, self.cutoffs[axis], self.whiteners[axis], columns)
+        return _raw(self.problem, axis, self.cutoffs[axis], self.whiteners[axis], columns)
 
     def raw_targets(self) -> list[np.ndarray]:
         """Return the discrepancy [N m] on the rows of the whitened targets, below what is noise of derivatives."""
@@ -95,7 +96,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         targets.append(white(problem.discrepancy[problem.train, axis]))
         friction = problem.friction_columns(state, axis)
         friction[:, 3:] = _limited(problem, cutoffs[axis], friction[:, 3:])
-        raw = _raw(problem, cutoffs[axis], white, friction)
+        raw = _raw(problem, axis, cutoffs[axis], white, friction)
         base.append(
             Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}, (axis,))
         )
@@ -107,7 +108,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         clock = clock_of(problem, axis, cutoffs[axis])
         base.append(Term(f"clock {axis}", {axis: white(clock)}, np.ones(1), {axis: np.zeros((len(white.rows), 1))}))
         columns = _limited(problem, cutoffs[axis], problem.inertial[problem.train, axis])
-        raw_inertial[axis], inertial[axis] = _raw(problem, cutoffs[axis], white, columns), white(columns)
+        raw_inertial[axis], inertial[axis] = _raw(problem, axis, cutoffs[axis], white, columns), white(columns)
     rank = problem.factor.shape[1]
     gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
     values, vectors = np.linalg.eigh(gram)
@@ -123,9 +124,30 @@ def _limited(problem: Problem, cutoffs: Cutoffs, columns: np.ndarray) -> np.ndar
     return limit(columns, np.asarray(problem.train_state.record), cutoffs.torque, problem.measured.rate)
 
 
-def _raw(problem: Problem, cutoffs: Cutoffs, white: Whitener, columns: np.ndarray) -> np.ndarray:
+def _raw(problem: Problem, axis: int, cutoffs: Cutoffs, white: Whitener, columns: np.ndarray) -> np.ndarray:
+    if not np.isfinite(cutoffs.judged):
+        return columns[white.rows]
     record, rate = np.asarray(problem.train_state.record), problem.measured.rate
-    return limit(columns, record, cutoffs.judged, rate)[white.rows]
+    return limit(bridged(columns, problem.usable[:, axis], record), record, cutoffs.judged, rate)[white.rows]
+
+
+def bridged(columns: np.ndarray, usable: np.ndarray, record: np.ndarray) -> np.ndarray:
+    """Return columns (N,) or (N, k) with straight lines, within each record, over samples that are not `usable`.
+
+    What stands there cannot be judged, a step of friction at a reversal above all: a filter would carry it to its
+    neighbours.
+    """
+    result = np.array(columns, dtype=float)
+    for piece in runs(record):
+        known = np.flatnonzero(usable[piece])
+        if 0 < len(known) < piece.stop - piece.start:
+            values = result[piece][known]
+            place = np.interp(np.arange(piece.stop - piece.start), known, np.arange(len(known)))
+            before = place.astype(int)
+            after = np.minimum(before + 1, len(known) - 1)
+            share = (place - before).reshape(-1, *[1] * (columns.ndim - 1))
+            result[piece] = (1 - share) * values[before] + share * values[after]
+    return result
 
 
 def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:

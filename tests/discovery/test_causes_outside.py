@@ -1,0 +1,74 @@
+"""What lies outside the library: shaking whose rate changes, and torque between joints that a name would put in one."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jointwear.discovery import Settings
+from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.leftovers import acts_elsewhere, stand_alone
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named, Outcome, Unexplained
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.structure import strongest_line
+from jointwear.discovery.whitening import whiten
+from jointwear.measurement.recording import split
+from jointwear.robots.robot import load_robot
+
+RATE, SAMPLES, RECORDS = 100.0, 1100, 3
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.integers(0, 99), st.floats(0.05, 0.42), st.floats(0.5, 3.0))
+def test_a_slow_sweep_is_found_at_any_rate(seed, rise, first):
+    """Half the amplitude of the noise, whose power is spread over 550 frequencies."""
+    rng = np.random.default_rng(seed)
+    clock = np.arange(SAMPLES) / RATE
+    wave = [np.sin(2 * np.pi * (first * clock + rise * clock**2 / 2) + rng.uniform(0, 6)) for _ in range(RECORDS)]
+    state = SimpleNamespace(record=np.repeat(np.arange(RECORDS), SAMPLES))
+    noise = rng.standard_normal(RECORDS * SAMPLES)
+    rows = np.arange(len(noise))
+    assert strongest_line(noise, rows, state, RATE).p_value > 1e-8
+    line = strongest_line(noise + 0.5 * np.concatenate(wave), rows, state, RATE)
+    assert line.p_value < 1e-8
+    assert line.rate == pytest.approx(rise, abs=0.03)
+    assert line.frequency == pytest.approx(first, abs=0.3)
+
+
+@pytest.fixture(scope="module")
+def white():
+    robot = load_robot("config/robots/puma560.yaml")
+    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
+    problem = build_problem(recording, robot, Settings())
+    return whiten(problem, estimate_noise(problem))
+
+
+def _outcome(white, torques):
+    """Return an outcome in which a spring of joint 3 has a name and joint 2 lacks what `torques` says."""
+    spring = Candidate("joint_spring", 2, None, {"centre": 0.0, "low": -9.0, "high": 9.0})
+    columns = raw_columns(white, spring)
+    term = Term("spring", {2: white.columns(2, columns)}, np.ones(4), {2: white.raw(2, columns)})
+    targets = [y + white.columns(a, torques[a]) if a in torques else y for a, y in enumerate(white.targets)]
+    asked = replace(white, targets=targets)
+    left = [Unexplained(1, "position", "rad", 0.0, 1.0, 1e-12, 50.0)]
+    return Outcome(
+        asked.problem, asked, asked.fit([term]), None, named=[Named(spring, term, None, 99.0)], unexplained=left
+    )
+
+
+def test_a_torque_that_two_joints_share_is_no_spring_of_one(white):
+    state = white.problem.train_state
+    hose, other = 20.0 * np.sin(state.position[:, 2]), 20.0 * np.sin(7 * state.time)
+    shared = _outcome(white, {1: hose, 2: hose})
+    assert acts_elsewhere(shared, shared.named[0]) == 1
+    apart = _outcome(white, {1: other, 2: hose})
+    assert acts_elsewhere(apart, apart.named[0]) is None
+    stand_alone(shared)
+    assert not shared.named
+    assert "joint 2" in shared.suspects[0][1]
