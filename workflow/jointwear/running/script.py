@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from jointwear.files.errors import InputError
@@ -30,12 +30,19 @@ def message_of(error: BaseException) -> str | None:
 
 
 @contextmanager
-def reported(log: str | None = None) -> Iterator[None]:
+def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[None]:
     """Turn what a user can mend into one line on standard error (and in the rule's log) and exit 1.
 
     That is an :class:`InputError`, a file or folder that the system refuses, or want of memory.
+
+    Parameters
+    ----------
+    log : of the rule. absent : modules that count as absent meanwhile, unless they are imported already: pyarrow would
+        import pandas only to ask whether a value is one of its own (docs/decisions/no_pandas.md).
     """
+    hidden = [name for name in absent if name not in sys.modules]
     try:
+        sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]
         yield
     except (InputError, OSError, MemoryError) as error:
         message = message_of(error)
@@ -44,6 +51,10 @@ def reported(log: str | None = None) -> Iterator[None]:
         print(message, file=sys.stderr)
         _note(message, log)
         sys.exit(1)
+    finally:
+        for name in hidden:
+            if sys.modules.get(name, name) is None:
+                del sys.modules[name]
 
 
 def _note(message: str, log: str | None) -> None:
