@@ -51,8 +51,7 @@ from jointwear.running.script import reported
 import pyarrow
 with reported(None, ['pandas']):
     pyarrow.array([1.0]).to_numpy(zero_copy_only=False)
-    assert sys.modules["pandas"] is None
-assert "pandas" not in sys.modules
+    assert "pandas" not in sys.modules
 import pandas
 with reported(None, ['pandas']):
     assert sys.modules["pandas"] is pandas

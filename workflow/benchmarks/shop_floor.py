@@ -22,7 +22,7 @@ from jointwear.studies.shop_floor.month import DAYS
 
 ROOT = Path(__file__).resolve().parents[2]
 ROBOTS, SAMPLES, FIRST_DAYS = 10, 720_000, DAYS - 1
-#: A process that reads and judges the logs of one robot as a job does, and prints processor seconds, samples and memory [MiB].
+#: A process that reads and judges the logs of one robot as a job does. Prints processor seconds, samples, memory [MiB].
 ALONE = """
 import json, resource, sys, time
 from pathlib import Path

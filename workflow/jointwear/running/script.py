@@ -6,6 +6,7 @@ import errno
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.abc import MetaPathFinder
 
 from jointwear.files.errors import InputError
 
@@ -29,6 +30,18 @@ def message_of(error: BaseException) -> str | None:
     return None
 
 
+class _Absent(MetaPathFinder):
+    """Finds no module of the given names, so that importing them fails as if they were not installed."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self._names = frozenset(names)
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> None:
+        """Raise ModuleNotFoundError for these names; say nothing of others."""
+        if fullname in self._names:
+            raise ModuleNotFoundError(f"No module named '{fullname}'", name=fullname)
+
+
 @contextmanager
 def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[None]:
     """Turn what a user can mend into one line on standard error (and in the rule's log) and exit 1.
@@ -40,9 +53,9 @@ def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[Non
     log : of the rule. absent : modules that count as absent meanwhile, unless they are imported already: pyarrow would
         import pandas only to ask whether a value is one of its own (docs/decisions/no_pandas.md).
     """
-    hidden = [name for name in absent if name not in sys.modules]
+    finder = _Absent(absent)
+    sys.meta_path.insert(0, finder)
     try:
-        sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]
         yield
     except (InputError, OSError, MemoryError) as error:
         message = message_of(error)
@@ -52,9 +65,7 @@ def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[Non
         _note(message, log)
         sys.exit(1)
     finally:
-        for name in hidden:
-            if sys.modules.get(name, name) is None:
-                del sys.modules[name]
+        sys.meta_path.remove(finder)
 
 
 def _note(message: str, log: str | None) -> None:
