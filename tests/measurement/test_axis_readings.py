@@ -14,7 +14,7 @@ from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement.axis_readings import Reading, readings
-from jointwear.measurement.checks import Refused, check_recording
+from jointwear.measurement.checks import Refused, check_recording, explained, explained_otherwise
 from jointwear.measurement.filtering import RINGING, low_pass
 from jointwear.measurement.motion import TRANSIENT
 from jointwear.robots.dynamics import Dynamics
@@ -87,6 +87,16 @@ def test_every_reading_is_undone_by_itself_or_its_gear(puma):
             assert np.array_equal(again[1], usable)
     scaled = Reading("motor", (2,)).read(parts, usable, puma)[0]
     np.testing.assert_allclose(scaled[:, 3, 2], puma.gear_ratio[2] * parts[:, 3, 2])
+
+
+def test_what_another_reading_leaves_is_what_is_left_of_the_samples_read_that_way(puma):
+    rng = np.random.default_rng(0)
+    parts, usable = rng.standard_normal((200, 4, 6)), rng.random((200, 6)) > 0.3
+    dynamics = Dynamics(puma)
+    found = list(explained_otherwise(dynamics, parts, usable))
+    assert [reading for reading, _ in found] == list(readings(puma))
+    for reading, left in found:
+        np.testing.assert_allclose(left, explained(dynamics, *reading.read(parts, usable, puma)), rtol=1e-9)
 
 
 @pytest.mark.parametrize("shape", [(24,), (500,), (400, 3)])

@@ -5,9 +5,11 @@ import json
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from jointwear.files.storage import Variable, write_dataset
-from jointwear.monitor.fleet.plan import batches
+from jointwear.monitor.fleet.plan import FEWEST_PER_JOB, JOBS, ROBOTS_PER_JOB, batches
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.watch import watch_robots
 from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
@@ -17,17 +19,26 @@ from jointwear.studies.monitor_study.example import real_arm, simulate_day
 
 
 def test_every_robot_is_in_one_batch():
-    robots = [f"r{n}" for n in range(7)]
-    found = batches(robots, 3)
+    robots = [f"r{n}" for n in range(12)]
+    found = batches(robots)
     assert [name for batch in found.values() for name in batch] == robots
-    assert [len(batch) for batch in found.values()] == [3, 3, 1]
-    assert batches([], 3) == {}
+    assert [len(batch) for batch in found.values()] == [5, 5, 2]
+    assert batches([]) == {}
+
+
+@given(st.integers(1, 3000))
+def test_a_job_has_few_robots_while_cores_may_be_idle_and_never_many(count):
+    found = [len(batch) for batch in batches([f"r{n}" for n in range(count)]).values()]
+    assert sum(found) == count
+    assert max(found) <= ROBOTS_PER_JOB
+    assert min(found[:-1], default=FEWEST_PER_JOB) >= FEWEST_PER_JOB
+    assert len(found) <= JOBS or max(found) == ROBOTS_PER_JOB
 
 
 def test_batches_of_two_configurations_have_names_of_their_own():
     ours, theirs = batches(["a", "b"]), batches(["a", "c"])
     assert not ours.keys() & theirs.keys()
-    assert next(iter(batches([*"abcd"], 2))) == next(iter(batches([*"abxy"], 2)))
+    assert next(iter(batches([*"abcdefg"]))) == next(iter(batches([*"abcdexy"])))
 
 
 @pytest.fixture(scope="module")

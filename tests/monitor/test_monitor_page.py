@@ -8,12 +8,15 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 import xarray
+from hypothesis import given
+from hypothesis import strategies as st
 from monitor_logs import ROBOT, START, columns, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline
 from jointwear.monitor.condition import UNRESOLVED, axis_conditions
+from jointwear.monitor.drawing import _thin
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.friction import window_friction
@@ -48,8 +51,8 @@ def built(tmp_path_factory):
     (folder / "cut.parquet").write_bytes((folder / logs[0]).read_bytes()[:-100])
     survey_logs(logs[0], ROBOT, entry, folder / "survey.json")
     windows = [str(folder / f"{k}.nc") for k in range(2)]
-    for path, given in zip(windows, logs, strict=True):
-        accumulate_windows([given], folder / "survey.json", ROBOT, entry, path)
+    for path, log in zip(windows, logs, strict=True):
+        accumulate_windows([log], folder / "survey.json", ROBOT, entry, path)
     judge_windows(windows, ROBOT, entry, folder / "state.nc", folder / "alarms.csv", "cell_3")
     write_page(folder / "state.nc", folder / "monitor.html", folder / "figures")
     return folder, windows, entry
@@ -293,3 +296,20 @@ def test_share_of_the_temperature():
     assert temperature_share(5 + noise, std, temperature).explained < 0.1
     assert temperature_share(5 + noise, std, np.full(60, 30.0)) is None
     assert temperature_share(5 + noise, std, np.full(60, np.nan)) is None
+
+
+@given(st.integers(1, 40), st.integers(1, 12), st.integers(0, 2**32 - 1))
+def test_thinned_windows_are_weighted_means_of_those_that_are_known(count, parts, seed):
+    random = np.random.default_rng(seed)
+    values, std = random.normal(size=count), random.uniform(0.1, 2.0, count)
+    values[random.random(count) < 0.3] = np.nan
+    groups = np.array_split(random.permutation(count), min(parts, count))
+    mean, error = _thin(values, std, groups)
+    for k, group in enumerate(groups):
+        good = group[np.isfinite(values[group])]
+        if not len(good):
+            assert np.isnan(mean[k])
+            continue
+        weight = 1 / std[good] ** 2
+        assert mean[k] == pytest.approx(np.average(values[good], weights=weight), rel=1e-9, abs=1e-12)
+        assert error[k] == pytest.approx(weight.sum() ** -0.5, rel=1e-9)

@@ -9,7 +9,7 @@ from scipy import stats
 from jointwear.reproduction import readings
 from jointwear.reproduction.control_limits import q_limit, t2_limit
 from jointwear.reproduction.detection import NormalModel, alarms, onset, score
-from jointwear.reproduction.normal_model import fit_normal_model
+from jointwear.reproduction.normal_model import by_numpy, by_scikit_learn, fit_normal_model
 
 
 def test_q_limit_of_the_ballistic_missile_example():
@@ -86,6 +86,18 @@ def test_score_agrees_with_scikit_learn(default_reading):
     q, t2 = score(series, model)
     np.testing.assert_allclose(q[0], ((z - back) ** 2).sum(1), atol=1e-9)
     np.testing.assert_allclose(t2[0], (pca.transform(z) ** 2 / pca.explained_variance_).sum(1), atol=1e-9)
+
+
+@pytest.mark.parametrize("hours", [5, 200])
+def test_both_decompositions_score_alike(default_reading, hours):
+    random = np.random.default_rng(hours)
+    series = random.normal(size=(2, hours, 6)) @ random.normal(size=(6, 6))
+    ours, theirs = (
+        fit_normal_model(series, 0.95, 0.75, default_reading, decompose) for decompose in (by_numpy, by_scikit_learn)
+    )
+    np.testing.assert_allclose(ours.q_limit, theirs.q_limit, rtol=1e-9)
+    for a, b in zip(score(series, ours), score(series, theirs), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
 
 
 def test_a_series_without_variation_does_not_break_the_model(default_reading):

@@ -1,9 +1,13 @@
 """A script tells what a user can mend in one line, in its log too; a defect of its own keeps its traceback."""
 
 import errno
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
+import jointwear
 from jointwear.files.errors import InputError
 from jointwear.running.script import reported
 
@@ -38,3 +42,19 @@ def test_a_defect_keeps_its_traceback():
         raise KeyError("x")
     with pytest.raises(OSError, match="x"), reported(None):
         raise OSError(errno.EPIPE, "x")
+
+
+def test_a_module_that_counts_as_absent_is_there_again_afterwards():
+    code = """
+import sys
+from jointwear.running.script import reported
+import pyarrow
+with reported(None, ['pandas']):
+    pyarrow.array([1.0]).to_numpy(zero_copy_only=False)
+    assert "pandas" not in sys.modules
+import pandas
+with reported(None, ['pandas']):
+    assert sys.modules["pandas"] is pandas
+"""
+    library = Path(jointwear.__file__).parents[1]
+    subprocess.run([sys.executable, "-c", code], cwd=library, check=True, timeout=120)

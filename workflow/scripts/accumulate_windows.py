@@ -6,7 +6,7 @@ from jointwear.monitor.stages import accumulate_windows
 from jointwear.running.script import reported
 
 if __name__ == "__main__":
-    with reported(snakemake.log[0]):
+    with reported(snakemake.log[0], absent=["pandas"]):
         refused = accumulate_windows(
             snakemake.params.logs,
             snakemake.input.survey,

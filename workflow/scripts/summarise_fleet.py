@@ -4,7 +4,7 @@ from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.running.script import reported
 
 if __name__ == "__main__":
-    with reported(snakemake.log[0]):
+    with reported(snakemake.log[0], absent=["pandas"]):
         summarise_fleet(
             snakemake.input.batches,
             snakemake.params.folder,

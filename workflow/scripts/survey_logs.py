@@ -4,5 +4,5 @@ from jointwear.monitor.stages import survey_logs
 from jointwear.running.script import reported
 
 if __name__ == "__main__":
-    with reported(snakemake.log[0]):
+    with reported(snakemake.log[0], absent=["pandas"]):
         survey_logs(snakemake.params.first, snakemake.input.robot, snakemake.params.entry, snakemake.output[0])

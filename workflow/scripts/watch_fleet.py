@@ -4,7 +4,7 @@ from jointwear.monitor.fleet.watch import watch_robots
 from jointwear.running.script import reported
 
 if __name__ == "__main__":
-    with reported(snakemake.log[0]):
+    with reported(snakemake.log[0], absent=["pandas"]):
         watch_robots(
             snakemake.params.entries,
             snakemake.params.logs,

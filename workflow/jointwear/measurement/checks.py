@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
@@ -114,14 +114,37 @@ def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
     """Return for each axis the part of the squared torque that the model leaves, sizes of friction left free."""
+    rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3)))
+    return _left(dynamics.robot, rigid, parts, usable, range(parts.shape[2]))
+
+
+def explained_otherwise(
+    dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray
+) -> Iterator[tuple[Reading, np.ndarray]]:
+    """Yield every other reading of the axes with what :func:`explained` says of it."""
+    robot, axes = dynamics.robot, range(parts.shape[2])
+    rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3)))
+    plain: np.ndarray | None = None
+    for reading in readings(robot):
+        turned = reading.read(parts, usable, robot)
+        if reading.kind in ("swap", "flip"):
+            yield reading, explained(dynamics, *turned)
+            continue
+        # The motion is the same, and so are all axes but one.
+        plain = _left(robot, rigid, parts, usable, axes) if plain is None else plain
+        (axis,) = reading.axes
+        left = plain.copy()
+        left[axis] = _left(robot, rigid, *turned, [axis])[axis]
+        yield reading, left
+
+
+def _left(robot: Robot, rigid: np.ndarray, parts: np.ndarray, usable: np.ndarray, axes: Iterable[int]) -> np.ndarray:
+    """Return :func:`explained` for some axes, NaN for the others; `rigid` (m, n) torque of the rigid bodies."""
     from scipy.optimize import nnls
 
-    robot = dynamics.robot
-    n = parts.shape[2]
-    q, v, a, torque = (parts[:, k] for k in range(4))
-    rigid = dynamics.rigid_body_torque(q, v, a)
-    shares = np.full(n, np.nan)
-    for j in range(n):
+    v, a, torque = (parts[:, k] for k in range(1, 4))
+    shares = np.full(parts.shape[2], np.nan)
+    for j in axes:
         used = usable[:, j]
         if used.sum() < FEWEST:
             continue
@@ -157,15 +180,13 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
     likelihood = Likelihood(dynamics, FEWEST)
     as_read: float | None = None
     believed: list[tuple[float, Reading]] = []
-    for reading in readings(robot):
-        turned = reading.read(parts, usable, robot)
+    for reading, other in explained_otherwise(dynamics, parts, usable):
         floor = SAME_WRIST if reading.kind == "swap" else RIGHT
-        other = explained(dynamics, *turned)
         gained = _score(left, floor) - _score(other, floor)
         if gained < -CLEARLY or not np.nanmax(other[list(reading.axes)], initial=0.0) < WRONG:
             continue
         as_read = likelihood(parts, usable) if as_read is None else as_read
-        nats = likelihood(*turned) - as_read
+        nats = likelihood(*reading.read(parts, usable, robot)) - as_read
         if nats > (0.0 if gained > CLEARLY else FAVOURS[reading.kind]):
             believed.append((nats, reading))
     if believed:

@@ -65,18 +65,22 @@ def window_friction(statistics: WindowStatistics, robot: Robot, baseline: int) -
     value, std = np.full(statistics.count.shape, np.nan), np.full(statistics.count.shape, np.nan)
     independent = statistics.effective_count / np.maximum(statistics.count, 1)
     seen = (statistics.freedom > 0) & (statistics.residual_square > 0) & statistics.judgeable
-    for w, j in np.argwhere(seen):
-        weight = max(independent[w, j], 1e-3) / statistics.noise_variance[w, j]
-        precision = weight * gram[w, j] + np.diag(1.0 / prior[j] ** 2)
-        # Scaled to a unit diagonal: the columns have different units.
-        scale = 1.0 / np.sqrt(np.diag(precision))
-        covariance = np.linalg.inv(precision * np.outer(scale, scale)) * np.outer(scale, scale)
-        ahead = covariance @ wanted[j]
-        robust = ahead @ (weight**2 * score[w, j] + np.diag(1.0 / prior[j] ** 2)) @ ahead
-        error = float(np.sqrt(max(wanted[j] @ ahead, robust)))
-        if error < SHOWN * before[j]:
-            value[w, j] = nominal[j] + wanted[j] @ covariance @ (weight * moment[w, j])
-            std[w, j] = error
+    w, j = np.nonzero(seen)
+    weight = (np.maximum(independent, 1e-3)[w, j] / statistics.noise_variance[w, j])[:, None]
+    own, aim = prior[j], wanted[j]
+    known = np.eye(5) / own[:, None] ** 2
+    precision = weight[..., None] * gram[w, j] + known
+    # Scaled to a unit diagonal: the columns have different units.
+    scale = 1.0 / np.sqrt(np.diagonal(precision, axis1=1, axis2=2))
+    outer = scale[:, :, None] * scale[:, None, :]
+    covariance = np.linalg.inv(precision * outer) * outer
+    ahead = np.einsum("kpq,kq->kp", covariance, aim)
+    robust = np.einsum("kp,kpq,kq->k", ahead, weight[..., None] ** 2 * score[w, j] + known, ahead)
+    error = np.sqrt(np.maximum((aim * ahead).sum(axis=1), robust))
+    shown = error < SHOWN * before[j]
+    growth = np.einsum("kp,kpq,kq->k", aim, covariance, weight * moment[w, j])
+    value[w, j] = np.where(shown, nominal[j] + growth, np.nan)
+    std[w, j] = np.where(shown, error, np.nan)
     return WindowFriction(value, std, speed)
 
 

@@ -79,50 +79,55 @@ def _maxima(axis: Axis) -> tuple[np.ndarray, np.ndarray]:
     parts = axis.within * np.sqrt(MOMENTS) * random.standard_normal((RUNS, JUDGED, MOMENTS))
     share = np.arange(1, MOMENTS + 1)
     running = np.cumsum(parts, axis=2) / share + (true * shifts + offset)[..., None]
-    known = _known_scatter(axis, running[:, :, -1])
+    # From here on runs come last, so that all runs of a moment lie together: (JUDGED, MOMENTS, RUNS).
+    running = np.ascontiguousarray(running.transpose(1, 2, 0))
+    ends = running[:, -1]
+    known = _known_scatter(axis, ends)
     # Sums of whole shifts, from the first up to before each one.
-    before = np.concatenate([np.zeros((RUNS, 1)), np.cumsum(running[:, :, -1], axis=1)], axis=1)
+    before = np.concatenate([np.zeros((1, RUNS)), np.cumsum(ends, axis=0)])
     level, step = np.full(RUNS, -np.inf), np.full(RUNS, -np.inf)
     for s in range(JUDGED):
-        whole = axis.within**2 + known[:, s]
+        whole = axis.within**2 + known[s]
         for m in range(MOMENTS):
-            now, noise = running[:, s, m], axis.within**2 * MOMENTS / share[m] + known[:, s]
+            now, noise = running[s, m], axis.within**2 * MOMENTS / share[m] + known[s]
             if share[m] * axis.windows / MOMENTS >= STEP_WINDOWS:
-                z = (now - TOLERATED) / np.sqrt(noise + axis.normal**2)
-                level = np.where(now > STEP, np.maximum(level, z), level)
+                large = np.flatnonzero(now > STEP)
+                z = (now[large] - TOLERATED) / np.sqrt(noise[large] + axis.normal**2)
+                level[large] = np.maximum(level[large], z)
             if not s:
                 continue
-            admitted = (now > TOLERATED) & (running[:, s - 1, -1] > TOLERATED)
-            if not admitted.any():
+            # Few runs are admitted at a time, and only they can alarm.
+            rows = np.flatnonzero((now > TOLERATED) & (ends[s - 1] > TOLERATED))
+            if not len(rows):
                 continue
-            total, weight = now / noise, 1.0 / noise
+            own, total, weight = whole[rows], (now / noise)[rows], (1.0 / noise)[rows]
+            past, high, high_step = ends[max(s - SHIFTS, 0) : s, rows], level[rows], step[rows]
             for k in range(1, min(SHIFTS, s + 1)):
-                total = total + running[:, s - k, -1] / whole
-                weight = weight + 1.0 / whole
+                total = total + past[-k] / own
+                weight = weight + 1.0 / own
                 mean = total / weight - TOLERATED
-                z = mean / np.sqrt(1.0 / weight + axis.normal**2)
-                level = np.where(admitted, np.maximum(level, z), level)
+                high = np.maximum(high, mean / np.sqrt(1.0 / weight + axis.normal**2))
                 old = min(s - k, BACK - 1 - k)
                 if old >= FEWEST_BEFORE:
-                    reference = (before[:, s - k] - before[:, s - k - old]) / old
-                    z = (mean - reference) / np.sqrt(1.0 / weight + whole / old)
-                    step = np.where(admitted, np.maximum(step, z), step)
+                    reference = (before[s - k, rows] - before[s - k - old, rows]) / old
+                    high_step = np.maximum(high_step, (mean - reference) / np.sqrt(1.0 / weight + own / old))
+            level[rows], step[rows] = high, high_step
     return level, step
 
 
 def _known_scatter(axis: Axis, means: np.ndarray) -> np.ndarray:
-    """Return the variance between shifts (RUNS, JUDGED) as known before each shift, from `means` (RUNS, JUDGED).
+    """Return the variance between shifts (JUDGED, RUNS) as known before each shift, from `means` (JUDGED, RUNS).
 
     The baseline's estimate counts as many degrees of freedom as its spread tells; each step from shift to shift adds
     to them, as in :func:`jointwear.monitor.dispersion.updated_between`.
     """
     freedom = 1.0 / (2 * axis.spread**2)
     result = np.full(means.shape, axis.between**2)
-    for s in range(1, means.shape[1] - 1):
-        size = (means[:, s] - means[:, s - 1]) ** 2 / 2
-        size = np.minimum(size, LARGEST_STEP**2 * (result[:, s] + axis.within**2)) - axis.within**2
+    for s in range(1, len(means) - 1):
+        size = (means[s] - means[s - 1]) ** 2 / 2
+        size = np.minimum(size, LARGEST_STEP**2 * (result[s] + axis.within**2)) - axis.within**2
         share = STEP_WEIGHT / (freedom + STEP_WEIGHT * s)
-        result[:, s + 1] = np.maximum(result[:, s] + share * (size - result[:, s]), FLOOR**2)
+        result[s + 1] = np.maximum(result[s] + share * (size - result[s]), FLOOR**2)
     return result
 
 

@@ -90,7 +90,7 @@ def paper_alarms(
     """
     from jointwear.reproduction.detection import score
     from jointwear.reproduction.features import kl_divergence
-    from jointwear.reproduction.normal_model import fit_normal_model
+    from jointwear.reproduction.normal_model import by_numpy, fit_normal_model
 
     count = statistics.windows
     nothing = PaperVerdict(np.full(count, np.nan), np.zeros(count, dtype=bool), np.zeros(count, dtype=int))
@@ -110,7 +110,7 @@ def paper_alarms(
     series = kl[:, varying]
 
     def ratios(fitted: np.ndarray, scored: np.ndarray) -> np.ndarray:
-        model = fit_normal_model(series[fitted][None], CONFIDENCE, VARIANCE_SHARE, READING)
+        model = fit_normal_model(series[fitted][None], CONFIDENCE, VARIANCE_SHARE, READING, by_numpy)
         return score(series[scored][None], model)[0][0] / max(float(model.q_limit[0]), 1e-300)
 
     halves = np.array_split(normal, 2)

@@ -226,12 +226,17 @@ def batches_of(logs: Sequence[str], entry: Mapping[str, Any]) -> dict[str, list[
 
 
 def _size(log: str) -> float:
-    """Return the size of a log [bytes]; a folder, or one that is yet to be fetched, fills a batch."""
+    """Return the size of a log [bytes], rounded up to a power of two, or a full batch for a folder and a log that is
+    yet to be fetched.
+
+    Sizes are asked for at every start of Snakemake, on a cluster for every job: a log that grows meanwhile must not
+    move the end of its batch, which it now does only on passing a power of two.
+    """
     try:
         found = os.stat(log)
     except OSError:
         return BATCH_BYTES
-    return max(found.st_size, 1) if stat.S_ISREG(found.st_mode) else BATCH_BYTES
+    return 1 << max(found.st_size - 1, 0).bit_length() if stat.S_ISREG(found.st_mode) else BATCH_BYTES
 
 
 def model_file(name: str, entry: Mapping[str, Any]) -> str:

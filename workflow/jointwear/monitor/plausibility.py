@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.measurement.axis_readings import Reading, readings
-from jointwear.measurement.checks import FEWEST, Refused, check_recording, explained
+from jointwear.measurement.axis_readings import Reading
+from jointwear.measurement.checks import FEWEST, Refused, check_recording, explained, explained_otherwise
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
@@ -112,13 +112,15 @@ class LaterCheck:
 
     def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
         """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
-        left = explained(self._dynamics, parts, usable)
+        return self._grown(explained(self._dynamics, parts, usable))
+
+    def _grown(self, left: np.ndarray) -> np.ndarray:
         return np.log(np.maximum(left, RIGHT) / self._usual)
 
     def _read_otherwise(self, parts: np.ndarray, usable: np.ndarray) -> Iterator[tuple[float, Reading]]:
         """Yield every other reading of the axes with the growth that it leaves."""
-        for reading in readings(self._dynamics.robot):
-            growth = self._growth(*reading.read(parts, usable, self._dynamics.robot))
+        for reading, left in explained_otherwise(self._dynamics, parts, usable):
+            growth = self._grown(left)
             # An axis that another reading leaves without motion is not explained by it.
             yield float(np.nansum(np.where(np.isfinite(growth), growth, self._last))), reading
 

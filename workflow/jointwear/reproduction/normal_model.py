@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sklearn.decomposition import PCA
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, write_dataset
@@ -17,8 +16,28 @@ from jointwear.reproduction.readings import components, scaling, select
 from jointwear.reproduction.readings import q_limit as limit_reading
 
 
+def by_scikit_learn(values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the first `size` principal components (size, p) of values (hours, p), and the variances (size,)."""
+    from sklearn.decomposition import PCA
+
+    solver = "covariance_eigh" if values.shape[1] < len(values) else "full"
+    fitted = PCA(n_components=size, svd_solver=solver).fit(values)
+    return fitted.components_, fitted.explained_variance_
+
+
+def by_numpy(values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the same but for round-off, and signs, on which no score depends, without half a second of imports."""
+    centred = values - values.mean(axis=0)
+    _, singular, components = np.linalg.svd(centred, full_matrices=False)
+    return components[:size], singular[:size] ** 2 / (len(values) - 1)
+
+
 def fit_normal_model(
-    series: np.ndarray, confidence: float, variance_share: float, reading: Mapping[str, str]
+    series: np.ndarray,
+    confidence: float,
+    variance_share: float,
+    reading: Mapping[str, str],
+    decompose: Callable[[np.ndarray, int], tuple[np.ndarray, np.ndarray]] = by_scikit_learn,
 ) -> NormalModel:
     """Fit one model for every replicate.
 
@@ -27,6 +46,7 @@ def fit_normal_model(
     series : (r, hours, p) normal operation.
     confidence : of both limits.
     variance_share : share of the variance that the kept components must exceed.
+    decompose : principal components of one replicate and their variances.
     """
     r, hours, p = series.shape
     size = min(hours - 1, p)
@@ -36,14 +56,12 @@ def fit_normal_model(
     for i, values in enumerate(series):
         mean[i] = values.mean(axis=0)
         spread[i] = select(scaling, reading["scaling"])(values)
-        fitted = PCA(n_components=size, svd_solver="covariance_eigh" if p < hours else "full").fit(
-            (values - mean[i]) / spread[i]
-        )
-        eigenvalues[i] = np.maximum(fitted.explained_variance_, 0.0)
+        directions, variances = decompose((values - mean[i]) / spread[i], size)
+        eigenvalues[i] = np.maximum(variances, 0.0)
         total = eigenvalues[i].sum()
         share = np.cumsum(eigenvalues[i]) / total if total > 0 else np.ones(size)
         kept[i] = min(select(components, reading["components"])(share, variance_share), size)
-        loadings[i, : kept[i]] = fitted.components_[: kept[i]]
+        loadings[i, : kept[i]] = directions[: kept[i]]
         t2_limits[i] = t2_limit(kept[i], hours, confidence)
     model = NormalModel(mean, spread, loadings, eigenvalues, kept, limits, t2_limits)
     training_q, _ = score(series, model)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import errno
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.abc import MetaPathFinder
 
 from jointwear.files.errors import InputError
 
@@ -29,12 +30,31 @@ def message_of(error: BaseException) -> str | None:
     return None
 
 
+class _Absent(MetaPathFinder):
+    """Finds no module of the given names, so that importing them fails as if they were not installed."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self._names = frozenset(names)
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> None:
+        """Raise ModuleNotFoundError for these names; say nothing of others."""
+        if fullname in self._names:
+            raise ModuleNotFoundError(f"No module named '{fullname}'", name=fullname)
+
+
 @contextmanager
-def reported(log: str | None = None) -> Iterator[None]:
+def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[None]:
     """Turn what a user can mend into one line on standard error (and in the rule's log) and exit 1.
 
     That is an :class:`InputError`, a file or folder that the system refuses, or want of memory.
+
+    Parameters
+    ----------
+    log : of the rule. absent : modules that count as absent meanwhile, unless they are imported already: pyarrow would
+        import pandas only to ask whether a value is one of its own (docs/decisions/no_pandas.md).
     """
+    finder = _Absent(absent)
+    sys.meta_path.insert(0, finder)
     try:
         yield
     except (InputError, OSError, MemoryError) as error:
@@ -44,6 +64,8 @@ def reported(log: str | None = None) -> Iterator[None]:
         print(message, file=sys.stderr)
         _note(message, log)
         sys.exit(1)
+    finally:
+        sys.meta_path.remove(finder)
 
 
 def _note(message: str, log: str | None) -> None:

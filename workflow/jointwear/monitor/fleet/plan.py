@@ -9,14 +9,22 @@ from pathlib import Path
 
 from jointwear.monitor.plan import log_sources
 
-ROBOTS_PER_JOB = 50
+#: Robots of a job at most, because starting a job costs as much as judging one or two robots; at least, where there are
+#: so many; and jobs that a fleet is cut into before they grow: as many cores work on a small fleet too.
+ROBOTS_PER_JOB, FEWEST_PER_JOB, JOBS = 50, 5, 16
 
 
-def batches(robots: Sequence[str], size: int = ROBOTS_PER_JOB) -> dict[str, list[str]]:
+def robots_of_job(count: int) -> int:
+    """Return how many robots of a fleet of `count` share a job."""
+    return min(max(-(-count // JOBS), FEWEST_PER_JOB), ROBOTS_PER_JOB)
+
+
+def batches(robots: Sequence[str]) -> dict[str, list[str]]:
     """Return robots by the name of their job, in order.
 
     A job is named after its robots, so that the jobs of two configurations do not take each other for their own.
     """
+    size = robots_of_job(len(robots))
     groups = [list(robots[start : start + size]) for start in range(0, len(robots), size)]
     return {digest(group)[:12]: group for group in groups}
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +30,9 @@ class Chapter:
     body: Markup
 
 
+@cache
 def environment() -> Environment:
-    """Return the template environment with the number formats as filters."""
+    """Return the template environment with the number formats as filters; a template is compiled once a process."""
     env = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
