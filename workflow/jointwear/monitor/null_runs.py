@@ -23,9 +23,6 @@ RUNS, JUDGED, MOMENTS = 4000, 20, 4
 #: Degrees of freedom of shifts and of the error of the normal state: standardised means of shifts after the baseline
 #: have a root mean square 1.6 times their robust standard deviation, a Student law of three to four degrees.
 FREEDOM = 3.5
-#: Stated allowance over what is used up where it is set to one: growth within its own error never alarms, so that most
-#: axes of a steady robot raise no alarm at any rate.
-SPARED = 1.5
 #: Largest correlation of one shift with the next; each run draws its own from 0 up to it.
 CARRIED = 0.5
 #: A step between shifts teaches the scatter between them as if it were at most so many standard deviations.
@@ -141,7 +138,7 @@ def null_thresholds(axis: Axis, chance_per_window: float) -> tuple[float, float]
     """
     rounded = axis.rounded()
     maxima = _maxima(rounded)
-    wanted = -np.expm1(-SPARED * chance_per_window * JUDGED * rounded.windows)
+    wanted = -np.expm1(-chance_per_window * JUDGED * rounded.windows)
     smallest = FEWEST / RUNS
     at = 1 - min(max(wanted, smallest), 0.5)
     alone = [_quantile(m, at) for m in maxima]

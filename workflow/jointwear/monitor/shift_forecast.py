@@ -18,7 +18,7 @@ from jointwear.monitor.forecast import Forecast
 #: is past: at an alarm a small part of the way is gone, on which any law is nearly straight, and a prior of the bend
 #: so far would let a good part of the laws come to rest below the limit.
 BENDS = np.linspace(-4.0, 5.0, 15)
-BEND, BEND_SPREAD = 0.8, 2.0
+BEND, BEND_SPREAD = 0.8, 1.85
 #: Probability a priori that growth comes to rest below the limit, at one of these shares of it.
 REST, RESTS = 0.01, (0.1, 0.2, 0.35, 0.5, 0.7, 0.9)
 #: Onsets between the normal period and now, as shares of the time between.
