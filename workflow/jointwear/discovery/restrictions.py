@@ -33,6 +33,13 @@ def motion_restrictions(problem) -> list[str]:
         for axis in np.flatnonzero(~moving):
             if axis in problem.judged:
                 found.append(f"joint {axis + 1} is at rest in the test trajectories")
+    lag = problem.measured.velocity_lag
+    for late, way in ((True, "behind"), (False, "ahead of")):
+        moved = [] if lag is None else np.flatnonzero(lag > 0 if late else lag < 0)
+        if len(moved):
+            most = 1e3 * np.abs(lag[moved]).max()
+            joints = ", ".join(str(axis + 1) for axis in moved)
+            found.append(f"given velocities are up to {most:.2g} ms {way} their positions (joints {joints}): put right")
     if not problem.state.has_temperature:
         found.append("no temperature was recorded: effects of temperature cannot be seen")
         return found

@@ -20,6 +20,7 @@ from jointwear.measurement.derived_noise import DerivedNoise, quantisation_densi
 from jointwear.measurement.filtering import SHORTEST, low_pass
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
+from jointwear.measurement.velocity_lag import put_in_time
 
 #: Rates above this are decimated [Hz], to about TARGET.
 HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
@@ -44,7 +45,8 @@ class Measured:
     whose band ends there did. `rate` [Hz].
     `speed_floor` (n,) [rad/s] below which a joint counts as at rest. `band` [Hz] above which the torque was filtered
     away, infinite where it was left alone. `reach` (n,) [Hz] up to which the positions hold a signal, where
-    accelerations were derived; else None. `noise` is that of the accelerations.
+    accelerations were derived; else None. `noise` is that of the accelerations. `velocity_lag` (n,) [s] by which given
+    velocities lagged their positions; they have been put right.
     """
 
     time: np.ndarray
@@ -62,6 +64,7 @@ class Measured:
     reach: np.ndarray | None = None
     fitted: bool = False
     noise: DerivedNoise | None = None
+    velocity_lag: np.ndarray | None = None
 
     @property
     def passes(self) -> Callable[[np.ndarray], np.ndarray] | None:
@@ -133,8 +136,9 @@ def measure(recording: Recording) -> Measured:
     cutoff = np.full(n, np.nan)
     velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
     acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
-    source = position if velocity is None else velocity
     reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
+    velocity, lag = (None, None) if velocity is None else put_in_time(time, pieces, position, velocity, reach, rate)
+    source = position if velocity is None else velocity
     signals = {2: position, 1: velocity, 0: acceleration}
     orders = (0,) if acceleration is not None else (2,) if velocity is None else (2, 1)
     densities = np.array([[noise_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders])
@@ -236,6 +240,7 @@ def measure(recording: Recording) -> Measured:
         reach if derived else None,
         splines,
         DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines),
+        lag,
     )
 
 
