@@ -23,8 +23,9 @@ BEND, BEND_SPREAD = 0.8, 1.85
 REST, RESTS = 0.01, (0.1, 0.2, 0.35, 0.5, 0.7, 0.9)
 #: Onsets between the normal period and now, as shares of the time between.
 ONSETS = np.concatenate([np.linspace(0.0, 0.9, 13), [0.94, 0.97]])
-#: Times from onset to limit over that from onset to now, all alike a priori in their logs.
-LENGTHS = np.geomspace(0.25, 100.0, 45)
+#: Times from onset to limit over that from onset to now, as likely a priori per log of them as this power of their rate
+#: says: 0 would be flat in the log of the time, which leaves a quarter of the ends open, 1 in the rate.
+LENGTHS, HASTE = np.geomspace(0.25, 100.0, 45), 0.5
 #: Standard deviation of the log of what growth is told as over what it is: its share in the friction that is judged
 #: and its size under the conditions of the day are known no better. Points and weights of the normal law for it.
 SCALE = 0.25
@@ -69,12 +70,12 @@ def forecast_shifts(
     projected = law @ precision
     match, norm = projected @ y, np.einsum("bols,bols->bol", projected, law)
     prior = np.exp(-0.5 * ((BENDS - BEND) / BEND_SPREAD) ** 2)
-    prior = np.log((1 - REST) * prior / prior.sum())[:, None, None]
+    prior = np.log((1 - REST) * prior / prior.sum())[:, None, None] - HASTE * np.log(LENGTHS)
     ends = [(limit * np.exp(SCALE * point), np.log(weight)) for point, weight in _POINTS]
     reaching = np.array([end * match - 0.5 * end**2 * norm + prior + weight for end, weight in ends])
     # The law that bends most to rest, towards an end below the limit.
     resting = np.array([limit * q * match[0] - 0.5 * (limit * q) ** 2 * norm[0] for q in RESTS])
-    resting += np.log(REST / len(RESTS))
+    resting += np.log(REST / len(RESTS)) - HASTE * np.log(LENGTHS)
     largest = max(reaching.max(), resting.max())
     weight = np.exp(reaching - largest).sum(axis=(0, 1)).ravel()
     left = (onset[:, None] + length - now).ravel()
