@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, decide, discover, pipeline
 from jointwear.discovery.acceptance import missed, predictive
 from jointwear.discovery.candidates import build_dictionary, raw_blocks, scan
-from jointwear.discovery.crossval import cross_validate, positive
+from jointwear.discovery.crossval import CrossValidated, cross_validate, positive
 from jointwear.discovery.fallback import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named
+from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.page import body_in_words, lead, write_page
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.discovery.settings import settings_of
@@ -218,3 +218,44 @@ def test_one_sample_that_jumps_is_no_structure(found):
     jumped.unexplained = unexplained(jumped)[0]
     assert {u.axis for u in jumped.unexplained} == {axis} | {u.axis for u in before}
     assert [(u.axis, u.argument) for u in lasting(jumped)] == [(u.axis, u.argument) for u in before]
+
+
+def test_of_two_that_are_as_likely_one_is_named(found, monkeypatch):
+    outcome = replace(found.final.outcome, refusals=[])
+    (one,) = outcome.named
+    rival = next(c.candidate for c in scan(outcome.white, outcome.dictionary, outcome.white.fit()) if _rivals(c, one))
+    beside = []
+
+    def weighed(outcome, named, _):
+        assert any(n is named for n in outcome.named)
+        sure = named.candidate.key == rival.key or rival.key in {r.candidate.key for r in outcome.refusals}
+        return replace(named, probability=0.9 if sure else 0.45, ties=(rival,))
+
+    def gates(white, rest, trial):
+        beside.append(rest)
+        return answers[-1]
+
+    monkeypatch.setattr(decide, "weigh", weighed)
+    monkeypatch.setattr(decide, "refusals", gates)
+    answers = [[]]
+    assert decide._weighed(outcome, one).candidate.key == rival.key
+    assert not outcome.refusals
+    answers.append([Refusal(rival, 1.0, "gate", 0.0, 1.0)])
+    again = decide._weighed(outcome, one)
+    assert (again.candidate.key, again.probability) == (one.candidate.key, 0.9)
+    assert [r.candidate.key for r in outcome.refusals] == [rival.key]
+    # In the place of the effect, not beside it.
+    assert beside == [[], []]
+
+
+def _rivals(scored, one):
+    return scored.candidate.axis == one.candidate.axis and scored.candidate.key != one.candidate.key
+
+
+def test_what_a_record_may_cost_follows_what_an_effect_is_worth():
+    settings = Settings()
+    weak, strong = (CrossValidated(nats=n, share=0.5, worst=-0.04 * n) for n in (50.0, 5000.0))
+    assert missed(weak, 60.0, settings) == missed(strong, 6000.0, settings) == []
+    least = settings.predicted * settings.accept
+    assert not missed(CrossValidated(nats=1.01 * least, share=0.5), 0.0, settings)
+    assert missed(CrossValidated(nats=0.99 * least, share=0.5), 0.0, settings)[0][2] == pytest.approx(least)

@@ -41,8 +41,9 @@ def missed(found: CrossValidated, evidence: float, settings: Settings) -> list[t
     """
     # Where the base could take an effect over at the price of unlikely parameters, that price is in the evidence but
     # not in the prediction of one more record: beyond twice what any effect needs the share is no longer asked for.
-    nats = max(2.0, min(settings.predicted * evidence, 2.0 * settings.accept))
-    worst = min(settings.worst_record, -0.02 * found.nats)
+    nats = min(settings.predicted * max(evidence, settings.accept), 2.0 * settings.accept)
+    # A form that is a little off in one record costs it that share of what the effect is worth.
+    worst = min(settings.worst_record, -settings.form_error * found.nats)
     gates = (
         ("nats gained on records left out", found.nats, nats),
         ("nats gained on the record left out that gains least", found.worst, worst),

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from jointwear.discovery.linear import Fit, Term, gain
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import Effect, State, get_effect, library
 from jointwear.robots.inertia import mass_direction
@@ -222,6 +223,16 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
         others = tuple(Scored(c, float(value - cost), blocks, std) for value, c, blocks, std in rest)
         found.append(Scored(first[1], float(logsumexp(values) - cost), first[2], first[3], others))
     return sorted(found, key=lambda s: -s.evidence)
+
+
+def contenders(found: list[Scored], settings: Settings) -> list[Scored]:
+    """Return the leading families whose order a form that may bend could change, of all of them, best first.
+
+    Bends are worth the `usual` share of an effect: who is further behind does not overtake.
+    """
+    if not found:
+        return []
+    return [s for s in found if s.evidence > (1.0 - settings.usual) * found[0].evidence - settings.accept]
 
 
 @dataclass(frozen=True)

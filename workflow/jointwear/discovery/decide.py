@@ -15,6 +15,7 @@ from jointwear.discovery.candidates import (
     Scored,
     build_dictionary,
     companion,
+    contenders,
     form_of,
     prior_std,
     raw_blocks,
@@ -34,6 +35,8 @@ from jointwear.discovery.whitening import White, whiten
 #: Refusals in a row after which the search leaves an axis alone: what a misfit of one joint costs must not end the
 #: search on the others. Bounds on time, not limits: what comes later has the least evidence.
 MOST_REFUSED_ON_AXIS = 5
+#: Leading families that are ranked again with forms that may bend: a bound on time.
+RANKED = 6
 #: Refusals after which the search ends.
 MOST_REFUSED = 24
 
@@ -80,17 +83,47 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     outcome.unexplained, outcome.profile = unexplained(outcome)
     if outcome.unexplained:
         stand_alone(outcome)
-    weighed = [weigh(outcome, n, _with_form) for n in outcome.named]
+    before = {n.candidate.key for n in outcome.named}
+    weighed = [_weighed(outcome, n) for n in outcome.named]
     outcome.refusals += [
         Refusal(n.candidate, n.evidence, "probability, given the data and the library", n.probability, settings.likely)
         for n in weighed
         if n.probability < settings.likely
     ]
     outcome.named = sorted((n for n in weighed if n.probability >= settings.likely), key=lambda n: -n.evidence)
-    if len(outcome.named) < len(weighed):
+    if {n.candidate.key for n in outcome.named} != before:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
+
+
+def _weighed(outcome: Outcome, one: Named) -> Named:
+    """Return a named effect with its probability, or the rival that is likelier: one of two that are as good is named.
+
+    A rival that the gates refuse is none: the effect is weighed again without it.
+    """
+    white, likely = outcome.white, outcome.problem.settings.likely
+    weighed = weigh(outcome, one, _with_form)
+    if weighed.probability >= likely:
+        return weighed
+    rest = [n for n in outcome.named if n is not one]
+    before = [t for n in rest for t in n.terms]
+    fit = white.fit(before)
+    keys = {c.key for c in weighed.ties if c.effect != LINK_MASS and c.axis == one.candidate.axis}
+    for scored in scan(white, outcome.dictionary, fit, keys) if keys else []:
+        rival = _named(white, fit, scored)
+        failed = refusals(white, rest, rival)
+        if failed:
+            outcome.refusals += failed
+            continue
+        found, _ = predictive(white, before, rival)
+        rival = replace(
+            rival, cross_validated=found.share, lowers_error=found.lowers_error, gain_share=found.gain_share
+        )
+        rival = weigh(replace(outcome, named=[*rest, rival]), rival, _with_form)
+        if rival.probability >= likely:
+            return rival
+    return weigh(outcome, one, _with_form)
 
 
 def _tried(white: White, fit: Fit, named: list[Named], best: Scored) -> tuple[Named, list[Refusal]]:
@@ -116,15 +149,10 @@ def _best(white: White, dictionary: Dictionary, fit: Fit, named: list[Named], re
     full = _full_axes(named, settings.most_on_axis) | {a for a, n in tried.items() if n >= MOST_REFUSED_ON_AXIS}
     found = [s for s in scan(white, dictionary, fit) if s.candidate.key not in taken and s.candidate.axis not in full]
     found = [s for s in found if s.evidence > settings.accept]
-    close = _close(found)
+    close = contenders(found, settings)[:RANKED]
     if len(close) < 2:
         return close[0] if close else None
     return max(close, key=lambda s: _with_form(white, fit, s))
-
-
-def _close(found: list[Scored]) -> list[Scored]:
-    """Return the leading families whose order a form that may bend could change."""
-    return [s for s in found[:6] if s.evidence > 0.6 * found[0].evidence - 5.0]
 
 
 def _full_axes(named: list[Named], most: int) -> set:
@@ -212,7 +240,7 @@ def _exchange(white: White, dictionary: Dictionary, named: list[Named]) -> list[
         fit = white.fit(with_tolerances(white, rest))
         taken = {n.candidate.key for n in rest}
         found = [s for s in scan(white, dictionary, fit) if s.candidate.key not in taken]
-        best = max(_close(found), key=lambda s: _with_form(white, fit, s))
+        best = max(contenders(found, white.problem.settings)[:RANKED], key=lambda s: _with_form(white, fit, s))
         if best.candidate.key != result[i].candidate.key:
             result[i] = _named(white, fit, best)
     return result

@@ -8,7 +8,7 @@ from dataclasses import replace
 from scipy.special import logsumexp
 
 from jointwear.discovery.calibration import COARSE, calibrated
-from jointwear.discovery.candidates import Scored, scan
+from jointwear.discovery.candidates import Scored, contenders, scan
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.whitening import White
@@ -33,7 +33,7 @@ def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored]
     fit = white.fit(others)
     taken = {n.candidate.key for n in rest} | {r.candidate.key for r in outcome.refusals}
     found = [s for s in scan(white, outcome.dictionary, fit) if s.candidate.key not in taken]
-    close = [s for s in found[:BEAM] if s.evidence > 0.6 * found[0].evidence - 5.0]
+    close = contenders(found, white.problem.settings)[:BEAM]
     scores = {s.candidate.key: with_form(white, fit, s) for s in close}
     own = scores.get(one.candidate.key, one.evidence)
     margin = max(2.0, 0.01 * own)

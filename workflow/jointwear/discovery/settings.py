@@ -27,7 +27,8 @@ class Settings:
     ----------
     inertial_prior : relative standard deviation of the nominal inertial parameters; the user's.
     usual : share of the friction of its axis that an effect is usually worth, and share of the effect that a bend of
-        its form is: the width of every prior of theirs. An order of magnitude: evidence hardly asks for more.
+        its form is: the width of every prior of theirs. An order of magnitude: evidence hardly asks for more. Families
+        of effects that are further behind the best are not ranked again with forms that bend.
     most_effects : no more effects than this are named; `most_on_axis` on one axis.
     accept : evidence [nats], after the price of complexity and of searching, that an effect needs, and a parameter of
         the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. Half of it is
@@ -39,10 +40,12 @@ class Settings:
         Without the block that gives most of it the evidence of an effect has to be half of `accept`.
     smallest_share : drop of the mean squared error on records left out, over the noise variance of the axis, below
         which an effect does not matter to a simulation.
-    predicted : share of the evidence of an effect that must show as nats gained on records left out, up to a limit.
+    predicted : share of the evidence of an effect that must show as nats gained on records left out, of at least
+        `accept` and up to twice as many nats as `accept`.
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
-        and direction, because no form is known exactly.
+        and direction, because no form is known exactly; and the share of the nats of an effect that it may cost one
+        record.
     parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
         and forms are never exact.
     filter_error : the same of the share of a fast wave that filters take: how much of it is in the acceleration, and
