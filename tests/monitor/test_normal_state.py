@@ -211,6 +211,26 @@ def test_one_worn_axis_is_no_shared_error():
     assert np.abs(result.value).max() < 0.01
 
 
+def test_axes_that_leave_the_temperatures_of_the_baseline_together_are_moved_by_the_weather():
+    cold = np.zeros((100, 6))
+    cold[60:] = 0.02
+    beyond = np.where(cold > 0, 0.02**2, 0.0)
+    first, shift = np.arange(100) < 40, np.arange(100) // 10
+    quiet = np.random.default_rng(2).normal(0, 1e-3, cold.shape)
+    told = shared_error(cold + quiet, 1e-6 + beyond, first, shift, beyond)
+    assert np.abs(told.value[60:] - 0.02).max() < 0.008
+    # What is left may differ from axis to axis, and one that wears in the cold stands out.
+    worn = cold + quiet
+    worn[70:, 2] += 0.08
+    alone = shared_error(worn, 1e-6 + beyond, first, shift, beyond)
+    assert (worn - alone.value)[70:, 2].min() > 0.06
+    assert np.abs((worn - alone.value)[70:, [0, 1, 3, 4, 5]]).max() < 0.02
+    # Two axes cannot tell what they share: all of it stays unsure.
+    two = shared_error(cold[:, :2], 1e-6 + beyond[:, :2], first, shift, beyond[:, :2])
+    assert (two.value == 0).all()
+    assert (two.variance[60:] > 0.5 * beyond[60:, :2]).all()
+
+
 def test_warm_up_rises_in_operation_and_falls_at_rest():
     start = windows(2)
     state = warm_up_state(start, start + HOUR, np.ones((16, 1)), 2.0)[:, 0]
@@ -242,6 +262,19 @@ def test_forecasts_of_steady_growth_hold_and_do_not_promise_an_end_too_soon(dail
     true = (0.2 / daily - days) * 24
     assert told.low <= true <= told.high
     assert told.low <= told.hours <= told.high
+
+
+def test_growth_on_its_way_has_an_end_and_growth_at_rest_has_none():
+    days = 10
+    time, variance = 24.0 * np.arange(1, days + 1), np.full(days, 1e-6)
+    growing, resting = 0.01 * np.arange(days), np.minimum(0.02 * np.arange(days), 0.04)
+    told, open_ended = (
+        forecast_shifts(time, growth, variance, 0.2, shared=1e-3, start=0.0, now=time[-1])
+        for growth in (growing, resting)
+    )
+    assert np.isfinite(told.high)
+    assert open_ended.low > told.low
+    assert not np.isfinite(open_ended.high)
 
 
 def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, ...] = (), begin: int = 40):

@@ -15,8 +15,8 @@ from scipy.special import gammaln
 
 from jointwear.monitor.normal_state import Noise
 
-#: Smallest standard deviation between shifts, of a log level.
-FLOOR = 0.002
+#: Smallest standard deviation between shifts, of a log level: what a steady robot in a steady hall still shows.
+FLOOR = 0.0005
 #: Standard deviations between shifts that are weighed against each other.
 GRID = np.geomspace(FLOOR, 0.3, 60)
 #: Degrees of freedom of the law of shifts. Standard deviation of the log of an axis's about that of its robot.
@@ -24,7 +24,7 @@ FREEDOM, LIKENESS = 5.0, 0.5
 #: Prior of a robot's, smallest, median and standard deviation of the log: where each axis logs its own temperature,
 #: where one sensor stands for all, where none is logged and warming is told from the log's times. What the temperature
 #: does not tell differs from shift to shift; a week without a thermometer cannot rule out the weather of the next.
-USUAL_OWN, USUAL_SHARED, USUAL_NONE = (FLOOR, 0.005, 0.6), (FLOOR, 0.006, 0.8), (0.007, 0.011, 1.0)
+USUAL_OWN, USUAL_SHARED, USUAL_NONE = (FLOOR, 0.005, 0.6), (FLOOR, 0.006, 0.8), (0.003, 0.011, 1.0)
 #: What a step from shift to shift counts for: neighbouring steps share a shift.
 STEP_WEIGHT = 0.7
 _MOST_MEMORY = 0.9
@@ -81,7 +81,8 @@ def within_shifts(residual: np.ndarray, variance: np.ndarray, shift: np.ndarray)
     scatter = (1.4826 * float(np.median(np.abs(e[own])))) ** 2
     # The mean of a shift takes part of a slow variation with it; two windows' worth of correlation is given back.
     memory = lags.sum() / max(powers.sum(), 1e-300) + 2.0 / max(counts.mean(), 4.0)
-    return max(scatter - float(np.nanmedian(variance)), 0.0), float(np.clip(memory, 0.0, _MOST_MEMORY))
+    told = float(np.nanmedian(variance[np.isfinite(residual)]))
+    return max(scatter - told, 0.0), float(np.clip(memory, 0.0, _MOST_MEMORY))
 
 
 def shift_means(

@@ -13,14 +13,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.stats import t as student
 
 from jointwear.monitor.decision import BACK, FEWEST_BEFORE, SHIFTS, STEP, STEP_WINDOWS, TOLERATED
 from jointwear.monitor.dispersion import FLOOR, STEP_WEIGHT
 
 #: Runs, shifts that are judged in each, moments of a shift at which the decision is taken.
 RUNS, JUDGED, MOMENTS = 4000, 20, 4
-#: Degrees of freedom of shifts and of the error of the normal state.
-FREEDOM = 5.0
+#: Degrees of freedom of shifts and of the error of the normal state: standardised means of shifts after the baseline
+#: have a root mean square 1.6 times their robust standard deviation, a Student law of three to four degrees.
+FREEDOM = 3.5
 #: Largest correlation of one shift with the next; each run draws its own from 0 up to it.
 CARRIED = 0.5
 #: A step between shifts teaches the scatter between them as if it were at most so many standard deviations.
@@ -147,7 +149,9 @@ def null_thresholds(axis: Axis, chance_per_window: float) -> tuple[float, float]
     alone = [_quantile(m, at) for m in maxima]
     both = _quantile(np.maximum(maxima[0] / alone[0], maxima[1] / alone[1]), at)
     farther = float((smallest / wanted) ** (1 / FREEDOM)) if wanted < smallest else 1.0
-    return alone[0] * both * farther, alone[1] * both * farther
+    # What no run shows, a state of the robot that the normal one is wrong for, comes to an axis once in so many shifts.
+    least = float(np.sqrt((FREEDOM - 2) / FREEDOM) * student.ppf(1 - min(wanted, 0.5), FREEDOM))
+    return max(alone[0] * both * farther, least), max(alone[1] * both * farther, least)
 
 
 def _quantile(maxima: np.ndarray, at: float) -> float:

@@ -18,7 +18,10 @@ FREEDOM, ROUNDS = 3.0, 12
 #: A priori the common part is usually small (what the baseline shows) and sometimes, with this chance, of this size.
 RARE, WIDE = 0.05, 0.08
 #: Smallest usual size.
-LEAST = 0.002
+LEAST = 0.0005
+#: Share of the variance of leaving the baseline's temperatures that the axes of a robot have in common: all their oils
+#: thicken in the cold, and the same law is carried too far.
+ALIKE = 0.7
 #: A priori slope of an axis over the common part of the others, and its standard deviation.
 SLOPE, SLOPE_SPREAD = 1.0, 0.35
 #: Common part above which all axes together are a finding of its own.
@@ -36,7 +39,13 @@ class SharedError:
     common: np.ndarray
 
 
-def shared_error(residual: np.ndarray, variance: np.ndarray, baseline: np.ndarray, shift: np.ndarray) -> SharedError:
+def shared_error(
+    residual: np.ndarray,
+    variance: np.ndarray,
+    baseline: np.ndarray,
+    shift: np.ndarray,
+    beyond: np.ndarray | None = None,
+) -> SharedError:
     """Estimate the shared error.
 
     Parameters
@@ -44,18 +53,24 @@ def shared_error(residual: np.ndarray, variance: np.ndarray, baseline: np.ndarra
     residual : (w, n) log levels less the normal state (left out in the baseline), NaN where unknown.
     variance : (w, n) of the residual, prediction, shift and window together. baseline : (w,) bool.
     shift : (w,) labels; the slope in a shift rests on the steps between the shifts before it.
+    beyond : (w, n) part of `variance`, of leaving the baseline's range; :data:`ALIKE` of it is shared. None: none.
     """
     w, n = residual.shape
+    alike = np.zeros((w, n)) if beyond is None else ALIKE * np.nan_to_num(beyond)
+    variance = variance - alike
     value, spread = np.zeros((w, n)), np.zeros((w, n))
     for j in range(n):
         others = [i for i in range(n) if i != j]
         location, error = _location(residual[:, others], variance[:, others])
-        common, left = _shrunk(location, error, _usual(location[baseline], error[baseline]))
+        usual = _usual(location[baseline], error[baseline])
+        common, left = _shrunk(location, error, usual + np.median(alike, axis=1))
+        left = np.where(np.isfinite(error), left, np.maximum(left, alike[:, j]))
         slope, slope_variance = _slopes(residual[:, j], common, variance[:, j], shift)
         value[:, j] = slope * common
         spread[:, j] = slope**2 * left + slope_variance * common**2
     location, error = _location(residual, variance)
-    common = _shrunk(location, error, _usual(location[baseline], error[baseline]))[0]
+    usual = _usual(location[baseline], error[baseline])
+    common = _shrunk(location, error, usual + np.median(alike, axis=1))[0]
     return SharedError(value, spread, common)
 
 
@@ -88,8 +103,8 @@ def _usual(location: np.ndarray, error: np.ndarray) -> float:
     return max(size - float(np.median(error[known])), LEAST**2)
 
 
-def _shrunk(location: np.ndarray, error: np.ndarray, usual: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean and variance of the common part under a usual and a rare, wide prior."""
+def _shrunk(location: np.ndarray, error: np.ndarray, usual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and variance of the common part under a usual (w,) and a rare, wide prior."""
     safe = np.where(np.isfinite(error), error, 1.0)
     means, variances, logs = [], [], []
     for prior, chance in ((usual, 1 - RARE), (WIDE**2 + usual, RARE)):
@@ -102,7 +117,7 @@ def _shrunk(location: np.ndarray, error: np.ndarray, usual: float) -> tuple[np.n
     square = (1 - rare) * (variances[0] + means[0] ** 2) + rare * (variances[1] + means[1] ** 2)
     known = np.isfinite(error)
     # Where too few axes are judged to tell, something may be shared all the same; a robot of few axes never can tell.
-    unknown = usual + RARE * WIDE**2 if known.any() else 0.0
+    unknown = usual + RARE * WIDE**2 if known.any() else np.zeros(len(location))
     return np.where(known, mean, 0.0), np.where(known, square - mean**2, unknown)
 
 

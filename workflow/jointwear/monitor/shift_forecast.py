@@ -1,30 +1,39 @@
 """Hours until the growth of an axis reaches a limit, from the means of its shifts.
 
-Growth A (exp(lambda (t - t0)) - 1) / lambda since its onset t0: saturating for negative lambda, straight for 0,
-accelerating for positive. A grid over lambda and t0 with a broad prior; for each pair the growth of now has a normal
-posterior under the covariance of the shifts: their own error, one error that all share (the normal state), growth that
-is uneven by :data:`UNEVEN`, and a slow wander. The share of all laws and sizes that reach the limit by a time gives
-the interval; where the upper end stays open the limit may never be reached.
+Growth limit (exp(B x) - 1) / (exp(B) - 1) with x = (t - t0) / T: it begins at t0 and is at the limit T later, bent on
+all the way: saturating for negative B, straight for 0, accelerating for positive; or it comes to rest below the limit.
+A grid over B, t0, T and the size that the limit has in what is told, with a broad prior; each is as likely as the
+means of the shifts make it, under their own error, one error that all share (the normal state), growth that is uneven
+by :data:`UNEVEN`, and a slow wander. The times to the limit so weighted give the median and the interval; where the
+upper end stays open the limit may never be reached.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr
 
-from jointwear.monitor.forecast import Forecast, time_reached
+from jointwear.monitor.forecast import Forecast
 
-#: lambda times the time since the onset, and mean and standard deviation of its prior: at an alarm a small part of the
-#: way to the limit is gone, over which laws bend little, and wear rather hastens than comes to rest.
-BENDS = np.linspace(-3.0, 5.0, 33)
-BEND, BEND_SPREAD = 0.45, 0.85
+#: Bend of growth over the whole way to the limit; mean and standard deviation of its prior. Of the way and not of what
+#: is past: at an alarm a small part of the way is gone, on which any law is nearly straight, and a prior of the bend
+#: so far would let a good part of the laws come to rest below the limit.
+BENDS = np.linspace(-4.0, 5.0, 15)
+BEND, BEND_SPREAD = 0.8, 1.85
+#: Probability a priori that growth comes to rest below the limit, at one of these shares of it.
+REST, RESTS = 0.01, (0.1, 0.2, 0.35, 0.5, 0.7, 0.9)
 #: Onsets between the normal period and now, as shares of the time between.
 ONSETS = np.concatenate([np.linspace(0.0, 0.9, 13), [0.94, 0.97]])
-#: Relative standard deviation of growth about its law; wander of the level, per root of a day; what no law knows of
-#: the way ahead, relative.
-UNEVEN, WANDER, AHEAD = 0.06, 0.003, 0.06
-#: Times looked at: from now to this many times the history ahead.
-FARTHEST, _TIMES = 30.0, 240
+#: Times from onset to limit over that from onset to now, as likely a priori per log of them as this power of their rate
+#: says: 0 would be flat in the log of the time, which leaves a quarter of the ends open, 1 in the rate.
+LENGTHS, HASTE = np.geomspace(0.25, 100.0, 45), 0.5
+#: Standard deviation of the log of what growth is told as over what it is: its share in the friction that is judged
+#: and its size under the conditions of the day are known no better. Points and weights of the normal law for it.
+SCALE = 0.25
+_POINTS = ((-1.35, 0.25), (0.0, 0.5), (1.35, 0.25))
+#: Relative standard deviation of growth about its law; wander of the level, per root of a day.
+UNEVEN, WANDER = 0.15, 0.003
+#: A limit farther away than this many times the history may never be reached.
+FARTHEST = 30.0
 
 
 def forecast_shifts(
@@ -56,36 +65,33 @@ def forecast_shifts(
     covariance += WANDER**2 * np.minimum(days[:, None], days)
     precision = np.linalg.inv(covariance)
     onset = start + ONSETS * (now - start)
-    since = now - onset
-    law = np.stack([_laws(t[:, None] - onset, since, bend) for bend in BENDS])  # (b, s, o), 1 now
-    prior = -0.5 * ((BENDS - BEND) / BEND_SPREAD) ** 2
-    information = np.einsum("bso,st,bto->bo", law, precision, law)
-    seen = information > 0
-    safe = np.where(seen, information, 1.0)
-    best = np.einsum("bso,s->bo", law, precision @ y) / safe
-    error = 1.0 / np.sqrt(safe)
-    tail = log_ndtr(best / error)
-    evidence = np.where(seen, best**2 * safe / 2 + np.log(error) + tail + prior[:, None], -np.inf)
-    weight = np.exp(evidence - evidence.max())
-    weight /= weight.sum()
-    spread = np.hypot(error, AHEAD * np.maximum(best, 0.0))
-    history = now - start
-    ahead = np.concatenate([[0.0], history * np.geomspace(1e-3, FARTHEST, _TIMES - 1)])
-    reached = np.zeros(_TIMES)
-    for b, bend in enumerate(BENDS):
-        future = _laws(now + ahead[:, None] - onset, since, bend)
-        with np.errstate(divide="ignore"):
-            above = ndtr((best[b] - limit / np.maximum(future, 1e-300)) / spread[b])
-        scaled = above / np.maximum(ndtr(best[b] / spread[b]), 1e-300)
-        reached += np.clip(scaled, 0.0, 1.0) @ weight[b]
-    reached = np.maximum.accumulate(reached)
+    length = (now - onset)[:, None] * LENGTHS
+    law = _laws(np.maximum(t - onset[:, None], 0.0)[:, None, :] / length[..., None])  # (b, o, l, s), 1 at the limit
+    projected = law @ precision
+    match, norm = projected @ y, np.einsum("bols,bols->bol", projected, law)
+    prior = np.exp(-0.5 * ((BENDS - BEND) / BEND_SPREAD) ** 2)
+    prior = np.log((1 - REST) * prior / prior.sum())[:, None, None] - HASTE * np.log(LENGTHS)
+    ends = [(limit * np.exp(SCALE * point), np.log(weight)) for point, weight in _POINTS]
+    reaching = np.array([end * match - 0.5 * end**2 * norm + prior + weight for end, weight in ends])
+    # The law that bends most to rest, towards an end below the limit.
+    resting = np.array([limit * q * match[0] - 0.5 * (limit * q) ** 2 * norm[0] for q in RESTS])
+    resting += np.log(REST / len(RESTS)) - HASTE * np.log(LENGTHS)
+    largest = max(reaching.max(), resting.max())
+    weight = np.exp(reaching - largest).sum(axis=(0, 1)).ravel()
+    left = (onset[:, None] + length - now).ravel()
+    order = np.argsort(left)
+    total = np.cumsum(weight[order])
+    never = float(np.exp(resting - largest).sum())
     edge = (1 - share) / 2
-    return Forecast(*(time_reached(reached, ahead, q) for q in (0.5, edge, 1 - edge)))
+    wanted = np.array([0.5, edge, 1 - edge]) * (total[-1] + never)
+    found = np.interp(wanted, total, left[order], right=np.inf)
+    hours = np.where(found > FARTHEST * (now - start), np.inf, np.maximum(found, 0.0))
+    return Forecast(*(float(h) for h in hours))
 
 
-def _laws(since_onset: np.ndarray, reference: np.ndarray, bend: float) -> np.ndarray:
-    """Return growth at times since the onset (..., o) over that at `reference` (o,); 0 before the onset."""
-    x = np.maximum(since_onset, 0.0) / reference
-    if abs(bend) < 1e-9:
-        return x
-    return np.expm1(np.minimum(bend * x, 300.0)) / np.expm1(bend)
+def _laws(x: np.ndarray) -> np.ndarray:
+    """Return growth over that at the limit (b, ...) at times x (...) since the onset over those of the limit."""
+    bend = BENDS.reshape(-1, *[1] * x.ndim)
+    straight = np.abs(bend) < 1e-9
+    safe = np.where(straight, 1.0, bend)
+    return np.where(straight, x, np.expm1(np.minimum(safe * x, 300.0)) / np.expm1(safe))

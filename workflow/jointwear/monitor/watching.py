@@ -14,7 +14,7 @@ from jointwear.monitor.dispersion import inflated, updated_between
 from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
 from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
-from jointwear.monitor.shared_error import SharedError, shared_error
+from jointwear.monitor.shared_error import ALIKE, SharedError, shared_error
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
@@ -105,6 +105,9 @@ def watch(
     # Services change what comes after them: found one after the other, until none is left.
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
     states: dict[int, _Axis] = {}
+    beyond = np.zeros((w, n))
+    for j in judged:
+        beyond[:, j] = axes[j].design.beyond
     again = judged
     for _ in range(_MOST_TURNS):
         for j in again:
@@ -112,11 +115,12 @@ def watch(
         raw, spread = np.full((w, n), np.nan), np.full((w, n), np.nan)
         for j, state in states.items():
             raw[:, j], spread[:, j] = state.residual, state.total_variance
+        alike = ALIKE if common else 0.0
         if common:
-            shared = shared_error(raw, spread, baseline, shift)
+            shared = shared_error(raw, spread, baseline, shift, beyond)
         again = []
         for j, state in states.items():
-            evidence = state.judge(shared.value[:, j], shared.variance[:, j])
+            evidence = state.judge(shared.value[:, j], shared.variance[:, j] + (1.0 - alike) * beyond[:, j])
             hit = np.flatnonzero(evidence.fall > falls[j])
             hit = hit[~baseline[hit]]
             if services and len(hit):
@@ -132,7 +136,7 @@ def watch(
     for j, state in states.items():
         evidence = state.evidence
         fields["residual"][:, j] = state.residual - shared.value[:, j]
-        fields["std"][:, j] = np.sqrt(state.total_variance + shared.variance[:, j])
+        fields["std"][:, j] = np.sqrt(state.total_variance - alike * beyond[:, j] + shared.variance[:, j])
         fields["noise"][:, j] = axes[j].noise
         fields["mean"][:, j], fields["mean_std"][:, j] = evidence.mean, evidence.std
         growth[:, j], fall[:, j], shifts[:, j] = evidence.growth, evidence.fall, evidence.shifts
@@ -240,8 +244,13 @@ class _Axis:
         last[place] = segment
         return updated_between(dispersion, mean, own, last)[place]
 
-    def judge(self, shared: np.ndarray, shared_variance: np.ndarray) -> Evidence:
-        """Return the evidence of all windows; each segment stands for itself."""
+    def judge(self, shared: np.ndarray, extra: np.ndarray) -> Evidence:
+        """Return the evidence of all windows; each segment stands for itself.
+
+        Parameters
+        ----------
+        shared : (w,) error in common with the other axes. extra : (w,) variance of it, and of leaving the range.
+        """
         parts = []
         residual = np.where(self.judged, self.residual - shared, np.nan)
         between = self._between(residual)
@@ -257,7 +266,7 @@ class _Axis:
                     self.shift[part],
                     self.normal.dispersion.memory,
                     between[part],
-                    (shared_variance + self.normal.design.beyond)[part],
+                    extra[part],
                     (self.normal.design.beyond == 0)[part],
                 )
             )
