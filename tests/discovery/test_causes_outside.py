@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from jointwear.discovery import Settings
 from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.leftovers import acts_elsewhere, stand_alone
+from jointwear.discovery.leftovers import acts_elsewhere, left_open, stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.problem import build_problem
@@ -72,3 +72,29 @@ def test_a_torque_that_two_joints_share_is_no_spring_of_one(white):
     stand_alone(shared)
     assert not shared.named
     assert "joint 2" in shared.suspects[0][1]
+
+
+def test_a_name_of_the_whole_arm_is_asked_where_most_axes_that_it_moves_stay_open(white):
+    tilt = Candidate("mounting_tilt", None, None)
+    columns = raw_columns(white, tilt)
+    moved = [a for a in range(6) if np.abs(columns[:, a]).max() > 1e-6]
+    term = Term(
+        "tilt",
+        {a: white.columns(a, columns[:, a]) for a in moved},
+        np.ones(2),
+        {a: white.raw(a, columns[:, a]) for a in moved},
+    )
+    targets = [y + white.columns(a, columns[:, a] @ [0.3, 0.0]) for a, y in enumerate(white.targets)]
+    asked = replace(white, targets=targets)
+    one = Named(tilt, term, None, 500.0)
+    fit = asked.fit([term])
+
+    def left(axes):
+        open_axes = [Unexplained(a, "position", "rad", 0.0, 1.0, 1e-12, 50.0) for a in axes]
+        return left_open(Outcome(asked.problem, asked, fit, None, named=[one], unexplained=open_axes), one)
+
+    strong = [a for a in moved if float(np.sum((term.blocks[a] @ [0.3, 0.0]) ** 2)) > asked.problem.settings.visible]
+    assert len(strong) > 2
+    assert left(strong) == strong
+    assert left(strong[:1]) == []
+    assert left([]) == []

@@ -135,6 +135,8 @@ def test_a_peak_beside_reversals_may_be_higher_not_lower():
     settings, rng = Settings(), np.random.default_rng(4)
     sharp = draw_form_errors(get_effect("presliding_hysteresis"), settings, rng)
     plain = draw_form_errors(get_effect("joint_spring"), settings, rng)
+    either = draw_form_errors(get_effect("actuation_delay"), settings, rng)
+    assert np.quantile(either, 0.025) < 0.5 < 2.0 < np.quantile(either, 0.975)
     assert np.quantile(sharp, 0.975) > 2.0
     assert np.quantile(sharp, 0.025) > 0.8
     assert abs(np.median(plain) - 1.0) < 0.02

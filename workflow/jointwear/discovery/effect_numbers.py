@@ -135,6 +135,40 @@ def _followed(
     return {name: float(np.sqrt(s)) for name, s in square.items()}
 
 
+def _other_forms(white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], names) -> dict[str, float]:
+    """Return the standard deviation of each linear parameter because its effect may have another of its discrete forms.
+
+    A log that is late is neither a dead time nor a lag of first order: each of them gives another delay for it.
+    """
+    effect = get_effect(candidate.effect)
+    square = dict.fromkeys(names, 0.0)
+    for nonlinear in effect.alternatives(candidate.nonlinear):
+        other = replace(candidate, nonlinear=nonlinear)
+        columns = raw_columns(white, other)
+        b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+        mean = np.linalg.solve(gram + np.diag(prior_std(white, other, columns) ** -2.0), b)
+        found = effect.bounded(effect.parameters_of(nonlinear, mean))
+        for name in names:
+            square[name] += (found[name] - parameters[name]) ** 2
+    return {name: float(np.sqrt(s)) for name, s in square.items()}
+
+
+def _in_the_bend(
+    white: White, candidate: Candidate, form: Form | None, coefficients: np.ndarray, parameters: dict[str, float], names
+) -> dict[str, float]:
+    """Return how much of each linear parameter the bend of the form may hold: what its torque would give of it."""
+    nothing = dict.fromkeys(names, 0.0)
+    if form is None or candidate.axis is None:
+        return nothing
+    effect, problem = get_effect(candidate.effect), white.problem
+    columns = _all_columns(problem.train_state, candidate, form)[:, candidate.axis][problem.usable[:, candidate.axis]]
+    own = columns.shape[1] - form.columns(problem.train_state).shape[1]
+    bend = columns[:, own:] @ coefficients[own:]
+    more = np.linalg.lstsq(columns[:, :own], bend, rcond=None)[0]
+    whole = effect.bounded(effect.parameters_of(candidate.nonlinear, coefficients[:own] + more))
+    return {name: abs(whole[name] - parameters[name]) for name in nothing}
+
+
 def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
     """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior.
 
@@ -172,6 +206,12 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
     if not scaled:
         followed = _followed(white, Fit(white.targets, [*base, *others]), candidate, spreads, set(std))
         std = {name: float(np.hypot(s, followed[name])) for name, s in std.items()}
+    if std:
+        unknown = (
+            _other_forms(white, Fit(white.targets, [*base, *others]), candidate, parameters, std),
+            _in_the_bend(white, candidate, form, coefficients, parameters, std),
+        )
+        std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)
     columns = _all_columns(test, candidate, form)
@@ -184,6 +224,9 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
         draws = coefficients[:, None] + root @ rng.standard_normal((len(coefficients), DRAWS))
         sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None])
         sampled = sampled.max(axis=(0, 1), initial=0.0)
+    elif scaled:
+        # Its bends follow rates of torque, whose highest samples are noise: the peak is as uncertain as the parameter.
+        sampled = peak * np.abs(1.0 + std[scaled] / max(abs(parameters[scaled]), 1e-12) * rng.standard_normal(DRAWS))
     else:
         axis = candidate.axis
         torque = raw_columns(white, candidate) @ coefficients[:own]

@@ -11,7 +11,7 @@ from jointwear.discovery.estimation import Estimate, Final
 from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import Problem
-from jointwear.discovery.retuned import retuned_parameters
+from jointwear.discovery.retuned import retuned_parameters, unlikely_masses
 from jointwear.discovery.verdict import (
     Gap,
     Lost,
@@ -76,7 +76,7 @@ def make_verdict(
         not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
         fallbacks=final.fallbacks,
         misfits=final.misfits,
-        restrictions=tuple(restrictions),
+        restrictions=(*restrictions, *unlikely_masses(retuned, problem.settings)),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
 

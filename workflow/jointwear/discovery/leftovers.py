@@ -126,7 +126,7 @@ def stand_alone(outcome: Outcome) -> None:
         if elsewhere is not None:
             outcome.suspects.append((one, f"joint {elsewhere + 1} lacks the same torque, and this effect acts on one"))
             continue
-        axes = _left_open(outcome, one)
+        axes = left_open(outcome, one)
         if not axes:
             kept.append(one)
             continue
@@ -152,15 +152,14 @@ def stand_alone(outcome: Outcome) -> None:
         outcome.unexplained, outcome.profile = unexplained(outcome)
 
 
-def _left_open(outcome: Outcome, one: Named) -> list[int]:
+def left_open(outcome: Outcome, one: Named) -> list[int]:
     """Return the unexplained axes of an effect; none for one of the whole arm that explains most axes that it moves."""
     still = {u.axis for u in outcome.unexplained}
     if one.candidate.effect == LINK_MASS:
         return []
     if one.candidate.axis is not None:
         return [one.candidate.axis] if one.candidate.axis in still else []
-    fit = outcome.fit
-    size = next(fit.theta[where] for term, where in zip(fit.terms, fit.slices, strict=True) if term is one.term)
+    size = _coefficients(outcome.fit, one)
     energy = {axis: float(np.sum((columns @ size) ** 2)) for axis, columns in one.term.blocks.items()}
     moved = [axis for axis, e in energy.items() if e > outcome.problem.settings.visible]
     left = [axis for axis in moved if axis in still]
@@ -171,7 +170,8 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
     """Return another axis that lacks, without a name, for the most part what an effect says of its own, or None.
 
     Friction, a spring or a drift of one joint acts on that joint alone. Where a neighbour follows the same argument,
-    the cause lies between them, as a hose does. An elastic gear shakes the other joints, and a shared drive is two.
+    the cause lies between them, as a hose does: with a torque of the usual share of the effect's own at least. An elastic
+    gear shakes the other joints, and a shared drive is two.
     """
     candidate, white = one.candidate, outcome.white
     if candidate.axis is None or candidate.effect == LINK_MASS:
@@ -179,14 +179,29 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
     effect = get_effect(candidate.effect)
     if effect.timing or effect.needs_source:
         return None
+    settings, fit = outcome.problem.settings, outcome.fit
     columns = raw_columns(white, candidate)
+    own = _rms(columns @ _coefficients(fit, one), outcome.problem.usable[:, candidate.axis])
     for axis in sorted({u.axis for u in outcome.unexplained} - {candidate.axis}):
-        x, residual = white.columns(axis, columns), outcome.fit.residual[axis]
-        statistic, freedom = chi_square(*outcome.fit.gram({axis: x}), x.T @ x)
+        x, residual = white.columns(axis, columns), fit.residual[axis]
+        b, gram = fit.gram({axis: x})
+        statistic, freedom = chi_square(b, gram, x.T @ x)
         lacking = float(residual @ residual) - len(residual)
-        if 0.5 * (statistic - freedom) > outcome.problem.settings.accept and statistic > MOST * lacking:
+        if 0.5 * (statistic - freedom) <= settings.accept or statistic <= MOST * max(lacking, 0.0):
+            continue
+        there = columns @ np.linalg.lstsq(gram, b, rcond=None)[0]
+        if _rms(there, outcome.problem.usable[:, axis]) > settings.usual * own:
             return axis
     return None
+
+
+def _coefficients(fit: Fit, one: Named) -> np.ndarray:
+    """Return the fitted coefficients of the columns of an effect that is in the model."""
+    return next(fit.theta[where] for term, where in zip(fit.terms, fit.slices, strict=True) if term is one.term)
+
+
+def _rms(values: np.ndarray, where: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values[where] ** 2))) if where.any() else 0.0
 
 
 def _structure(outcome: Outcome, axis: int) -> list[Term]:

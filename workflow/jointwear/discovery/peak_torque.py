@@ -141,11 +141,13 @@ def draw_form_errors(effect: Effect, settings: Settings, rng: np.random.Generato
     """Draw the factors (DRAWS,) by which the largest torque of an effect is off because of its form.
 
     An effect that acts after reversals is highest in the very samples beside them that cannot be judged, and sharper
-    than what filters leave of it: its peak may be higher than what is seen, not lower.
+    than what filters leave of it: its peak may be higher than what is seen, not lower. That of a timing effect may be
+    either: rates of torque hold the noise of derived accelerations as well.
     """
     factors = 1.0 + settings.peak_error * rng.standard_normal(DRAWS)
     if effect.sequential:
-        factors = factors * np.exp(settings.reversal_error * np.abs(rng.standard_normal(DRAWS)))
+        up = rng.standard_normal(DRAWS)
+        factors = factors * np.exp(settings.reversal_error * (up if effect.timing else np.abs(up)))
     return factors
 
 

@@ -9,6 +9,7 @@ from jointwear.discovery.estimation import Final
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.misfit import divided, masses_of
 from jointwear.discovery.problem import FRICTION
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Retuned
 from jointwear.files.json_values import six_digits
 from jointwear.robots.inertia import bodies
@@ -82,3 +83,18 @@ def _wrong_mass(final: Final) -> list[Retuned]:
             unit="kg",
         )
     ]
+
+
+def unlikely_masses(retuned: list[Retuned], settings: Settings) -> list[str]:
+    """Return a sentence for each link mass that the inertial prior hardly allows: a body at the link does the same."""
+    told = []
+    for one in retuned:
+        if one.parameter != "link_mass" or not one.nominal:
+            continue
+        sigmas = abs(one.value / one.nominal - 1.0) / settings.inertial_prior
+        if sigmas > settings.mass_sigmas:
+            told.append(
+                f"the mass of link {one.axis} is {sigmas:.2g} standard deviations of its prior off; a body of "
+                f"{one.value - one.nominal:+.3g} kg that moves with it, as a payload does, would explain the same"
+            )
+    return told

@@ -53,7 +53,8 @@ class Settings:
     peak_error : relative standard deviation of the largest torque of an effect: curves for the same physics that fit
         alike differ by this much where they are highest.
     reversal_error : how much higher, as the scale of a half-normal logarithm, that torque may be for effects that act
-        after reversals than the samples show that can be judged: on choosing cases 0.8 to 2.7 times as high.
+        after reversals than the samples show that can be judged: on choosing cases 0.8 to 2.7 times as high. Of effects
+        of timing it is the scale either way: rates of torque hold noise (0.56 to 1.25 times).
     unexplained_p : structure is unexplained below this probability.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own; an
         effect has to be needed where inertial parameters may be off by as much.
