@@ -170,8 +170,8 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
     """Return another axis that lacks, without a name, for the most part what an effect says of its own, or None.
 
     Friction, a spring or a drift of one joint acts on that joint alone. Where a neighbour follows the same argument,
-    the cause lies between them, as a hose does: with a torque of the usual share of the effect's own at least. An elastic
-    gear shakes the other joints, and a shared drive is two.
+    the cause lies between them, as a hose does: with a torque of the usual share of the effect's own at least. An
+    elastic gear shakes the other joints, and a shared drive is two.
     """
     candidate, white = one.candidate, outcome.white
     if candidate.axis is None or candidate.effect == LINK_MASS:
