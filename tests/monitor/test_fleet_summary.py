@@ -160,7 +160,7 @@ def test_the_order_of_the_config_does_not_matter(rows):
     ("hours", "words"),
     [
         (None, ""),
-        ([0.0, 0.0, 0.0], "limit reached"),
+        ([0.0, 0.0, 7.0], "limit may be reached any time"),
         ([30.0, 10.0, None], "limit not within 10 h"),
         ([None, 100.0, None], "limit not within 4 days"),
         ([None, None, None], "no limit in sight"),
@@ -168,7 +168,14 @@ def test_the_order_of_the_config_does_not_matter(rows):
     ],
 )
 def test_forecasts_in_words(hours, words):
-    assert outlook_words({"dated": False, "last_sample": 0.0}, {"hours": hours}, zone_of(None)) == words
+    axis = {"hours": hours, "reached": False}
+    assert outlook_words({"dated": False, "last_sample": 0.0}, axis, zone_of(None)) == words
+
+
+def test_a_limit_is_reached_where_the_growth_that_is_told_has_reached_it():
+    row = {"dated": False, "last_sample": 0.0}
+    assert outlook_words(row, {"hours": [0.0, 0.0, 0.0], "reached": True}, zone_of(None)) == "limit reached"
+    assert outlook_words(row, {"hours": [9.0, 4.0, 20.0], "reached": True}, zone_of(None)) == "limit reached"
 
 
 def test_times_are_local_and_say_so():

@@ -69,9 +69,8 @@ class AxisCondition:
 
     @property
     def reached(self) -> bool:
-        """Whether the limit is reached while the axis counts as changed."""
-        known = self.outlook is not None and self.outlook.hours == 0
-        return self.level == CHANGED and (known or self.growth >= self.limit)
+        """Whether the growth that is told has reached the limit while the axis counts as changed."""
+        return self.level == CHANGED and bool(self.growth >= self.limit)
 
 
 def axis_conditions(state: RobotState) -> list[AxisCondition]:

@@ -21,6 +21,8 @@ MOST_MARKS = 90
 TICKS, BETWEEN = 4, 0.14
 #: Fewer are drawn as points with bars, more as a line with a band.
 FEW_POINTS = 40
+#: A band that is wider than this many times the usual one is cut at the edge of its row.
+WIDE = 4.0
 
 
 def _time_axis(state: RobotState, zone: tzinfo) -> tuple[np.ndarray, str]:
@@ -86,7 +88,9 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
     told, places, labels = [], [], []
     for j in range(n):
         mean, error = _thin(values[:, j], std[:, j], groups)
-        row = _Row((n - 1 - j) * (1 + BETWEEN), mean - 2 * error, mean + 2 * error)
+        # The first windows of a series know little: a row as high as their band would show nothing else.
+        wide = len(groups) >= FEW_POINTS and error > WIDE * _middle(error)
+        row = _Row((n - 1 - j) * (1 + BETWEEN), *(np.where(wide, np.nan, mean + s * error) for s in (-2, 2)))
         colour = palette.axis_colour(j + 1)
         if not row.seen:
             axes.text(0.5, row.foot + 0.5, UNJUDGED, transform=axes.get_yaxis_transform(), ha="center", va="center",
@@ -95,9 +99,9 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
             size = 2 * error / (row.high - row.low)
             axes.errorbar(at, row(mean), yerr=size, fmt="o", markersize=3, color=colour, linewidth=1.0)
         else:
-            edges = row(mean - 2 * error), row(mean + 2 * error)
+            edges = (np.clip(row(mean + s * error), row.foot, row.foot + 1) for s in (-2, 2))
             axes.fill_between(at, *edges, color=colour, alpha=0.25, linewidth=0)
-            axes.plot(at, row(mean), color=colour, linewidth=1.2)
+            axes.plot(at, np.clip(row(mean), row.foot, row.foot + 1), color=colour, linewidth=1.2)
         for k, alarm in enumerate(a for a in state.alarms if a["axis"] == j + 1):
             where = time[np.clip(np.searchsorted(state.end, alarm["time"]), 0, w - 1)]
             dashes = palette.DASHES[k % len(palette.DASHES)]
@@ -117,6 +121,11 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
         _date_labels(axes, zone)
     title = f"{name.replace('_', ' ')} of every axis over time"
     save(figure, output, title, f"{title}; {'; '.join(told)}.")
+
+
+def _middle(error: np.ndarray) -> float:
+    known = error[np.isfinite(error)]
+    return float(np.median(known)) if len(known) else np.inf
 
 
 def _told(state: RobotState, j: int, mean: np.ndarray) -> str:

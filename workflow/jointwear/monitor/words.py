@@ -58,8 +58,10 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
     if hours is None:
         return ""
     middle, low, high = hours
-    if middle == 0:
+    if axis["reached"]:
         return "limit reached"
+    if middle == 0:
+        return f"limit may be reached any {'day' if row['dated'] else 'time'}"
 
     def at(value: float) -> str:
         return local_day(row["last_sample"] + 3600 * value, zone) if row["dated"] else duration(value)
