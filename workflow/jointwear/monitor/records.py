@@ -17,6 +17,7 @@ from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.locate import axis_probability
 from jointwear.monitor.paper_detector import paper_alarms
 from jointwear.monitor.series import Series
+from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.shift_forecast import forecast_shifts
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
@@ -70,9 +71,13 @@ class Teller:
         self.status = self._states()
 
     def _viscous_alone(self) -> np.ndarray:
-        """Alarms (w, n) of viscous friction on axes whose judged level leaves it out."""
+        """Alarms (w, n) of viscous friction on axes whose judged level leaves it out.
+
+        None where all axes have moved together: another gain or colder oil raises what grows with speed as well.
+        """
         alone = np.array([a is not None and a.source == "coulomb" for a in self._level.axes])
-        return self._viscous.alarm & alone
+        together = np.abs(self._level.shared.common) > FINDING
+        return self._viscous.alarm & alone & ~together[:, None]
 
     def _least_seen(self) -> np.ndarray:
         """Return the growth (n,) of Coulomb friction from which on two shifts alarm, NaN where no normal is known."""
