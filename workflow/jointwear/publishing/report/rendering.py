@@ -30,11 +30,16 @@ class Chapter:
     body: Markup
 
 
-@cache
 def environment() -> Environment:
-    """Return the template environment with the number formats as filters; a template is compiled once a process."""
+    """Return the template environment with the number formats as filters."""
+    return _environment(TEMPLATES)
+
+
+@cache
+def _environment(templates: Path) -> Environment:
+    """Return the environment of one folder of templates: each is compiled once a process."""
     env = Environment(
-        loader=FileSystemLoader(TEMPLATES),
+        loader=FileSystemLoader(templates),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
