@@ -3,6 +3,7 @@
 import ast
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ from jointwear.studies.challenge.sensors import felt_noise, torque_noise
 from jointwear.studies.challenge.separability import sieve_world
 from jointwear.studies.challenge.surroundings import Temperatures, start_times, temperatures
 from jointwear.studies.challenge.tiers import BATCH, COUNTS, EFFECTS, FULL, OUTSIDE, SEED, TIERS
-from jointwear.studies.challenge.tracking import track
+from jointwear.studies.challenge.tracking import track, tuned_down
 from jointwear.studies.challenge.world import build_world
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -236,12 +237,13 @@ def test_closed_loop_obeys_its_own_dynamics(robot):
 def test_a_loop_that_is_tuned_too_high_is_tuned_down(robot, monkeypatch):
     arm = Arm(robot)
     paths = [fourier_path(robot, np.random.default_rng(3), np.full(6, 1.0))]
-    (moved,) = track(arm, arm, paths, np.zeros(1), _steady(), 0.3, 160.0)
+    drive = partial(track, arm, arm, paths, np.zeros(1), _steady(), 0.3)
+    (moved,) = tuned_down(drive, paths, 160.0, "puma560")
     error = moved.position - paths[0].at(np.arange(len(moved.position)) * moved.step)[0]
     assert np.abs(error).max() < 0.1
     monkeypatch.setattr("jointwear.studies.challenge.tracking._TRIES", 1)
     with pytest.raises(InputError, match="the controller loses 'puma560' even at 160 Hz"):
-        track(arm, arm, paths, np.zeros(1), _steady(), 0.3, 160.0)
+        tuned_down(drive, paths, 160.0, "puma560")
 
 
 def _steady():

@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate, possible, prior_std, raw_columns
 from jointwear.discovery.crossval import CrossValidated, cross_validate
-from jointwear.discovery.linear import Fit, Term, gain
+from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.settings import Settings
@@ -134,7 +134,7 @@ def _cancels(white: White, trial: Named) -> float:
     problem, axis = white.problem, trial.candidate.axis
     used = problem.usable[:, axis]
     b, gram = white.fit().gram(trial.term.blocks)
-    coefficients = np.linalg.solve(gram + np.diag(1 / trial.term.std**2), b)
+    coefficients = posterior_mean(b, gram, trial.term.std)
     torque = (raw_columns(white, trial.candidate) @ coefficients)[used]
     friction = problem.friction_columns(problem.train_state, axis)[used]
     torque = torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.special import logsumexp
 
-from jointwear.discovery.linear import Fit, Term, gain
+from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import Effect, State, get_effect, library
@@ -160,13 +160,6 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
             dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([0.25])))
 
 
-def _shrunk(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """Posterior mean of coefficients under their prior."""
-    if len(b) == 1:
-        return b / (gram[0] + 1 / std**2)
-    return np.linalg.solve(gram + np.diag(1 / std**2), b)
-
-
 @dataclass(frozen=True)
 class Scored:
     """The best point of one family (effect, axis, source) and the evidence [nats] of the family.
@@ -198,7 +191,7 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
             x = matrix[:, where]
             gram = x.T @ x - turned[where] @ turned[where].T
             effect = get_effect(candidate.effect)
-            if not possible(effect, candidate.nonlinear, _shrunk(b[where], gram, std)):
+            if not possible(effect, candidate.nonlinear, posterior_mean(b[where], gram, std)):
                 continue
             families.setdefault(candidate.key, []).append((gain(b[where], gram, std), candidate, {axis: x}, std))
     for candidate, blocks, std in dictionary.whole:

@@ -22,8 +22,9 @@ from jointwear.discovery.candidates import (
     raw_columns,
     scan,
 )
+from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.leftovers import stand_alone, unexplained
-from jointwear.discovery.linear import Fit, Term, gain
+from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.outcome import Named, Outcome, Refusal
 from jointwear.discovery.posterior import weigh
 from jointwear.discovery.problem import Problem
@@ -117,9 +118,7 @@ def _weighed(outcome: Outcome, one: Named) -> Named:
             outcome.refusals += failed
             continue
         found, _ = predictive(white, before, rival)
-        rival = replace(
-            rival, cross_validated=found.share, lowers_error=found.lowers_error, gain_share=found.gain_share
-        )
+        rival = _with_prediction(rival, found)
         rival = weigh(replace(outcome, named=[*rest, rival]), rival, _with_form)
         if rival.probability >= likely:
             return rival
@@ -166,7 +165,7 @@ def _form_of(white: White, fit: Fit, scored: Scored) -> Term | None:
     if form is None:
         return None
     b, gram = fit.gram(scored.blocks)
-    coefficients = np.linalg.solve(gram + np.diag(1 / scored.std**2), b)
+    coefficients = posterior_mean(b, gram, scored.std)
     axis = scored.candidate.axis
     torque = raw_columns(white, scored.candidate) @ coefficients
     used = white.problem.usable[:, axis]
@@ -246,6 +245,11 @@ def _exchange(white: White, dictionary: Dictionary, named: list[Named]) -> list[
     return result
 
 
+def _with_prediction(one: Named, found: CrossValidated) -> Named:
+    """Return an effect with what it does on records left out."""
+    return replace(one, cross_validated=found.share, lowers_error=found.lowers_error, gain_share=found.gain_share)
+
+
 def _predicting(outcome: Outcome, named: list[Named]) -> list[Named]:
     """Drop effects that, beside all the others, do not predict records left out; the worst first.
 
@@ -267,10 +271,7 @@ def _predicting(outcome: Outcome, named: list[Named]) -> list[Named]:
         found = [predictive(white, others(n), n) for n in named]
         failed = [(result.nats, gates, n) for n, (result, gates) in zip(named, found, strict=True) if gates]
         if not failed:
-            return [
-                replace(n, cross_validated=r.share, lowers_error=r.lowers_error, gain_share=r.gain_share)
-                for n, (r, _) in zip(named, found, strict=True)
-            ]
+            return [_with_prediction(n, r) for n, (r, _) in zip(named, found, strict=True)]
         _, gates, worst = min(failed, key=lambda x: x[0])
         outcome.refusals += gates
         named = [n for n in named if n is not worst]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from jointwear.discovery.candidates import Candidate, Form, prior_std, raw_columns
-from jointwear.discovery.linear import Fit
+from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height, spread
 from jointwear.discovery.refine import free_parameters
@@ -111,6 +111,14 @@ def _form_std(
     return float(share * size)
 
 
+def _fitted(white: White, fit: Fit, candidate: Candidate) -> dict[str, float]:
+    """Return the parameters of an effect that is added to a fit; the nonlinear ones stay as they are."""
+    columns = raw_columns(white, candidate)
+    b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+    mean = posterior_mean(b, gram, prior_std(white, candidate, columns))
+    return get_effect(candidate.effect).parameters_of(candidate.nonlinear, mean)
+
+
 def _followed(
     white: White, fit: Fit, candidate: Candidate, spreads: dict[str, float], names: set[str]
 ) -> dict[str, float]:
@@ -120,22 +128,20 @@ def _followed(
     alone is too narrow.
     """
     square = dict.fromkeys(names, 0.0)
-    effect = get_effect(candidate.effect)
     for p in free_parameters(candidate):
         ends = []
         for sign in (1, -1):
             value = float(np.clip(candidate.nonlinear[p.name] * np.exp(sign * spreads[p.name]), p.lower, p.upper))
             moved = replace(candidate, nonlinear={**candidate.nonlinear, p.name: value})
-            columns = raw_columns(white, moved)
-            b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
-            mean = np.linalg.solve(gram + np.diag(prior_std(white, moved, columns) ** -2.0), b)
-            ends.append(effect.parameters_of(moved.nonlinear, mean))
+            ends.append(_fitted(white, fit, moved))
         for name in names:
             square[name] += (0.5 * (ends[0][name] - ends[1][name])) ** 2
     return {name: float(np.sqrt(s)) for name, s in square.items()}
 
 
-def _other_forms(white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], names) -> dict[str, float]:
+def _other_forms(
+    white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], names: Iterable[str]
+) -> dict[str, float]:
     """Return the standard deviation of each linear parameter because its effect may have another of its discrete forms.
 
     A log that is late is neither a dead time nor a lag of first order: each of them gives another delay for it.
@@ -143,18 +149,19 @@ def _other_forms(white: White, fit: Fit, candidate: Candidate, parameters: dict[
     effect = get_effect(candidate.effect)
     square = dict.fromkeys(names, 0.0)
     for nonlinear in effect.alternatives(candidate.nonlinear):
-        other = replace(candidate, nonlinear=nonlinear)
-        columns = raw_columns(white, other)
-        b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
-        mean = np.linalg.solve(gram + np.diag(prior_std(white, other, columns) ** -2.0), b)
-        found = effect.bounded(effect.parameters_of(nonlinear, mean))
-        for name in names:
+        found = effect.bounded(_fitted(white, fit, replace(candidate, nonlinear=nonlinear)))
+        for name in square:
             square[name] += (found[name] - parameters[name]) ** 2
     return {name: float(np.sqrt(s)) for name, s in square.items()}
 
 
 def _in_the_bend(
-    white: White, candidate: Candidate, form: Form | None, coefficients: np.ndarray, parameters: dict[str, float], names
+    white: White,
+    candidate: Candidate,
+    form: Form | None,
+    coefficients: np.ndarray,
+    parameters: dict[str, float],
+    names: Iterable[str],
 ) -> dict[str, float]:
     """Return how much of each linear parameter the bend of the form may hold: what its torque would give of it."""
     nothing = dict.fromkeys(names, 0.0)
@@ -203,14 +210,14 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
     std = {name: float(np.hypot(s, form_std[name])) for name, s in std.items()}
     rest = white.fit(others)
     spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
-    if not scaled:
-        followed = _followed(white, Fit(white.targets, [*base, *others]), candidate, spreads, set(std))
-        std = {name: float(np.hypot(s, followed[name])) for name, s in std.items()}
     if std:
-        unknown = (
-            _other_forms(white, Fit(white.targets, [*base, *others]), candidate, parameters, std),
+        without = Fit(white.targets, [*base, *others])
+        unknown = [
+            _other_forms(white, without, candidate, parameters, std),
             _in_the_bend(white, candidate, form, coefficients, parameters, std),
-        )
+        ]
+        if not scaled:
+            unknown.append(_followed(white, without, candidate, spreads, set(std)))
         std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)

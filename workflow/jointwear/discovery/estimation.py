@@ -19,7 +19,7 @@ from jointwear.discovery.candidates import (
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
 from jointwear.discovery.fallback import EVERYTHING, Step, left_out_ratio, put_back
-from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.references import effect_term, reference_of, with_references
@@ -260,7 +260,7 @@ def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Ter
         return None
     fit = white.fit(others)
     b, gram = fit.gram(term.blocks)
-    coefficients = np.linalg.solve(gram + np.diag(1 / term.std**2), b)
+    coefficients = posterior_mean(b, gram, term.std)
     used = white.problem.usable[:, candidate.axis]
     size = float(np.sqrt(np.mean((raw_columns(white, candidate) @ coefficients)[used] ** 2)))
     flexible = companion(white, form, size)

@@ -93,6 +93,13 @@ def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> float:
     return 0.5 * float(right @ np.linalg.solve(scaled, right)) - 0.5 * float(log_det)
 
 
+def posterior_mean(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """Return the coefficients (k,) of columns with b = X'r and gram X'M X under their prior `std`."""
+    if len(b) == 1:
+        return b / (gram[0] + 1 / std**2)
+    return np.linalg.solve(gram + np.diag(1 / std**2), b)
+
+
 def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float, int]:
     """Return b' H^-1 b over the directions that the terms leave free, and their number."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(full), 1e-300))

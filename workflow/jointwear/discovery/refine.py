@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
-from jointwear.discovery.linear import Fit, gain
+from jointwear.discovery.linear import Fit, gain, posterior_mean
 from jointwear.discovery.whitening import White
 from jointwear.effects import Parameter, get_effect
 
@@ -106,7 +106,7 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
         columns = raw_columns(white, trial)
         b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
         std = prior_std(white, trial, columns)
-        size = float(np.linalg.norm(np.linalg.solve(gram + np.diag(1 / std**2), b)))
+        size = float(np.linalg.norm(posterior_mean(b, gram, std)))
         found.append((gain(b, gram, std), size, trial))
     best = max(value for value, _, _ in found)
     return min((f for f in found if f[0] > best - undecided), key=lambda f: f[1])[2]

@@ -1,10 +1,11 @@
-"""Low-pass filter with zero phase, forward and backward."""
+"""Low-pass filter with zero phase, forward and backward, and derivatives of what it leaves."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
 #: Fewest samples that are filtered.
@@ -29,3 +30,9 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
     pad = min(len(values) - 1, max(int(3 * rate / cutoff + 1e-6), RINGING))
     sections = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
     return sosfiltfilt(sections, values, axis=0, padlen=pad)
+
+
+def derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the first and second derivative of values (k, ...) at their times (k,), by a spline through them."""
+    spline = make_interp_spline(time, values, k=5 if len(time) > 6 else 1)
+    return spline(time, 1), spline(time, 2)

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
-from jointwear.measurement.filtering import SHORTEST, low_pass
+from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 from jointwear.measurement.velocity_lag import put_in_time
@@ -110,11 +109,6 @@ def noise_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
     return floor, float(max(end, frequencies[1]))
 
 
-def _derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    spline = make_interp_spline(time, values, k=5 if len(time) > 6 else 1)
-    return spline(time, 1), spline(time, 2)
-
-
 def measure(recording: Recording) -> Measured:
     """Derive what was not measured, reduce high rates, and mark the samples that can be judged.
 
@@ -188,13 +182,13 @@ def measure(recording: Recording) -> Measured:
         a = None if acceleration is None else acceleration[p]
         if (derived or factor > 1) and not splines:
             filtered = np.stack([low_pass(q[:, j], cutoff[j], rate) for j in range(n)], axis=1)
-            first, second = _derivatives(t, filtered)
+            first, second = derivatives(t, filtered)
             q = filtered
             if v is None:
                 v, a = first, second if a is None else a
             elif a is None:
                 filtered = np.stack([low_pass(v[:, j], cutoff[j], rate) for j in range(n)], axis=1)
-                a = _derivatives(t, filtered)[0]
+                a = derivatives(t, filtered)[0]
         if factor > 1:
             # Half power at the new Nyquist frequency: an emptier band would be blown up by whitening.
             limit = 0.5 * out_rate

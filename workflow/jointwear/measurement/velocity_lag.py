@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from jointwear.measurement.filtering import SHORTEST, low_pass
+from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass
 
 #: Periods of the filter that are left out at the ends of a record.
 ENDS = 3.0
@@ -45,16 +45,16 @@ def put_in_time(
         used = [p for p in pieces if p.stop - p.start >= max(2 * edge + 10, SHORTEST)]
         if not used:
             continue
-        derived = [_derivatives(time[p], low_pass(position[p, j], band, rate), edge) for p in used]
+        derived = [derivatives(time[p], low_pass(position[p, j], band, rate)) for p in used]
+        first, second = (np.concatenate([d[order][edge:-edge] for d in derived]) for order in (0, 1))
+        power = float(second @ second)
+        if power == 0.0:
+            continue
         lag, error = 0.0, np.inf
         for _ in range(ROUNDS):
             late = np.concatenate(
                 [low_pass(_earlier(time[p], velocity[p, j], lag), band, rate)[edge:-edge] for p in used]
             )
-            first, second = np.concatenate(derived, axis=1)
-            power = float(second @ second)
-            if power == 0.0:
-                break
             more = -float((late - first) @ second) / power
             lag += more
             left = late - first + more * second
@@ -67,11 +67,6 @@ def put_in_time(
             for p in pieces:
                 moved[p, j] = _earlier(time[p], velocity[p, j], lag)
     return moved, lags
-
-
-def _derivatives(time: np.ndarray, values: np.ndarray, edge: int) -> np.ndarray:
-    spline = make_interp_spline(time, values, k=5)
-    return np.stack([spline(time, 1), spline(time, 2)])[:, edge:-edge]
 
 
 def _earlier(time: np.ndarray, values: np.ndarray, lag: float) -> np.ndarray:

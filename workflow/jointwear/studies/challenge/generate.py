@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from jointwear.studies.challenge.sensors import felt_noise, quantise, torque_noi
 from jointwear.studies.challenge.separability import IDENTIFIABLE, sieve_world
 from jointwear.studies.challenge.surroundings import start_times, temperatures
 from jointwear.studies.challenge.tiers import EFFECTS, TIERS, WHOLE_ARM, Tier
-from jointwear.studies.challenge.tracking import track
+from jointwear.studies.challenge.tracking import track, tuned_down
 from jointwear.studies.challenge.world import Hidden, World, build_world, total_torque
 from jointwear.studies.sieve import Sieve
 
@@ -130,17 +131,18 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
     closed = how.controller is not None and not any(h.name in SMOOTH_ONLY for h in hidden)
     if closed:
         laws = [h.law for h in hidden if h.law is not None]
-        moved = track(
+        drive = partial(
+            track,
             arm,
             Arm(nominal),
             paths,
             starts,
             heat,
             how.duration,
-            float(rng.uniform(3, 6)),
-            (lambda state: sum(law(state) for law in laws)) if laws else None,
+            law=(lambda state: sum(law(state) for law in laws)) if laws else None,
             integral=how.controller == "pid",
         )
+        moved = tuned_down(drive, paths, float(rng.uniform(3, 6)), nominal.name)
         world = build_world(arm, moved, starts, heat, samples, how.interval)
     torque, terms = total_torque(world, hidden)
     deviation = how.quiet * tier.noise * torque.std(axis=0)

@@ -32,9 +32,6 @@ def track(
 ) -> list[SampledPath]:
     """Let a controller drive the arm along the paths, all recordings side by side.
 
-    A loop that is unstable at this bandwidth (joints of light wrists pull at each other) is tuned down by halves, as
-    whoever sets up a robot does.
-
     Parameters
     ----------
     arm : the arm that moves. nominal : the arm that the controller's feed-forward believes in.
@@ -46,37 +43,7 @@ def track(
     Returns
     -------
     list : what really moved, one a path, with the torque of the controller.
-
-    Raises
-    ------
-    InputError : if no bandwidth down to an eighth keeps the arm on its paths.
     """
-    for halving in range(_TRIES):
-        with np.errstate(over="ignore", invalid="ignore"):
-            moved = _driven(arm, nominal, paths, starts, heat, duration, bandwidth / 2**halving, law, step, integral)
-        if all(_on_path(m, p) for m, p in zip(moved, paths, strict=True)):
-            return moved
-    raise InputError(f"the controller loses '{arm.robot.name}' even at {bandwidth / 2 ** (_TRIES - 1):.3g} Hz")
-
-
-def _on_path(moved: SampledPath, wanted: Path) -> bool:
-    clock = moved.step * np.arange(len(moved.position))
-    return bool(np.all(np.abs(moved.position - wanted.at(clock)[0]) < _LOST))
-
-
-def _driven(
-    arm: Arm,
-    nominal: Arm,
-    paths: Sequence[Path],
-    starts: np.ndarray,
-    heat: Temperatures,
-    duration: float,
-    bandwidth: float,
-    law: Callable[[PlantState], np.ndarray] | None,
-    step: float,
-    integral: bool,
-) -> list[SampledPath]:
-    """Return what moves at one bandwidth; arguments as of :func:`track`."""
     count = round(duration / step) + 1
     clock = step * np.arange(count)
     wanted = np.array([p.at(clock) for p in paths])  # (r, 3, m, n)
@@ -113,3 +80,27 @@ def _driven(
         kept[2, :, k], kept[3, :, k] = a, torque
         q, v, last = q + step * v + step**2 / 2 * a, v + step * a, a
     return [SampledPath(step, *kept[:, r]) for r in range(rows)]
+
+
+def tuned_down(
+    drive: Callable[[float], list[SampledPath]], paths: Sequence[Path], bandwidth: float, arm: str
+) -> list[SampledPath]:
+    """Return what `drive` makes of a bandwidth [Hz], or of half of it and so on where the arm loses its paths.
+
+    Joints of light wrists pull at each other: whoever sets up such a robot tunes its loop down.
+
+    Raises
+    ------
+    InputError : if no bandwidth down to an eighth keeps the arm on its paths.
+    """
+    for halving in range(_TRIES):
+        with np.errstate(over="ignore", invalid="ignore"):
+            moved = drive(bandwidth / 2**halving)
+        if all(_on_path(m, p) for m, p in zip(moved, paths, strict=True)):
+            return moved
+    raise InputError(f"the controller loses '{arm}' even at {bandwidth / 2 ** (_TRIES - 1):.3g} Hz")
+
+
+def _on_path(moved: SampledPath, wanted: Path) -> bool:
+    clock = moved.step * np.arange(len(moved.position))
+    return bool(np.all(np.abs(moved.position - wanted.at(clock)[0]) < _LOST))
