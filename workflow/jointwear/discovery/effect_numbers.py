@@ -103,9 +103,9 @@ def _form_std(
     units = {p.name: p.unit for p in effect.parameters}
     size = np.sqrt(sum(parameters[other] ** 2 for other in linear if units[other] == units[name]))
     share = np.hypot(problem.settings.parameter_error, _links_error(white, fit, candidate))
-    if effect.waves is not None:
-        waves = effect.waves(problem.train_state, candidate.axis, candidate.nonlinear)
-        passed = problem.train_state.passed(candidate.axis, waves) * np.ones(len(problem.train_state.time))
+    if effect.left is not None:
+        state = problem.train_state
+        passed = effect.left(state, candidate.axis, candidate.nonlinear) * np.ones(len(state.time))
         passed = passed[problem.usable[:, candidate.axis]]
         share = np.hypot(share, problem.settings.filter_error * (1 - np.sqrt(np.mean(passed**2))))
     return float(share * size)

@@ -20,8 +20,8 @@ from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.effects import State
 from jointwear.effects.order import first_derivative, second_derivative
-from jointwear.measurement.derived_noise import DerivedNoise, zero_phase_gain
-from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.derived_noise import DerivedNoise
+from jointwear.measurement.filtering import HIGHEST, low_pass, zero_phase_gain
 from jointwear.measurement.motion import runs
 
 #: Evidence [nats] that noise which column and residual share may feign at most: what a parameter gains by chance on
@@ -33,8 +33,6 @@ FREQUENCIES, CUTOFFS = 512, 80
 CLOCK = 0.05
 #: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
 RIDGE = 1e-6
-#: Share of the rate from which on nothing is left to filter, as in :func:`jointwear.measurement.filtering.low_pass`.
-HIGHEST = 0.45
 
 
 @dataclass(frozen=True)
@@ -115,7 +113,7 @@ def cutoff_of(
     share = density / white.density(frequency, rate)
     power = (2 * np.pi * frequency) ** order
     for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
-        gain = 1.0 if cutoff >= HIGHEST * rate else zero_phase_gain(frequency / cutoff)
+        gain = zero_phase_gain(frequency, cutoff, rate)
         product, whole = np.mean(power * gain * share), energy + np.mean((power * gain) ** 2 * share)
         if 0.5 * len(white.rows) * product**2 <= FEIGNED * whole or whole == 0:
             return float(cutoff) if cutoff < HIGHEST * rate else np.inf

@@ -161,7 +161,11 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
     )
     state = replace(
-        state, torque_kind=recording.torque_kind, encoder_side=recording.encoder_side, passes=measured.passes
+        state,
+        torque_kind=recording.torque_kind,
+        encoder_side=recording.encoder_side,
+        passes=measured.passes,
+        derives=measured.derives,
     )
     nominal = state.torque + effect_torque(robot, state)
     train = np.isin(measured.trajectory, recording.train)

@@ -66,5 +66,5 @@ def simulate_robot(robot: Robot, measured: Measured) -> tuple[np.ndarray, np.nda
         robot, q, v, a, rigid, time=measured.time, temperature=measured.temperature, record=measured.trajectory
     )
     # The torque was filtered where a recording at a high rate was reduced: the prediction is compared with that.
-    state = replace(state, passes=measured.passes)
+    state = replace(state, passes=measured.passes, derives=measured.derives)
     return state.torque + effect_torque(robot, state), state.load

@@ -85,6 +85,7 @@ class Effect:
     floats : where the torque is zero is not known from the data, because a constant is a correction of the friction.
     widths : prior standard deviations of the coefficients, as multiples of what is usual; empty: all usual.
     waves : (state, axis, nonlinear) -> waves in one radian of the joint, where a fast joint may outrun the sampling.
+    left : (state, axis, nonlinear) -> share (...,) of such a wave that the filters of a recording leave.
     regime : (state, axis, source, nonlinear) -> values (...,) of the argument; the argument of `shape` by default.
     needs_source : the effect comes from another axis. whole_arm : it acts on all axes at once.
     prior : robot -> prior standard deviations (k,) of the coefficients of an effect on the whole arm.
@@ -121,6 +122,7 @@ class Effect:
     floats: bool = False
     widths: tuple[float, ...] = ()
     waves: Callable[[State, int, Parameters], float] | None = None
+    left: Callable[[State, int, Parameters], np.ndarray | float] | None = None
     regime: AxisFunction | None = None
     needs_source: bool = False
     whole_arm: bool = False

@@ -20,20 +20,25 @@ def waves_per_turn(state: State, axis: int, parameters: Mapping[str, float]) -> 
     return parameters["order"] * abs(float(state.drive.gear_ratio[axis]))
 
 
-def motor_wave(height: Callable[[State, int, float], np.ndarray]) -> dict[str, Any]:
+def motor_wave(
+    height: Callable[[State, int], np.ndarray], left: Callable[[State, int, float], np.ndarray | float]
+) -> dict[str, Any]:
     """Return the fields of an effect with parameters `amplitude`, `order` and `phase`.
 
     Parameters
     ----------
-    height : (state, axis, share) -> (...,) torque at an amplitude of one; `share` of a wave that the band of the
-        recording lets pass.
+    height : (state, axis) -> (...,) torque at an amplitude of one.
+    left : (state, axis, waves in one radian) -> (...,) share of the wave that the filters of a recording leave.
     """
+
+    def share(state: State, axis: int, p: Mapping[str, float]) -> np.ndarray | float:
+        return left(state, axis, waves_per_turn(state, axis, p))
 
     def angle(state: State, axis: int, p: Mapping[str, float]) -> np.ndarray:
         return p["order"] * state.drive.gear_ratio[axis] * state.position[..., axis]
 
     def tall(state: State, axis: int, p: Mapping[str, float]) -> np.ndarray:
-        return height(state, axis, state.passed(axis, waves_per_turn(state, axis, p)))
+        return height(state, axis) * share(state, axis, p)
 
     def columns(state: State, axis: int, source: int | None, p: Mapping[str, float]) -> np.ndarray:
         turn = angle(state, axis, p)
@@ -52,5 +57,6 @@ def motor_wave(height: Callable[[State, int, float], np.ndarray]) -> dict[str, A
         "grid": lambda state, axis: [{"order": float(k)} for k in ORDERS],
         "bend": harmonics_bend(columns),
         "waves": waves_per_turn,
+        "left": share,
         "shape": lambda state, axis, p: (tall(state, axis, p), np.mod(angle(state, axis, p), 2 * np.pi)),
     }

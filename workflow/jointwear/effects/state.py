@@ -49,6 +49,8 @@ class State:
     torque_kind : where the torque that is to be explained was taken: "motor", "command" or "link_sensor".
     passes : frequencies [Hz] (...,) -> share that a filter of the torque that is to be explained lets pass, as that of
         a recording at a high rate; None where all does.
+    derives : (axis, frequencies [Hz] (...,)) -> share that is left of a shaking of the axis in its derived
+        acceleration; None where all is.
     encoder_side : whether positions are those of the "motor" (or unknown), or of the "link".
     """
 
@@ -66,6 +68,7 @@ class State:
     torque_kind: str = "motor"
     encoder_side: str = "motor"
     passes: Callable[[np.ndarray], np.ndarray] | None = None
+    derives: Callable[[int, np.ndarray], np.ndarray] | None = None
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
     _rests: dict[tuple, list[Rest]] = field(init=False, repr=False, default_factory=dict)
@@ -81,6 +84,17 @@ class State:
     def passed(self, axis: int, waves: float) -> np.ndarray | float:
         """Return the share (...,) that is left of a wave, `waves` in one radian of an axis, in the torque."""
         return 1.0 if self.passes is None else self.passes(waves * np.abs(self.velocity[..., axis]) / (2 * np.pi))
+
+    def shaken(self, axis: int, waves: float) -> np.ndarray | float:
+        """Return the share (...,) that is left of a wave of torque that acts on an axis, `waves` in one radian.
+
+        No controller follows a wave above the band of derived accelerations: it shakes the joint, and what the filter
+        takes off the acceleration is missing in torque less rigid-body torque.
+        """
+        share = self.passed(axis, waves)
+        if self.derives is None:
+            return share
+        return share * self.derives(axis, waves * np.abs(self.velocity[..., axis]) / (2 * np.pi))
 
     def rests_of(self, axis: int, source: int | None = None, shares: tuple[float, float] = (1.0, 0.0)) -> list[Rest]:
         """Return the stops of an axis, or of a drive that turns with `shares` of it and of another; unordered: none."""

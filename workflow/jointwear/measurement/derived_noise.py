@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.measurement.filtering import zero_phase_gain
+
 
 @dataclass(frozen=True)
 class DerivedNoise:
@@ -25,24 +27,26 @@ class DerivedNoise:
     order : (s,) how often each is derived: 2 for a position, 1 for a velocity, 0 for a measured acceleration.
     band : (n,) frequency [Hz] at which the filter or the splines behind the derivatives stop; infinite for none.
     sharp : whether the band ends sharply, as that of splines does, or as that of the zero-phase filter.
+    rate : of the recording [Hz] that the filter worked on.
     """
 
     density: np.ndarray
     order: tuple[int, ...]
     band: np.ndarray
     sharp: bool
+    rate: float
 
     def acceleration(self, frequency: np.ndarray) -> np.ndarray:
         """Return the density (n, k) [(rad/s2)^2/Hz] of the noise of the accelerations at frequencies (k,) [Hz]."""
         gains = (2 * np.pi * frequency) ** (2 * np.array(self.order)[:, None])
-        share = frequency / self.band[:, None]
-        passed = share <= 1.0 if self.sharp else zero_phase_gain(share) ** 2
-        return np.max(self.density[:, :, None] * gains[:, None, :], axis=0) * passed
+        passed = np.stack([self.passed(axis, frequency) for axis in range(len(self.band))])
+        return np.max(self.density[:, :, None] * gains[:, None, :], axis=0) * passed**2
 
-
-def zero_phase_gain(share: np.ndarray) -> np.ndarray:
-    """Return the gain of :func:`jointwear.measurement.filtering.low_pass` at `share` times its cut-off."""
-    return 1.0 / (1.0 + share**8)
+    def passed(self, axis: int, frequency: np.ndarray) -> np.ndarray:
+        """Return the share (...,) that is left of the acceleration of an axis (0-based) at frequencies (...,) [Hz]."""
+        if self.sharp:
+            return np.where(frequency <= self.band[axis], 1.0, 0.0)
+        return zero_phase_gain(frequency, self.band[axis], self.rate)
 
 
 def quantisation_density(step: float, rate: float) -> float:

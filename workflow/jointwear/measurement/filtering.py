@@ -10,6 +10,8 @@ from scipy.signal import butter, sosfiltfilt
 
 #: Fewest samples that are filtered.
 SHORTEST = 24
+#: Share of the rate from which on nothing is left to filter.
+HIGHEST = 0.45
 #: Fewest samples that a signal is continued by beyond its ends. A filter with its cut-off near Nyquist rings for so
 #: long, however short its period: continued by less, a joint that moves at an end of its record gets an acceleration
 #: there that is wrong by ten times itself.
@@ -24,12 +26,23 @@ def _butterworth(cutoff: float, rate: float) -> np.ndarray:
 
 def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
     """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
-    if cutoff >= 0.45 * rate or len(values) < SHORTEST:
+    if cutoff >= HIGHEST * rate or len(values) < SHORTEST:
         return values
     # Rates that were found from stamps differ in their last digits from stretch to stretch.
     pad = min(len(values) - 1, max(int(3 * rate / cutoff + 1e-6), RINGING))
     sections = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
     return sosfiltfilt(sections, values, axis=0, padlen=pad)
+
+
+def zero_phase_gain(frequency: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
+    """Return the gain (...,) of :func:`low_pass` at frequencies (...,) [Hz]; 0 from half the rate on.
+
+    The bilinear transform bends frequencies, so that the digital filter ends more sharply than the analogue one.
+    """
+    if cutoff >= HIGHEST * rate:
+        return np.ones(np.shape(frequency))
+    bent = np.tan(np.pi * np.minimum(frequency / rate, 0.5)) / np.tan(np.pi * cutoff / rate)
+    return 1.0 / (1.0 + bent**8)
 
 
 def derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,8 +15,8 @@ from functools import partial
 
 import numpy as np
 
-from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density, zero_phase_gain
-from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass
+from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
+from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 from jointwear.measurement.velocity_lag import put_in_time
@@ -68,11 +68,15 @@ class Measured:
     @property
     def passes(self) -> Callable[[np.ndarray], np.ndarray] | None:
         """Frequencies [Hz] (...,) -> share that the filter of the torque lets pass; None where it was left alone."""
-        return partial(_share_passed, self.band) if np.isfinite(self.band) else None
+        if not np.isfinite(self.band):
+            return None
+        # The band is half the rate that is left, of a log that was faster.
+        return partial(zero_phase_gain, cutoff=self.band, rate=self.noise.rate)
 
-
-def _share_passed(band: float, frequency: np.ndarray) -> np.ndarray:
-    return zero_phase_gain(frequency / band)
+    @property
+    def derives(self) -> Callable[[int, np.ndarray], np.ndarray] | None:
+        """(axis, frequencies [Hz] (...,)) -> share left of a wave in the acceleration; None where that was given."""
+        return None if self.noise is None or not np.isfinite(self.noise.band).any() else self.noise.passed
 
 
 def runs(trajectory: np.ndarray) -> list[slice]:
@@ -233,7 +237,7 @@ def measure(recording: Recording) -> Measured:
         0.5 * out_rate if factor > 1 else np.inf,
         reach if derived else None,
         splines,
-        DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines),
+        DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines, rate),
         lag,
     )
 

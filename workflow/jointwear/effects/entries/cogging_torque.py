@@ -4,11 +4,11 @@ import numpy as np
 
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.motor_waves import ORDER, PHASE, motor_wave
+from jointwear.effects.state import State
 
 
-def _height(state, axis, share):
-    # A fast wave shakes the joint: it is in its acceleration as much as in the torque, and both were filtered.
-    return np.ones(state.position.shape[:-1]) * share**2
+def _height(state, axis):
+    return np.ones(state.position.shape[:-1])
 
 
 EFFECT = Effect(
@@ -22,5 +22,5 @@ EFFECT = Effect(
     argument="motor angle",
     argument_unit="rad",
     needs=("gear", "motor torque"),
-    **motor_wave(_height),
+    **motor_wave(_height, left=State.shaken),
 )

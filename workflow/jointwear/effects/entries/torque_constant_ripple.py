@@ -2,6 +2,7 @@
 
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.motor_waves import ORDER, PHASE, motor_wave
+from jointwear.effects.state import State
 
 EFFECT = Effect(
     identifier="torque_constant_ripple",
@@ -14,5 +15,5 @@ EFFECT = Effect(
     argument="motor angle",
     argument_unit="rad",
     needs=("gear", "motor torque"),
-    **motor_wave(lambda state, axis, share: state.torque[..., axis] * share),
+    **motor_wave(lambda state, axis: state.torque[..., axis], left=State.passed),
 )
