@@ -106,6 +106,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
         gates.append(("its parameters within their bounds", float(within_bounds(white, before, trial)), 1.0))
+        gates.append(("its torque over that of its axis", _share_of_torque(white, before, trial), settings.exactness))
     wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == "inertial" else t for t in white.base]
     b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
     gates.append(("nats with inertial parameters known less", gain(b, gram, trial.term.std), half))
@@ -140,6 +141,16 @@ def _cancels(white: White, trial: Named) -> float:
     torque = torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
     discrepancy = problem.discrepancy[problem.train, axis][used]
     return float(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300))
+
+
+def _share_of_torque(white: White, before: list[Term], trial: Named) -> float:
+    """Return the RMS torque of an effect, fitted beside others, over that of its axis."""
+    problem, axis = white.problem, trial.candidate.axis
+    b, gram = white.fit(before).gram(trial.term.blocks)
+    used = problem.usable[:, axis]
+    torque = (raw_columns(white, trial.candidate) @ posterior_mean(b, gram, trial.term.std))[used]
+    whole = problem.train_state.torque[used, axis]
+    return float(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
 
 
 def _step_lead(white: White, before: list[Term], trial: Named) -> float:

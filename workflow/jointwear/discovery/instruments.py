@@ -42,12 +42,14 @@ class Cutoffs:
     Attributes
     ----------
     timing, torque : of columns of timing, and of columns of torque itself.
+    structure : of arguments of structure: columns over them may hold noise alone.
     judged : where the noise of derived accelerations becomes most of the residual: errors in N m are compared below.
     """
 
     timing: float = np.inf
     torque: float = np.inf
     judged: float = np.inf
+    structure: float = np.inf
 
 
 def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
@@ -63,7 +65,8 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     timing = cutoff_of(white, density, frequency, rate)
     if np.isfinite(timing):
         timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
-    return Cutoffs(timing, torque, _judged(density / white.density(frequency, rate), frequency))
+    structure = cutoff_of(white, density, frequency, rate, 0)
+    return Cutoffs(timing, torque, _judged(density / white.density(frequency, rate), frequency), structure)
 
 
 def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:

@@ -7,10 +7,11 @@ from scipy.special import gammaincc
 
 from jointwear.discovery.acceptance import predictive
 from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
-from jointwear.discovery.linear import Fit, Term, chi_square
+from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
+from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
@@ -36,7 +37,7 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
     """
     problem, white = outcome.problem, outcome.white
     # What a form that is a little off leaves behind is no structure of its own.
-    fit = white.fit(with_tolerances(white, outcome.named))
+    fit = white.fit([*with_tolerances(white, outcome.named), *_attenuated(white)])
     if robust:
         fit = _without_outliers(fit)
     settings = problem.settings
@@ -44,11 +45,13 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
     found, profile = [], []
     for axis in problem.judged:
         used = problem.usable[:, axis]
-        for basis in axis_bases(white.axis_state(axis), axis, used):
+        least = _least_square(outcome, axis)
+        for basis in axis_bases(white.structure_state(axis), axis, used):
             if basis.argument == "motor angle" and not resolved(white, axis, 6.0):
                 continue
             columns = white.columns(axis, basis.columns)
-            columns = columns[:, np.sum(columns**2, axis=0) > 1e-9]
+            good = np.sum(columns**2, axis=0) > 1e-9
+            columns = columns[:, good]
             if not columns.shape[1]:
                 continue
             b, gram = fit.gram({axis: columns})
@@ -63,7 +66,10 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
             entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats)
             profile.append(entry)
             if p < settings.unexplained_p and nats > settings.accept:
-                found.append(entry)
+                theta = least_squares(b, gram, columns.T @ columns)
+                torque = _beside(fit, axis, columns, white.raw(axis, basis.columns[:, good]), theta)
+                if (1.0 - freedom / statistic) * float(np.mean(torque**2)) > least:
+                    found.append(entry)
         line = strongest_line(fit.residual[axis], white.whiteners[axis].rows, state, problem.measured.rate)
         if line is not None:
             entry = Unexplained(
@@ -76,10 +82,50 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
                 line.power,
             )
             profile.append(entry)
-            if line.p_value < settings.unexplained_p and line.power > settings.accept:
+            rows, rate = white.whiteners[axis].rows, problem.measured.rate
+            level = float(white.whiteners[axis].density(np.array([line.frequency]), rate)[0]) * rate / 2
+            if (
+                line.p_value < settings.unexplained_p
+                and line.power > settings.accept
+                and 2.0 * line.power / len(rows) * level > least
+            ):
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
     return found, profile
+
+
+def _attenuated(white: White) -> list[Term]:
+    """Return terms for what the noise of derived accelerations takes off the fitted inertias.
+
+    Columns with noise are fitted with coefficients that are too small; what is missing follows the motion itself.
+    """
+    problem, terms = white.problem, []
+    for axis in problem.judged:
+        if not np.isfinite(white.cutoffs[axis].structure):
+            continue
+        state = white.structure_state(axis)
+        motion = np.column_stack([state.load[:, axis], state.acceleration])
+        size = np.sqrt(np.mean(motion[problem.usable[:, axis]] ** 2, axis=0))
+        std = problem.scale[axis] / np.maximum(size, 1e-12)
+        raw = white.raw(axis, motion)
+        terms.append(Term(f"attenuation {axis}", {axis: white.columns(axis, motion)}, std, {axis: raw}))
+    return terms
+
+
+def _beside(fit: Fit, axis: int, columns: np.ndarray, raw: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Return the torque (m,) [N m] of columns on one axis, whitened and `raw`, less what the terms could say of it."""
+    torque, instead = raw @ theta, fit.mimicked({axis: columns}, theta)
+    for term, where in zip(fit.terms, fit.slices, strict=True):
+        if axis in term.raw:
+            torque -= term.raw[axis] @ instead[where]
+    return torque
+
+
+def _least_square(outcome: Outcome, axis: int) -> float:
+    """Return the mean square [N m^2] from which torque that no effect explains matters on one axis."""
+    problem, settings = outcome.problem, outcome.problem.settings
+    noise = settings.smallest_share * outcome.white.whiteners[axis].marginal ** 2
+    return max(noise, (settings.exactness * _rms(problem.train_state.torque[:, axis], problem.usable[:, axis])) ** 2)
 
 
 def lasting(outcome: Outcome) -> list[Unexplained]:
@@ -209,7 +255,7 @@ def _structure(outcome: Outcome, axis: int) -> list[Term]:
     problem, white = outcome.problem, outcome.white
     wanted = {u.argument for u in outcome.unexplained if u.axis == axis}
     terms = []
-    for basis in axis_bases(white.axis_state(axis), axis, problem.usable[:, axis]):
+    for basis in axis_bases(white.structure_state(axis), axis, problem.usable[:, axis]):
         if basis.argument not in wanted:
             continue
         columns = white.columns(axis, basis.columns)

@@ -79,6 +79,10 @@ class Fit:
         full = sum(x.T @ x for x in blocks.values())
         return b, full - cross @ self.covariance @ cross.T
 
+    def mimicked(self, blocks: dict[int, np.ndarray], theta: np.ndarray) -> np.ndarray:
+        """Return the coefficients (p,) with which the terms follow columns X on one or more axes times `theta` (k,)."""
+        return self.covariance @ (self.projected(blocks)[1].T @ theta)
+
 
 def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> float:
     """Return the evidence [nats] that columns with prior `std` add: fit less the price of complexity."""
@@ -102,10 +106,20 @@ def posterior_mean(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarr
 
 def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float, int]:
     """Return b' H^-1 b over the directions that the terms leave free, and their number."""
+    values, turned, _ = _free(b, gram, full)
+    return float(np.sum(turned**2 / values)), len(values)
+
+
+def least_squares(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> np.ndarray:
+    """Return the coefficients (k,) H^-1 b over the directions that the terms leave free."""
+    values, turned, vectors = _free(b, gram, full)
+    return vectors @ (turned / values)
+
+
+def _free(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return eigenvalues (f,) of the scaled H in the free directions, b in them (f,), and the directions (k, f)."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(full), 1e-300))
     values, vectors = np.linalg.eigh(scale[:, None] * gram * scale)
     keep = values > 1e-3
-    if not keep.any():
-        return 0.0, 0
-    turned = vectors[:, keep].T @ (scale * b)
-    return float(np.sum(turned**2 / values[keep])), int(np.sum(keep))
+    directions = scale[:, None] * vectors[:, keep]
+    return values[keep], directions.T @ b, directions

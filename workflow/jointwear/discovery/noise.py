@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +10,6 @@ HIGHEST_ORDER = 6
 #: The same where the noise of derived accelerations shows: it rises with the fourth power of the frequency up to the
 #: end of the band of the derivatives, and falls steeply there.
 HIGHEST_ORDER_DERIVED = 16
-#: Time [s] within which noise forgets to 37 %.
-LONGEST_MEMORY = 0.35
 
 
 @dataclass(frozen=True)
@@ -107,34 +104,6 @@ def simulate(white: Whitener, trajectory: np.ndarray, draws: int, rng: np.random
         drive = rng.standard_normal((length + settle, draws)) * white.sigma
         pieces.append(lfilter([1.0], [1.0, *(-white.lags)], drive, axis=0)[settle:])
     return np.concatenate(pieces)
-
-
-def corrected(
-    white: Whitener,
-    take_off: Callable[[np.ndarray], np.ndarray],
-    trajectory: np.ndarray,
-    rate: float,
-) -> Whitener:
-    """Correct a noise model for what the saturated fit took off the noise (indirect inference).
-
-    A flexible fit removes slow noise, so that the colour of its residual is too pale. Noise of a trial model is
-    drawn, put through the same fit (`take_off`: (N, k) -> residuals (N, k)) and fitted like the data; the trial
-    model is moved until what comes out is what was estimated. What lasts longer than :data:`LONGEST_MEMORY` is
-    not noise but structure, for the tests over time to find.
-    """
-    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
-    order = len(white.lags)
-    wanted = np.array([*white.lags, np.log(white.sigma)])
-    trial = wanted.copy()
-    rows = white.rows
-    for step in range(3):
-        rng = np.random.default_rng(np.random.SeedSequence([8, order]))
-        model = Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
-        left = take_off(simulate(model, trajectory, 8, rng))
-        fits = [_regress(left[:, k], rows, order) for k in range(left.shape[1])]
-        came_out = np.mean([[*lags, 0.5 * np.log(variance)] for lags, variance in fits], axis=0)
-        trial = np.array([*model.lags, trial[-1]]) + (wanted - came_out) * (1.0 if step == 0 else 0.7)
-    return Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
 
 
 def stable(lags: np.ndarray, largest: float) -> np.ndarray:

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit, smear_of
-from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, corrected, estimate, whitenable
+from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
+from jointwear.discovery.noise_spectrum import corrected
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import axis_bases
 from jointwear.effects import State, library
@@ -19,6 +20,8 @@ from jointwear.measurement.motion import runs
 ROOM = 15
 #: Share of a column, by its square, that has to lie on samples whose predecessors are usable too.
 SEEN = 0.5
+#: Highest order of the noise model that the correction starts from: a higher one learns what the fit took off.
+START = 2
 #: Frequencies [Hz] above which a step at a reversal is kept.
 SHARP = (4.0, 6.0, 9.0)
 
@@ -50,7 +53,9 @@ def _axis_noise(problem: Problem, axis: int, extra: np.ndarray | None) -> Whiten
         columns = _columns(problem, axis, extra, cutoffs)
         white = estimate(_remover(columns, used, None)(y), used, label, highest)
     take_off = _remover(columns, used, white)
-    return corrected(estimate(take_off(y), used, label, highest), take_off, label, problem.measured.rate)
+    left = take_off(y)
+    white = estimate(left, used, label, START)
+    return corrected(white, left, take_off, used, label, problem.measured.rate, highest)
 
 
 def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cutoffs) -> np.ndarray:

@@ -55,7 +55,10 @@ class Settings:
     reversal_error : how much higher, as the scale of a half-normal logarithm, that torque may be for effects that act
         after reversals than the samples show that can be judged: on choosing cases 0.8 to 2.7 times as high. Of effects
         of timing it is the scale either way: rates of torque hold noise (0.56 to 1.25 times).
-    unexplained_p : structure is unexplained below this probability.
+    unexplained_p : structure is unexplained below this probability, if its torque also is at least `smallest_share` of
+        the noise variance of the axis and `exactness` of its torque.
+    exactness : share of the RMS torque of an axis to which any rigid-body model, with its clock and its kinematics, is
+        exact: what is smaller, named or not, is no finding about the robot, however surely it is there.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own; an
         effect has to be needed where inertial parameters may be off by as much.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
@@ -92,6 +95,7 @@ class Settings:
     peak_error: float = 0.07
     reversal_error: float = 0.5
     unexplained_p: float = 1e-8
+    exactness: float = 0.001
     mass_sigmas: float = 3.0
     wrongest_mass: float = 0.6
     off_scale: float = 1.5

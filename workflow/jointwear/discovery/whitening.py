@@ -40,6 +40,13 @@ class White:
         """Return the training samples without the noise of derived accelerations on one axis."""
         return self._limited_state(axis, self.cutoffs[axis].torque)
 
+    def structure_state(self, axis: int) -> State:
+        """Return the training samples over which structure on one axis is looked for.
+
+        A flexible basis can follow the noise of an acceleration alone, where hardly anything moves.
+        """
+        return self._limited_state(axis, self.cutoffs[axis].structure)
+
     def _limited_state(self, axis: int, cutoff: float) -> State:
         if (axis, cutoff) not in self._states:
             problem = self.problem

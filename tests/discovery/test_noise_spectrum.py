@@ -1,0 +1,80 @@
+"""The noise model where a flexible fit takes most of the slow noise, and structure that is too small to matter."""
+
+import numpy as np
+import pytest
+from scipy.linalg import cho_factor, cho_solve
+
+from jointwear.discovery.leftovers import unexplained
+from jointwear.discovery.noise import Whitener, estimate, simulate
+from jointwear.discovery.noise_spectrum import corrected
+from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.whitening import whiten
+from jointwear.measurement.recording import Recording, split
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import load_robot
+
+RATE, RECORDS, LENGTH = 50.0, 6, 250
+
+
+def slow_fit(label):
+    """Return the function that takes 40 slow waves off each record, and those below 4 Hz with it."""
+    time = np.arange(LENGTH) / RATE
+    waves = np.stack([np.cos(np.pi * k * time * RATE / LENGTH) for k in range(40)], axis=1)
+    columns = np.kron(np.eye(RECORDS), waves)
+    factor = cho_factor(columns.T @ columns + 1e-3 * np.eye(columns.shape[1]))
+    return lambda series: series - columns @ cho_solve(factor, columns.T @ series)
+
+
+@pytest.mark.parametrize(("lag", "factor"), [(0.0, 1.3), (0.7, 3.0)])
+def test_what_a_fit_took_off_slow_noise_is_put_back(lag, factor):
+    """Of coloured noise all that is slow was taken: what is left tells less of it."""
+    label = np.repeat(np.arange(RECORDS), LENGTH)
+    used = np.ones(len(label), bool)
+    lags = np.array([lag]) if lag else np.zeros(0)
+    truth = Whitener(np.arange(len(label)), lags, 1.0)
+    take_off = slow_fit(label)
+    left = take_off(simulate(truth, label, 1, np.random.default_rng(3)))[:, 0]
+    slow = np.array([0.5, 1.0, 2.0])
+    learnt = estimate(left, used, label)
+    mended = corrected(estimate(left, used, label, 2), left, take_off, used, label, RATE)
+    wanted = truth.density(slow, RATE)
+    assert np.all(learnt.density(slow, RATE) < 0.45 * wanted)
+    assert np.all(mended.density(slow, RATE) > 2.0 * learnt.density(slow, RATE))
+    assert np.all(np.abs(np.log(mended.density(slow, RATE) / wanted)) < np.log(factor))
+
+
+def test_structure_that_is_a_thousandth_of_the_torque_is_no_finding():
+    """A wave over position, surely there in a log without noise to speak of: 0.03 % of the torque, then 3 %."""
+    robot = load_robot("config/robots/puma560.yaml")
+    time = np.tile(np.arange(0, 8, 0.01), RECORDS)
+    label = np.repeat(np.arange(RECORDS), 800)
+    rng = np.random.default_rng(5)
+    q, v, a = np.zeros((3, len(time), 6))
+    for j in range(6):
+        for k in range(1, 4):
+            size, phase = rng.uniform(0.2, 0.5, RECORDS)[label] / k, rng.uniform(0, 6, RECORDS)[label]
+            w = 2 * np.pi * k / 8.0
+            q[:, j] += size * np.sin(w * time + phase)
+            v[:, j] += size * w * np.cos(w * time + phase)
+            a[:, j] -= size * w**2 * np.sin(w * time + phase)
+    torque = Dynamics(robot).inverse_dynamics(q, v, a)
+    scale = float(np.sqrt(np.mean(torque[:, 1] ** 2)))
+    noise = 5e-4 * scale * rng.standard_normal(torque.shape)
+
+    def structure(share):
+        extra = np.zeros_like(torque)
+        extra[:, 1] = np.sqrt(2) * share * scale * np.sin(25 * q[:, 1])
+        recording = split(Recording(time, label, q, torque + noise + extra, v, a))
+        problem = build_problem(recording, robot, Settings())
+        white = whiten(problem, estimate_noise(problem))
+        found, profile = unexplained(Outcome(problem, white, white.fit(), None))
+        surest = min((u.p_value for u in profile if u.axis == 1), default=1.0)
+        return {u.axis for u in found}, surest
+
+    found, surest = structure(4e-4)
+    assert surest < 1e-8
+    assert 1 not in found
+    assert 1 in structure(0.03)[0]

@@ -1,0 +1,129 @@
+"""The noise model put right for what a flexible fit took off the noise, band by band of its spectrum.
+
+A fit with many columns removes slow noise, nearly all of it where it has as many columns as a record has cells at
+those frequencies: of 1,300 samples at 50 Hz 240 columns leave a tenth of what lies below 2 Hz. A model of what is left
+learns that notch, and whatever moves slowly then looks like structure without a name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, simulate, stable, whitenable
+
+#: Time [s] within which noise forgets to 37 %.
+LONGEST_MEMORY = 0.35
+#: Rounds in which the model is moved, and drawings of its noise in each.
+ROUNDS, DRAWS = 5, 8
+#: Cells of a spectrum, its bands (narrow where the fit took most), and points of a density.
+CELLS, BANDS, POINTS = 128, 16, 512
+#: Share of the noise in a band that a fit has to leave for the band to say something.
+LEFT = 0.2
+#: Times the median over records up to which the power of one record counts.
+OUTLYING = 2.0
+#: Samples with predecessors from which on spectra are compared, in all and of a record.
+FEWEST_ROWS, FEWEST_OF_RECORD = 200, 100
+#: Edges of the bands in cells.
+EDGES = np.unique(np.concatenate([[0], np.round(np.geomspace(1, CELLS, BANDS)).astype(int)]))
+
+
+def corrected(
+    white: Whitener,
+    residual: np.ndarray,
+    take_off: Callable[[np.ndarray], np.ndarray],
+    usable: np.ndarray,
+    trajectory: np.ndarray,
+    rate: float,
+    highest: int = HIGHEST_ORDER,
+) -> Whitener:
+    """Correct a noise model for what a fit took off the noise (indirect inference).
+
+    Noise of a trial model is drawn, put through the same fit and compared with the residual by bands of frequency; the
+    density of the trial model is multiplied by the ratio. What the fit took off both makes no difference; where it left
+    next to nothing the model is that of the neighbouring frequencies. Its order is chosen anew each time. What lasts
+    longer than :data:`LONGEST_MEMORY` is not noise but structure, for the tests over time to find. Of each
+    band a record counts up to :data:`OUTLYING` medians: noise is there all the time, a push in some records only.
+
+    Parameters
+    ----------
+    white : the first trial model, of a low order: a high one has learnt what the fit took off. residual : (N,) [N m]
+        after the fit. take_off : series (N, k) -> what the fit leaves of them. usable : (N,) samples that are judged.
+    trajectory : (N,) labels. rate : [Hz]. highest : order that the model may have.
+    """
+    rows = whitenable(usable, trajectory, highest)
+    if len(rows) < FEWEST_ROWS:
+        return white
+    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    centres = 0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS
+    model = white
+    for _ in range(ROUNDS):
+        rng = np.random.default_rng(np.random.SeedSequence([8, len(model.lags)]))
+        noise = simulate(model, trajectory, DRAWS, rng)
+        trial = Whitener(rows, model.lags, model.sigma)
+        whole, left, seen = (
+            band_power(trial(x), rows, trajectory) for x in (noise, take_off(noise), residual[:, None])
+        )
+        known = left > LEFT * whole
+        if not known.any():
+            return white
+        ratio = np.log(np.maximum(seen[known], 1e-9) / left[known])
+        # Below the bands that the fit left something of, noise is as dense as in the lowest of them.
+        lowest = np.maximum(frequency, centres[known][0])
+        density = model.density(lowest, rate) * np.exp(np.interp(frequency, centres[known], ratio))
+        model = of_density(density, rate, highest, len(rows), radius)
+    return Whitener(whitenable(usable, trajectory, len(model.lags)), model.lags, model.sigma)
+
+
+def band_power(white: np.ndarray, rows: np.ndarray, trajectory: np.ndarray) -> np.ndarray:
+    """Return the power (b,) of whitened series (m, k), on their time grid, in the bands of :data:`EDGES`.
+
+    It is the mean over series and records, none of which counts as more than :data:`OUTLYING` medians.
+    """
+    found = []
+    for low, high in pairwise([0, *(np.flatnonzero(np.diff(trajectory)) + 1), len(trajectory)]):
+        first, last = np.searchsorted(rows, [low, high])
+        if last - first < FEWEST_OF_RECORD:
+            continue
+        series = np.zeros((high - low, white.shape[1]))
+        series[rows[first:last] - low] = white[first:last]
+        power = np.mean(np.abs(np.fft.rfft(series, axis=0)) ** 2, axis=1)[1:] / (last - first)
+        centre = (np.arange(len(power)) + 0.5) * CELLS / len(power)
+        found.append(np.interp(np.arange(CELLS) + 0.5, centre, _smooth(power, len(power) // CELLS)))
+    if not found:
+        return np.ones(len(EDGES) - 1)
+    bands = np.array([[power[a:b].mean() for a, b in pairwise(EDGES)] for power in found])
+    return np.minimum(bands, OUTLYING * np.median(bands, axis=0)).mean(axis=0)
+
+
+def _smooth(power: np.ndarray, width: int) -> np.ndarray:
+    """Return the mean of `width` neighbouring cells of a spectrum around each."""
+    if width < 2:
+        return power
+    return np.convolve(np.pad(power, width // 2, mode="edge"), np.full(width, 1.0 / width), mode="same")[
+        width // 2 : width // 2 + len(power)
+    ]
+
+
+def of_density(density: np.ndarray, rate: float, highest: int, count: int, radius: float) -> Whitener:
+    """Return the autoregressive model, without rows, of a density (k,) [(N m)^2/Hz] from 0 to half the rate.
+
+    The order, up to `highest`, is that of the least Bayesian information criterion of `count` samples; no pole lies
+    beyond `radius`.
+    """
+    covariance = np.fft.irfft(density)[: highest + 1] * rate / 2
+    lags, variance = np.zeros(0), float(covariance[0])
+    best = (np.inf, lags, variance)
+    for order in range(highest + 1):
+        if order:
+            # Levinson and Durbin.
+            last = (covariance[order] - lags @ covariance[order - 1 : 0 : -1]) / variance
+            lags = np.append(lags - last * lags[::-1], last)
+            variance *= 1.0 - last**2
+        score = count * np.log(variance) + (order + 1) * np.log(max(count, 2))
+        if score < best[0] - 2.0:
+            best = (score, lags, variance)
+    return Whitener(np.zeros(0, dtype=int), stable(best[1], radius), float(np.sqrt(best[2])))
