@@ -290,3 +290,17 @@ def test_a_wave_that_shakes_a_joint_is_filtered_with_its_acceleration(robot):
     inside = slice(200, 3800)
     assert np.sqrt(np.mean((left - weakened)[inside] ** 2)) < 0.03 * np.sqrt(np.mean(wave[inside] ** 2))
     assert state.passed(1, waves) == 1.0
+
+
+def test_a_sensor_behind_the_gear_does_not_retune_a_motor_that_the_file_lacks(robot):
+    zero = np.zeros(6)
+    bare = replace(robot, armature=zero, viscous=zero, coulomb_positive=zero, coulomb_negative=zero)
+    stds = {}
+    for kind in ("motor", "link_sensor"):
+        recording = split(replace(coarse(bare), torque_kind=kind))
+        stds[kind] = build_problem(recording, bare, Settings(), measure(recording)).friction_prior(1)
+    assert np.all(stds["link_sensor"] < 1e-3 * stds["motor"])
+    # What the file has may be wrong, wherever the sensor is.
+    recording = split(replace(coarse(robot), torque_kind="link_sensor"))
+    kept = build_problem(recording, robot, Settings(), measure(recording)).friction_prior(1)
+    assert np.all(kept > 1e-3 * stds["motor"])

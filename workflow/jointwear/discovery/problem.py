@@ -22,6 +22,8 @@ from jointwear.robots.robot import Robot
 FEWEST_SAMPLES = 60
 #: Poses over which the mass matrix is averaged.
 POSES = 200
+#: Prior of a parameter of the motor that a torque sensor behind the gear cannot feel, over that of others.
+ABSENT = 1e-4
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
@@ -134,7 +136,13 @@ class Problem:
         acceleration = np.sqrt(np.mean(self.train_state.acceleration[used, axis] ** 2))
         level = 2.0 * self.scale[axis]
         inertia = 0.5 * self.robot.armature[axis] + self.settings.usual * self.scale[axis] / acceleration
-        return np.array([level, level, level / speed, inertia])
+        wide = np.array([level, level, level / speed, inertia])
+        if self.state.torque_kind != "link_sensor":
+            return wide
+        # Behind the gear neither friction nor inertia of the motor are felt: what the file does not have is not there.
+        robot = self.robot
+        given = (robot.coulomb_positive, robot.coulomb_negative, robot.viscous, robot.armature)
+        return np.where([g[axis] != 0 for g in given], wide, ABSENT * wide)
 
 
 def build_problem(recording: Recording, robot: Robot, settings: Settings, measured: Measured | None = None) -> Problem:

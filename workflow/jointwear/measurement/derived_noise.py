@@ -28,6 +28,7 @@ class DerivedNoise:
     band : (n,) frequency [Hz] at which the filter or the splines behind the derivatives stop; infinite for none.
     sharp : whether the band ends sharply, as that of splines does, or as that of the zero-phase filter.
     rate : of the recording [Hz] that the filter worked on.
+    fused : (n,) joints whose velocities are made of both signals, each where it is the better one; None: no joint.
     """
 
     density: np.ndarray
@@ -35,12 +36,19 @@ class DerivedNoise:
     band: np.ndarray
     sharp: bool
     rate: float
+    fused: np.ndarray | None = None
 
     def acceleration(self, frequency: np.ndarray) -> np.ndarray:
         """Return the density (n, k) [(rad/s2)^2/Hz] of the noise of the accelerations at frequencies (k,) [Hz]."""
         gains = (2 * np.pi * frequency) ** (2 * np.array(self.order)[:, None])
         passed = np.stack([self.passed(axis, frequency) for axis in range(len(self.band))])
-        return np.max(self.density[:, :, None] * gains[:, None, :], axis=0) * passed**2
+        each = self.density[:, :, None] * gains[:, None, :]
+        noise = np.max(each, axis=0)
+        if self.fused is not None and self.fused.any():
+            # Where a velocity may have been made of the positions its density is 0, and it adds nothing to them.
+            known = np.where(each > 0, 1 / np.maximum(each, 1e-300), 0.0).sum(axis=0)
+            noise = np.where(self.fused[:, None] & (known > 0), 1 / np.maximum(known, 1e-300), noise)
+        return noise * passed**2
 
     def passed(self, axis: int, frequency: np.ndarray) -> np.ndarray:
         """Return the share (...,) that is left of the acceleration of an axis (0-based) at frequencies (...,) [Hz]."""

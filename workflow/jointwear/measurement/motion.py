@@ -17,6 +17,7 @@ import numpy as np
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
+from jointwear.measurement.fused_velocity import fuse, made_of_positions
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 from jointwear.measurement.velocity_lag import put_in_time
@@ -27,10 +28,10 @@ HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 SLOW_SHARE, SLOW = 0.02, 0.02
 #: Periods of the cut-off after which the transient of the filter at an end has fallen to a thousandth.
 TRANSIENT = 3.0
-#: Share of the rate at which a noise floor is read: the middle of the upper third of the band.
-FLOOR_AT = 5 / 12
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
 RESOLVED = 0.155
+#: Accelerations keep what lies below this [Hz]: friction that jumps at reversals shakes an arm up to there.
+LOWEST_CUTOFF = 20.0
 #: A measured velocity agrees with the positions where it differs from their derivative by no more than noise x this.
 AGREES = 1.5
 
@@ -140,16 +141,16 @@ def measure(recording: Recording) -> Measured:
     signals = {2: position, 1: velocity, 0: acceleration}
     orders = (0,) if acceleration is not None else (2,) if velocity is None else (2, 1)
     densities = np.array([[noise_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders])
+    floors = densities.copy()
     if orders == (2, 1):
-        # A velocity with a lower floor than the derivative of the positions has been made of them, and filtered.
-        made = densities[1] < (2 * np.pi * FLOOR_AT * rate) ** 2 * densities[0]
-        densities[1][made] = 0.0
+        # What a filter hides of the noise of the positions is there all the same.
+        densities[1][made_of_positions(time, pieces, position, velocity, floors, rate)] = 0.0
     if orders[0] == 2 and recording.encoder_step is not None:
         densities[0] = np.maximum(densities[0], quantisation_density(recording.encoder_step, rate))
     for j in range(n):
         density, end = noise_floor([source[p, j] for p in pieces], rate)
         if velocity is None or acceleration is None:
-            cutoff[j] = min(2.0 * end, 0.45 * rate)
+            cutoff[j] = min(max(2.0 * end, LOWEST_CUTOFF), 0.45 * rate)
         limit = min(cutoff[j] if np.isfinite(cutoff[j]) else 0.5 * rate, 0.5 * rate)
         # Differentiation multiplies the noise density by (2 pi f)^2.
         scale = (2 * np.pi) ** 2 * limit**3 / 3 if velocity is None else limit
@@ -178,6 +179,9 @@ def measure(recording: Recording) -> Measured:
             position, velocity, floor = q, v, noise
             cutoff = band if derived else cutoff
             acceleration = a if acceleration is None else acceleration
+    fused = np.zeros(n, bool)
+    if velocity is not None and acceleration is None and not splines:
+        velocity, fused = fuse(time, pieces, position, velocity, floors, rate)
     for p in pieces:
         t, q, tau = time[p], position[p], torque[p]
         if p.stop - p.start < SHORTEST and (derived or factor > 1):
@@ -237,7 +241,7 @@ def measure(recording: Recording) -> Measured:
         0.5 * out_rate if factor > 1 else np.inf,
         reach if derived else None,
         splines,
-        DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines, rate),
+        DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines, rate, fused),
         lag,
     )
 
