@@ -106,7 +106,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
         gates.append(("its parameters within their bounds", float(within_bounds(white, before, trial)), 1.0))
-        gates.append(("its torque over that of its axis", _share_of_torque(white, before, trial), settings.exactness))
+        share = _share_of_torque(white, before, trial)
+        gates.append(("its torque over that of its axis", share, settings.smallest_share))
     wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == "inertial" else t for t in white.base]
     b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
     gates.append(("nats with inertial parameters known less", gain(b, gram, trial.term.std), half))

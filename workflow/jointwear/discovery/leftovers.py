@@ -123,9 +123,9 @@ def _beside(fit: Fit, axis: int, columns: np.ndarray, raw: np.ndarray, theta: np
 
 def _least_square(outcome: Outcome, axis: int) -> float:
     """Return the mean square [N m^2] from which torque that no effect explains matters on one axis."""
-    problem, settings = outcome.problem, outcome.problem.settings
-    noise = settings.smallest_share * outcome.white.whiteners[axis].marginal ** 2
-    return max(noise, (settings.exactness * _rms(problem.train_state.torque[:, axis], problem.usable[:, axis])) ** 2)
+    problem, share = outcome.problem, outcome.problem.settings.smallest_share
+    torque = _rms(problem.train_state.torque[:, axis], problem.usable[:, axis])
+    return max(share * outcome.white.whiteners[axis].marginal ** 2, (share * torque) ** 2)
 
 
 def lasting(outcome: Outcome) -> list[Unexplained]:

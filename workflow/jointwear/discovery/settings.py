@@ -38,8 +38,9 @@ class Settings:
     block : length of such a block [s]; the noise forgets within a third of a second. A step within a record, which
         must not do better than an effect that follows time, is tried as often.
         Without the block that gives most of it the evidence of an effect has to be half of `accept`.
-    smallest_share : drop of the mean squared error on records left out, over the noise variance of the axis, below
-        which an effect does not matter to a simulation.
+    smallest_share : below this an effect does not matter to a simulation: the drop of the mean squared error on records
+        left out, over the noise variance of the axis, and the RMS torque of anything, named or not, over that of its
+        axis, to which any rigid-body model with its clock and its kinematics is exact.
     predicted : share of the evidence of an effect that must show as nats gained on records left out, of at least
         `accept` and up to twice as many nats as `accept`.
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
@@ -55,10 +56,7 @@ class Settings:
     reversal_error : how much higher, as the scale of a half-normal logarithm, that torque may be for effects that act
         after reversals than the samples show that can be judged: on choosing cases 0.8 to 2.7 times as high. Of effects
         of timing it is the scale either way: rates of torque hold noise (0.56 to 1.25 times).
-    unexplained_p : structure is unexplained below this probability, if its torque also is at least `smallest_share` of
-        the noise variance of the axis and `exactness` of its torque.
-    exactness : share of the RMS torque of an axis to which any rigid-body model, with its clock and its kinematics, is
-        exact: what is smaller, named or not, is no finding about the robot, however surely it is there.
+    unexplained_p : structure is unexplained below this probability, if its torque is no less than `smallest_share` too.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own; an
         effect has to be needed where inertial parameters may be off by as much.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
@@ -95,7 +93,6 @@ class Settings:
     peak_error: float = 0.07
     reversal_error: float = 0.5
     unexplained_p: float = 1e-8
-    exactness: float = 0.001
     mass_sigmas: float = 3.0
     wrongest_mass: float = 0.6
     off_scale: float = 1.5
