@@ -182,6 +182,9 @@ def measure(recording: Recording) -> Measured:
     fused = np.zeros(n, bool)
     if velocity is not None and acceleration is None and not splines:
         velocity, fused = fuse(time, pieces, position, velocity, floors, rate)
+        # What the positions show is in these velocities too, though their own floor may hide where it ends.
+        highest = 0.4 * out_rate if factor > 1 else 0.45 * rate
+        cutoff = np.where(fused, np.clip(2.0 * reach, cutoff, np.maximum(cutoff, highest)), cutoff)
     for p in pieces:
         t, q, tau = time[p], position[p], torque[p]
         if p.stop - p.start < SHORTEST and (derived or factor > 1):
