@@ -205,6 +205,12 @@ def test_needs_are_known_and_say_what_is_missing(robot, state):
     assert missing["stribeck_friction"] == ""
     behind = replace(state, torque_kind="link_sensor")
     assert "behind the gear" in effects.get_effect("torque_constant_ripple").unmet(behind, 2)
+    # A file with friction there knows of friction behind the sensor; one without has none to change.
+    assert effects.get_effect("stribeck_friction").unmet(behind, 2) == ""
+    zero = np.zeros(6)
+    bare = replace(behind, drive=replace(behind.drive, viscous=zero, coulomb_positive=zero, coulomb_negative=zero))
+    assert "no friction there" in effects.get_effect("stribeck_friction").unmet(bare, 2)
+    assert effects.get_effect("payload").unmet(behind, 2) == ""
 
 
 NEW = '''

@@ -51,6 +51,14 @@ def _motor_torque(state: State, axis: int) -> str:
     return ""
 
 
+def _friction(state: State, axis: int) -> str:
+    drive = state.drive
+    levels = (drive.coulomb_positive[axis], drive.coulomb_negative[axis], drive.viscous[axis])
+    if state.torque_kind == "link_sensor" and not any(levels):
+        return "the torque was measured behind the gear, and the robot file has no friction there"
+    return ""
+
+
 def _gear_between(state: State, axis: int) -> str:
     if state.torque_kind == "link_sensor" and state.encoder_side == "link":
         return "torque and position were both measured behind the gear, where its twist does not show"
@@ -67,5 +75,6 @@ ALL = {
     "tip": _tip,
     "gravity": _gravity,
     "motor torque": _motor_torque,
+    "friction": _friction,
     "gear between": _gear_between,
 }

@@ -42,6 +42,7 @@ EFFECT = Effect(
     source="identification of the Staubli TX40 wrist, Gautier and others",
     argument="velocity of the other axis",
     argument_unit="rad/s",
+    needs=("friction",),
     torque=lambda state, axis, source, p: (
         _columns(state, axis, source, p) @ np.array([p["coulomb"], p["viscous"], p["inertia"]])
     ),

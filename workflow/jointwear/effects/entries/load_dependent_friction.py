@@ -47,6 +47,7 @@ EFFECT = Effect(
     source="Hamon, Gautier and Garrec 2010; Bittencourt and Gunnarsson 2012; directional: Duclusaud et al. 2025 (BAM)",
     argument="load",
     argument_unit="N m",
+    needs=("friction",),
     torque=_torque,
     columns=_columns,
     parameters_of=_parameters_of,

@@ -27,6 +27,7 @@ EFFECT = Effect(
     source="Wolf and Iskandar 2018",
     argument="velocity",
     argument_unit="rad/s",
+    needs=("friction",),
     torque=lambda state, axis, source, p: p["coefficient"] * _columns(state, axis, source, p)[..., 0],
     columns=_columns,
     parameters_of=lambda p, c: {**p, "coefficient": float(c[0])},

@@ -34,6 +34,7 @@ EFFECT = Effect(
     source="Tuttle 1992; Armstrong 1988 on the PUMA",
     argument="position x direction",
     argument_unit="rad",
+    needs=("friction",),
     torque=_torque,
     columns=_columns,
     parameters_of=lambda p, c: {

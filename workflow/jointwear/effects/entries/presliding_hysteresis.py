@@ -98,7 +98,7 @@ EFFECT = Effect(
     parameters_of=lambda p, c: {**p, "level": float(c[0])},
     grid=lambda state, axis: [{"distance": float(x), "spring": 0} for x in np.geomspace(0.005, 0.16, 7)],
     alternatives=lambda p: [{**p, "spring": 1 - p.get("spring", 0)}],
-    needs=("order",),
+    needs=("order", "friction"),
     bend=Bend(_bent, None, _written),
     sequential=True,
 )

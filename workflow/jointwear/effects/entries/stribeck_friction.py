@@ -34,6 +34,7 @@ EFFECT = Effect(
     source="Armstrong-Helouvry, Dupont and Canudas de Wit 1994",
     argument="velocity",
     argument_unit="rad/s",
+    needs=("friction",),
     torque=lambda state, axis, source, p: p["excess"] * _columns(state, axis, source, p)[..., 0],
     columns=_columns,
     parameters_of=lambda p, c: {**p, "excess": float(c[0])},

@@ -56,6 +56,6 @@ EFFECT = Effect(
     plain=_plain,
     shape=_shape,
     bend=table_bend(_shape, 5),
-    needs=("time",),
+    needs=("time", "friction"),
     floats=True,
 )
