@@ -1,5 +1,6 @@
 """The effect library: one file an effect, columns and torque agree, unordered samples, robots with effects."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,9 +10,10 @@ from hypothesis import strategies as st
 
 from jointwear import effects
 from jointwear.effects.entries.presliding_hysteresis import bristle
+from jointwear.effects.swing import wind_up
 from jointwear.files.errors import InputError
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import gravity_regressor, inertial_regressor, to_joint_frame
+from jointwear.robots.inertia import gravity_regressor, inertial_regressor, to_joint_frame, wind_up_regressor
 from jointwear.robots.robot import EffectEntry, load_robot
 
 IDENTIFIERS = {
@@ -129,6 +131,72 @@ def test_friction_of_a_flexible_joint_is_that_of_its_motor(state):
     assert np.abs(velocity[turned]).max() < 0.5 * np.abs(velocity).max()
 
 
+def test_a_link_behind_an_elastic_gear_swings_as_its_equation_says():
+    count, swing, damping = 4000, 2 * np.pi * 12.0, 0.04
+    time = np.arange(count) / 200.0
+    state = SimpleNamespace(time=time, record=np.repeat([0, 1], count // 2))
+    inertia, stiffness = np.full(count, 2.0), 2.0 * swing**2
+    load = np.where(np.arange(count) < count // 2, 30.0 * np.sin(2 * np.pi * 3.0 * time), 30.0)
+    load[count // 2 : count // 2 + 2] = 0.0
+    twist, acceleration = wind_up(state, load, inertia, stiffness, 2 * damping * np.sqrt(2.0 * stiffness))
+    share = 3.0 / 12.0
+    gain = 1 / np.hypot(1 - share**2, 2 * damping * share)
+    # A sine after its start has died away: straight lines between samples take off two parts in a thousand.
+    settled = slice(count // 4, count // 2)
+    assert np.abs(twist[settled]).max() == pytest.approx(30 / stiffness * gain, rel=5e-3)
+    np.testing.assert_allclose(acceleration[settled], -((2 * np.pi * 3.0) ** 2) * twist[settled], atol=0.03)
+    # A step overshoots as an oscillator does.
+    overshoot = 1 + np.exp(-np.pi * damping / np.sqrt(1 - damping**2))
+    assert twist[count // 2 :].max() == pytest.approx(30 / stiffness * overshoot, rel=0.02)
+    assert not np.any(wind_up(SimpleNamespace(time=time, record=None), load, inertia, stiffness, 1.0))
+
+
+def test_a_gear_that_twists_behind_its_encoder_shows_on_every_joint(robot):
+    """Link and motor of joint 2 move apart by load / K: what the rigid model lacks on all joints is what it says."""
+    axis, stiffness = 1, 3e4
+    time = np.arange(0, 6.0, 1 / 200)
+    speed, phase = np.array([2.0, 3.1, 4.3, 5.0, 6.1, 3.7]), np.arange(6.0)
+    angle = np.outer(time, speed) + phase
+    q, v, a = 0.5 * np.sin(angle), 0.5 * speed * np.cos(angle), -0.5 * speed**2 * np.sin(angle)
+    # A shake as that of friction that turns over: slower, Coriolis torques count, which are left out.
+    shake = np.outer(np.sin(50.0 * time), np.eye(6)[axis])
+    q, v, a = q + 3e-3 * shake, v + np.outer(0.15 * np.cos(50.0 * time), np.eye(6)[axis]), a - 7.5 * shake
+    dynamics = Dynamics(robot)
+    load = np.array(dynamics.rigid_body_torque(q, v, a)) - robot.armature * a
+    lead = np.zeros_like(q)
+    lead[:, axis] = load[:, axis] / stiffness
+    motor = [x + np.gradient(lead, time, axis=0) if k == 1 else x + lead for k, x in enumerate((q, v))]
+    turning = a + np.gradient(np.gradient(lead, time, axis=0), time, axis=0)
+    rigid = np.array(dynamics.rigid_body_torque(*motor, turning))
+    lacking = load - (rigid - robot.armature * turning)
+    state = effects.make_state(
+        robot,
+        *motor,
+        turning,
+        rigid,
+        time=time,
+        record=np.zeros(len(time), int),
+        wind_up_regressor=wind_up_regressor(dynamics, motor[0]),
+    )
+    link = float(np.mean(state.wind_up_regressor(axis)[0][:, axis]))
+    found = {"inertia_over_stiffness": link / stiffness, "inertia": link, "side": 1, "damping": 0.02}
+    effect = effects.get_effect("joint_flexibility")
+    assert effect.spreads(found)
+    torque = effect.spread(state, axis, None, found)
+    inside = slice(500, -100)
+    moved = [j for j in range(6) if np.std(lacking[inside, j]) > 0.02]
+    assert axis in moved
+    assert len(moved) >= 3
+    for j in moved:
+        assert np.mean((lacking - torque)[inside, j] ** 2) < 0.05 * np.mean(lacking[inside, j] ** 2), j
+    # A robot file gives the same, and the torque on its own axis is that part of it.
+    entry = EffectEntry("joint_flexibility", axis + 1, None, found)
+    np.testing.assert_allclose(effects.effect_torque(replace(robot, effects=(entry,)), state), torque)
+    np.testing.assert_allclose(effect.torque(state, axis, None, found), torque[:, axis])
+    # Half of the record is half of the answer, but for its start.
+    np.testing.assert_allclose(effect.spread(state.part(np.arange(600)), axis, None, found), torque[:600])
+
+
 @pytest.mark.parametrize("name", sorted(IDENTIFIERS - {"backlash"}))
 def test_metadata_is_complete(name):
     effect = effects.get_effect(name)
@@ -150,8 +218,6 @@ def test_names_stand_within_a_sentence():
 
 
 def test_sequential_effects_settle_without_an_order(state):
-    from dataclasses import replace
-
     unordered = replace(state, record=None)
     for name in ("presliding_hysteresis", "actuation_delay", "joint_flexibility"):
         effect = effects.get_effect(name)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.special import logsumexp
 
+from jointwear.discovery.instruments import limit
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White, link_mass_blocks
@@ -56,6 +57,28 @@ def raw_columns(white: White, candidate: Candidate) -> np.ndarray:
     return effect.columns(white.state_of(effect, candidate.axis), candidate.axis, candidate.source, candidate.nonlinear)
 
 
+def spreads(candidate: Candidate) -> bool:
+    """Return whether a candidate on one axis acts on the others too."""
+    if candidate.effect == LINK_MASS or candidate.axis is None:
+        return False
+    return get_effect(candidate.effect).spreads(candidate.nonlinear)
+
+
+def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
+    """Return the columns (N_train, k) before whitening, on every axis that it acts on, of a candidate on one axis."""
+    if not spreads(candidate):
+        return {candidate.axis: raw_columns(white, candidate)}
+    problem, effect = white.problem, get_effect(candidate.effect)
+    torque = effect.spread(problem.train_state, candidate.axis, candidate.source, candidate.nonlinear)
+    record, rate = np.asarray(problem.train_state.record), problem.measured.rate
+    return {a: limit(torque[:, [a]], record, white.cutoffs[a].swing, rate) for a in problem.judged}
+
+
+def white_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
+    """Return the whitened columns of a candidate on one axis, on every axis that it acts on."""
+    return {a: white.columns(a, columns) for a, columns in raw_torques(white, candidate).items()}
+
+
 def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     """Return the unwhitened columns of any candidate on the rows of the whitened ones."""
     problem = white.problem
@@ -65,7 +88,7 @@ def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     if candidate.axis is None:
         columns = get_effect(candidate.effect).columns(problem.train_state, 0, None, candidate.nonlinear)
         return {a: white.raw(a, white.limited(a, columns[:, a])) for a in problem.judged}
-    return {candidate.axis: white.raw(candidate.axis, raw_columns(white, candidate))}
+    return {a: white.raw(a, columns) for a, columns in raw_torques(white, candidate).items()}
 
 
 def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.ndarray:
@@ -73,6 +96,9 @@ def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.nda
 
     An effect may say that some of its coefficients are usually larger.
     """
+    if spreads(candidate):
+        # Its size is in its parameters.
+        return np.ones(columns.shape[1])
     axis, widths = candidate.axis, get_effect(candidate.effect).widths
     used = white.problem.usable[:, axis]
     size = np.sqrt(np.mean(columns[used] ** 2, axis=0))
@@ -126,6 +152,9 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                     unresolved += 1
                     continue
                 candidate = Candidate(effect.identifier, axis, source, dict(nonlinear))
+                if spreads(candidate):
+                    dictionary.whole.append((candidate, white_blocks(white, candidate), np.ones(1)))
+                    continue
                 columns = raw_columns(white, candidate)
                 if not np.any(columns[problem.usable[:, axis]]):
                     continue
@@ -158,6 +187,12 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
         blocks = link_mass_blocks(white, link)
         if blocks:
             dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([0.25])))
+
+
+def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray) -> float:
+    """Return the evidence that columns add whose coefficient is one, give or take the `usual` share."""
+    width = np.full(len(b), white.problem.settings.usual)
+    return float(np.sum(b) - 0.5 * np.sum(gram)) + gain(b - gram.sum(axis=1), gram, width)
 
 
 @dataclass(frozen=True)
@@ -198,7 +233,7 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
         if keys is not None and candidate.key not in keys:
             continue
         b, gram = fit.gram(blocks)
-        value = gain(b, gram, std)
+        value = gain_about_one(white, b, gram) if spreads(candidate) else gain(b, gram, std)
         if candidate.effect == LINK_MASS and abs(b[0]) > white.problem.settings.wrongest_mass * (
             gram[0, 0] + 1 / std[0] ** 2
         ):
@@ -250,7 +285,7 @@ def form_of(white: White, candidate: Candidate) -> Form | None:
     if candidate.effect == LINK_MASS or candidate.axis is None:
         return None
     effect, axis = get_effect(candidate.effect), candidate.axis
-    if effect.bend is None:
+    if effect.bend is None or spreads(candidate):
         return None
     if effect.bend.knots is None:
         return Form(candidate, None)

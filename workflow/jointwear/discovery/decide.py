@@ -21,6 +21,7 @@ from jointwear.discovery.candidates import (
     raw_blocks,
     raw_columns,
     scan,
+    white_blocks,
 )
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.leftovers import stand_alone, unexplained
@@ -190,9 +191,8 @@ def _named(white: White, fit: Fit, scored: Scored) -> Named:
     if scored.candidate.axis is not None and scored.candidate.effect != LINK_MASS:
         candidate = refine(white, fit, scored.candidate)
         misfit = _stuck(scored.candidate, candidate)
-        columns, axis = raw_columns(white, candidate), candidate.axis
-        blocks, std = {axis: white.columns(axis, columns)}, prior_std(white, candidate, columns)
-        scored = Scored(candidate, scored.evidence, blocks, std)
+        std = prior_std(white, candidate, raw_columns(white, candidate))
+        scored = Scored(candidate, scored.evidence, white_blocks(white, candidate), std)
     else:
         misfit = ""
     label = f"{scored.candidate.effect} {scored.candidate.axis}"

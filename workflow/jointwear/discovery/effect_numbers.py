@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import Candidate, Form, prior_std, raw_columns
+from jointwear.discovery.candidates import Candidate, Form, prior_std, raw_columns, spreads, white_blocks
 from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height, spread
@@ -62,6 +62,8 @@ def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.nd
     effect = get_effect(candidate.effect)
     if effect.whole_arm:
         return effect.columns(state, 0, None, candidate.nonlinear)
+    if spreads(candidate):
+        return effect.spread(state, candidate.axis, candidate.source, candidate.nonlinear)[..., None]
     own = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
     if form is not None:
         own = np.concatenate([own, form.columns(state)], axis=1)
@@ -114,7 +116,7 @@ def _form_std(
 def _fitted(white: White, fit: Fit, candidate: Candidate) -> dict[str, float]:
     """Return the parameters of an effect that is added to a fit; the nonlinear ones stay as they are."""
     columns = raw_columns(white, candidate)
-    b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+    b, gram = fit.gram(white_blocks(white, candidate))
     mean = posterior_mean(b, gram, prior_std(white, candidate, columns))
     return get_effect(candidate.effect).parameters_of(candidate.nonlinear, mean)
 

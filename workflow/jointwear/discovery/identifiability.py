@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Dictionary
+from jointwear.discovery.candidates import Dictionary
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
@@ -69,7 +69,7 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
                     rival, left = other[0], energy
             found.append(Visible(key[0], axis, key[2], families[key][0], rival, left))
     for candidate, blocks, std in dictionary.whole:
-        if candidate.effect == LINK_MASS:
+        if candidate.axis is not None:
             continue
         _, gram = fit.gram(blocks)
         scaled = gram * std[:, None] * std

@@ -27,6 +27,9 @@ from jointwear.measurement.motion import runs
 #: Evidence [nats] that noise which column and residual share may feign at most: what a parameter gains by chance on
 #: average, half of a chi-square of one degree of freedom.
 FEIGNED = 0.5
+#: How much higher the columns of a link that swings may end than columns of timing. What they share with the residual
+#: speaks against them below the swing, and at the swing their size is known.
+SWING = 2.0
 #: Frequencies at which spectra are compared, and cut-offs that are tried.
 FREQUENCIES, CUTOFFS = 512, 80
 #: Share of a sampling period to which the samples of position and torque of a recording are simultaneous.
@@ -41,7 +44,8 @@ class Cutoffs:
 
     Attributes
     ----------
-    timing, torque : of columns of timing, and of columns of torque itself.
+    timing, torque : of columns of timing, and of columns of torque itself. swing : of columns of a link that swings,
+        which are rates of torque below the swing alone: :data:`SWING` times as high as of timing.
     structure : of arguments of structure: columns over them may hold noise alone.
     judged : where the noise of derived accelerations becomes most of the residual: errors in N m are compared below.
     """
@@ -50,6 +54,7 @@ class Cutoffs:
     torque: float = np.inf
     judged: float = np.inf
     structure: float = np.inf
+    swing: float = np.inf
 
 
 def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
@@ -66,7 +71,8 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     if np.isfinite(timing):
         timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
     structure = cutoff_of(white, density, frequency, rate, 0)
-    return Cutoffs(timing, torque, _judged(density / white.density(frequency, rate), frequency), structure)
+    judged = _judged(density / white.density(frequency, rate), frequency)
+    return Cutoffs(timing, torque, judged, structure, SWING * timing)
 
 
 def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:

@@ -15,7 +15,13 @@ from jointwear.measurement.filtering import low_pass
 from jointwear.measurement.motion import Measured, measure, runs
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import gravity_regressor, inertial_regressor, prior_factor, to_joint_frame
+from jointwear.robots.inertia import (
+    gravity_regressor,
+    inertial_regressor,
+    prior_factor,
+    to_joint_frame,
+    wind_up_regressor,
+)
 from jointwear.robots.robot import Robot
 
 #: Fewest usable samples of an axis that a verdict is based on.
@@ -167,6 +173,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         record=measured.trajectory,
         tip_regressor=lambda: last,
         gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
+        wind_up_regressor=wind_up_regressor(dynamics, q),
     )
     state = replace(
         state,

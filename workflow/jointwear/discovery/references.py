@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.base import pinned
-from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.candidates import Candidate, prior_std, raw_blocks, raw_columns, white_blocks
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.refine import evidence_at, refine
 from jointwear.discovery.whitening import White
@@ -60,7 +60,7 @@ def effect_term(white: White, candidate: Candidate, old: Term) -> Term:
     columns = raw_columns(white, candidate)
     return Term(
         f"{candidate.effect} {candidate.axis}",
-        {candidate.axis: white.columns(candidate.axis, columns)},
+        white_blocks(white, candidate),
         prior_std(white, candidate, columns),
-        {candidate.axis: white.raw(candidate.axis, columns)},
+        raw_blocks(white, candidate),
     )

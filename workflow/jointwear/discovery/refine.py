@@ -6,7 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.candidates import (
+    Candidate,
+    gain_about_one,
+    prior_std,
+    raw_columns,
+    raw_torques,
+    spreads,
+    white_blocks,
+)
 from jointwear.discovery.linear import Fit, gain, posterior_mean
 from jointwear.discovery.whitening import White
 from jointwear.effects import Parameter, get_effect
@@ -22,15 +30,17 @@ def free_parameters(candidate: Candidate) -> list[Parameter]:
 
 def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
     """Return the evidence [nats] that a candidate on one axis adds to a fit."""
-    columns = raw_columns(white, candidate)
-    if not np.isfinite(columns).all():
+    torques = raw_torques(white, candidate)
+    if not all(np.isfinite(columns).all() for columns in torques.values()):
         return -np.inf
-    b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+    b, gram = fit.gram({axis: white.columns(axis, columns) for axis, columns in torques.items()})
     effect = get_effect(candidate.effect)
+    if spreads(candidate):
+        return gain_about_one(white, b, gram)
     if effect.scaled:
         # Its size is in the columns: the coefficient is one.
         return float(b[0] - 0.5 * gram[0, 0])
-    return gain(b, gram, prior_std(white, candidate, columns))
+    return gain(b, gram, prior_std(white, candidate, torques[candidate.axis]))
 
 
 def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
@@ -46,6 +56,9 @@ def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     grid = [float(p[name]) for p in effect.grid(white.problem.train_state, candidate.axis)]
     sign = np.sign(candidate.nonlinear[name])
     sizes = [abs(x) for x in grid if np.sign(x) == sign]
+    if spreads(candidate):
+        # The grid was made for it.
+        return candidate
     values = sign * np.geomspace(0.5 * min(sizes), max(sizes), STARTS)
     trials = [candidate, *(replace(candidate, nonlinear={**candidate.nonlinear, name: float(x)}) for x in values)]
     return max(trials, key=lambda c: evidence_at(white, fit, c))
@@ -68,11 +81,21 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     candidate = best_start(white, fit, candidate)
     best, value = candidate, evidence_at(white, fit, candidate)
     step = {p.name: 0.25 for p in free}
+    bounds = {p.name: (p.lower, p.upper) for p in free}
+    if spreads(candidate):
+        # A swing outside the range of the grid is none that these data could show.
+        name = get_effect(candidate.effect).scaled
+        sizes = [
+            g[name]
+            for g in get_effect(candidate.effect).grid(white.problem.train_state, candidate.axis)
+            if set(g) == set(candidate.nonlinear)
+        ]
+        bounds[name] = (min(sizes), max(sizes))
     for _ in range(7):
         for p in free:
             for sign in (1.0, -1.0):
                 trial_value = float(best.nonlinear[p.name]) * np.exp(sign * step[p.name])
-                trial_value = float(np.clip(trial_value, p.lower, p.upper))
+                trial_value = float(np.clip(trial_value, *bounds[p.name]))
                 trial = replace(best, nonlinear={**best.nonlinear, p.name: trial_value})
                 got = evidence_at(white, fit, trial)
                 if got > value:
@@ -104,7 +127,7 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     found = []
     for trial in [candidate, *(replace(candidate, nonlinear=dict(p)) for p in alike)]:
         columns = raw_columns(white, trial)
-        b, gram = fit.gram({candidate.axis: white.columns(candidate.axis, columns)})
+        b, gram = fit.gram(white_blocks(white, trial))
         std = prior_std(white, trial, columns)
         size = float(np.linalg.norm(posterior_mean(b, gram, std)))
         found.append((gain(b, gram, std), size, trial))

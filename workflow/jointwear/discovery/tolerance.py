@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS
+from jointwear.discovery.candidates import LINK_MASS, raw_torques, spreads
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import White
@@ -41,7 +41,7 @@ def _tolerance(white: White, one: Named, coefficients: np.ndarray) -> list[Term]
         ways += [state.direction[:, axis], _unit(state.position[:, axis]), _unit(speed)]
         columns = torque[:, None] * np.stack(ways, axis=1)
         std = np.full(columns.shape[1], error)
-        beyond = _beyond_its_band(white, one, coefficients)
+        beyond = _beyond_its_band(white, one, coefficients, axis)
         columns = np.concatenate([columns, beyond], axis=1)
         std = np.append(std, np.ones(beyond.shape[1]))
         result.append(
@@ -50,8 +50,8 @@ def _tolerance(white: White, one: Named, coefficients: np.ndarray) -> list[Term]
     return result
 
 
-def _beyond_its_band(white: White, one: Named, coefficients: np.ndarray) -> np.ndarray:
-    """Return the torque (N_train, k) of an effect of timing above the band that its columns end at.
+def _beyond_its_band(white: White, one: Named, coefficients: np.ndarray, axis: int) -> np.ndarray:
+    """Return the torque (N_train, k) on one axis of an effect of timing above the band that its columns end at.
 
     There the columns would feed on the noise of derived accelerations, but the effect goes on: what it does there is
     no structure without a name.
@@ -61,6 +61,10 @@ def _beyond_its_band(white: White, one: Named, coefficients: np.ndarray) -> np.n
     if candidate.effect == LINK_MASS or candidate.axis is None or not get_effect(candidate.effect).timing:
         return np.zeros((len(state.velocity), 0))
     effect = get_effect(candidate.effect)
+    if spreads(candidate):
+        whole = effect.spread(state, candidate.axis, candidate.source, candidate.nonlinear)[:, axis]
+        within = raw_torques(white, candidate)[axis][:, 0]
+        return ((whole - within) * coefficients[0])[:, None]
     bands = (white.state_of(effect, candidate.axis), white.axis_state(candidate.axis), state)
     torques = [effect.columns(s, candidate.axis, candidate.source, candidate.nonlinear) @ coefficients for s in bands]
     steps = np.diff(np.stack(torques, axis=1), axis=1)

@@ -18,6 +18,7 @@ from jointwear.effects import effect_torque, make_state
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.motion import Measured
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import wind_up_regressor
 from jointwear.robots.robot import Robot, robot_from_data
 
 #: libyaml writes a file of the size of a robot's twenty times as fast.
@@ -61,9 +62,18 @@ def written_robot(final: Final, with_effects: bool = True) -> WrittenRobot:
 def simulate_robot(robot: Robot, measured: Measured) -> tuple[np.ndarray, np.ndarray]:
     """Return the torque of a robot, effects included, and its rigid-body part without motor inertia, (m, n) [N m]."""
     q, v, a = measured.position, measured.velocity, measured.acceleration
-    rigid = np.array(Dynamics(robot).rigid_body_torque(q, v, a)) if len(q) else q
+    dynamics = Dynamics(robot)
+    rigid = np.array(dynamics.rigid_body_torque(q, v, a)) if len(q) else q
     state = make_state(
-        robot, q, v, a, rigid, time=measured.time, temperature=measured.temperature, record=measured.trajectory
+        robot,
+        q,
+        v,
+        a,
+        rigid,
+        time=measured.time,
+        temperature=measured.temperature,
+        record=measured.trajectory,
+        wind_up_regressor=wind_up_regressor(dynamics, q),
     )
     # The torque was filtered where a recording at a high rate was reduced: the prediction is compared with that.
     state = replace(state, passes=measured.passes, derives=measured.derives)

@@ -128,6 +128,9 @@ def effect_torque(robot: Robot, state: State) -> np.ndarray:
             continue
         axis = entry.axis - 1
         source = None if entry.source_axis is None else entry.source_axis - 1
+        if effect.spreads(parameters) and state.wind_up_regressor is not None:
+            total += effect.spread(state, axis, source, parameters)
+            continue
         total[..., axis] += effect.torque(state, axis, source, parameters)
         total[..., axis] += correction_torque(effect, state, axis, parameters)
     return total

@@ -88,6 +88,9 @@ class Effect:
     left : (state, axis, nonlinear) -> share (...,) of such a wave that the filters of a recording leave.
     regime : (state, axis, source, nonlinear) -> values (...,) of the argument; the argument of `shape` by default.
     needs_source : the effect comes from another axis. whole_arm : it acts on all axes at once.
+    spreads : parameters -> whether the effect, one of an axis, acts on the others too.
+    spread : torque (..., n) on every axis of an effect that spreads; `torque` and `columns` are those of its own axis.
+        Its one coefficient is one: its size is in its parameters.
     prior : robot -> prior standard deviations (k,) of the coefficients of an effect on the whole arm.
     sound : parameters -> whether something with these parameters may exist at all, as a body; None: any may.
     leading : how many of the first coefficients an effect on the whole arm is known by; 0: all.
@@ -126,6 +129,8 @@ class Effect:
     regime: AxisFunction | None = None
     needs_source: bool = False
     whole_arm: bool = False
+    spreads: Callable[[Parameters], bool] = lambda parameters: False
+    spread: AxisFunction | None = None
     prior: Callable[[Robot], np.ndarray] | None = None
     sound: Callable[[Parameters], bool] | None = None
     leading: int = 0

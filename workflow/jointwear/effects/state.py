@@ -10,6 +10,9 @@ import numpy as np
 from jointwear.effects.rests import Rest, rests
 from jointwear.robots.robot import Robot
 
+#: Axis -> derivatives (..., n) of the torques by the acceleration and by the angle of one link.
+WindUp = Callable[[int], tuple[np.ndarray, np.ndarray]]
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -46,6 +49,8 @@ class State:
         parameters of a payload in the last link frame, shape (..., n, 10), or None.
     gravity_regressor : function without arguments that returns the derivative of the torque by the vector of gravity
         in the base frame, shape (..., n, 3), or None.
+    wind_up_regressor : axis -> derivatives of the torques, both (..., n), by the acceleration of its link without
+        motor inertia, and of gravity by the angle of its link; or None.
     torque_kind : where the torque that is to be explained was taken: "motor", "command" or "link_sensor".
     passes : frequencies [Hz] (...,) -> share that a filter of the torque that is to be explained lets pass, as that of
         a recording at a high rate; None where all does.
@@ -65,6 +70,7 @@ class State:
     record: np.ndarray | None = None
     tip_regressor: Callable[[], np.ndarray] | None = None
     gravity_regressor: Callable[[], np.ndarray] | None = None
+    wind_up_regressor: WindUp | None = None
     torque_kind: str = "motor"
     encoder_side: str = "motor"
     passes: Callable[[np.ndarray], np.ndarray] | None = None
@@ -120,11 +126,16 @@ class State:
             record=None if self.record is None else self.record[chosen],
             tip_regressor=_part_of(self.tip_regressor, chosen),
             gravity_regressor=_part_of(self.gravity_regressor, chosen),
+            wind_up_regressor=_part_of_wind_up(self.wind_up_regressor, chosen),
         )
 
 
 def _part_of(regressor: Callable[[], np.ndarray] | None, chosen: np.ndarray) -> Callable[[], np.ndarray] | None:
     return None if regressor is None else lambda: regressor()[chosen]
+
+
+def _part_of_wind_up(regressor: WindUp | None, chosen: np.ndarray) -> WindUp | None:
+    return None if regressor is None else lambda axis: tuple(x[chosen] for x in regressor(axis))
 
 
 def drive_of(robot: Robot) -> Drive:
@@ -150,6 +161,7 @@ def make_state(
     record: np.ndarray | None = None,
     tip_regressor: Callable[[], np.ndarray] | None = None,
     gravity_regressor: Callable[[], np.ndarray] | None = None,
+    wind_up_regressor: WindUp | None = None,
 ) -> State:
     """Build a :class:`State` for `robot`.
 
@@ -179,6 +191,7 @@ def make_state(
         record=record,
         tip_regressor=tip_regressor,
         gravity_regressor=gravity_regressor,
+        wind_up_regressor=wind_up_regressor,
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from jointwear.effects import check_effects, effect_torque, make_state
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import wind_up_regressor
 from jointwear.robots.robot import Robot
 
 
@@ -53,7 +54,15 @@ class TorqueModel:
         gravity = self.dynamics.gravity_torque(position)
         if self.robot.effects:
             state = make_state(
-                self.robot, position, velocity, acceleration, rigid, time=time, temperature=temperature, record=record
+                self.robot,
+                position,
+                velocity,
+                acceleration,
+                rigid,
+                time=time,
+                temperature=temperature,
+                record=record,
+                wind_up_regressor=wind_up_regressor(self.dynamics, position),
             )
             total = state.torque + effect_torque(self.robot, state)
         else:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pinocchio as pin
@@ -24,10 +26,34 @@ def inertial_regressor(dynamics: Dynamics, position, velocity, acceleration) -> 
     return result
 
 
+#: Half step [rad] of the difference that stands for a derivative by an angle.
+_TURN = 1e-4
+
+
 def gravity_regressor(robot: Robot, position: np.ndarray) -> np.ndarray:
     """Return the derivative (m, n, 3) of the torques by gravity in the base frame, in which they are linear."""
     pulls = [Dynamics(replace(robot, gravity=unit)).gravity_torque(position) for unit in np.eye(3)]
     return np.stack(pulls, axis=-1)
+
+
+def wind_up_regressor(dynamics: Dynamics, position: np.ndarray) -> Callable[[int], tuple[np.ndarray, np.ndarray]]:
+    """Return axis -> derivatives (m, n) of the torques by the acceleration of one link, and of gravity by its angle.
+
+    The inertia of the motor, which a twist of its gear leaves behind, is left out. Worked out once, when first asked.
+    """
+    robot = dynamics.robot
+
+    @cache
+    def masses() -> np.ndarray:
+        return np.array(dynamics.mass_matrix(position)) - np.diag(robot.armature)
+
+    @cache
+    def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray]:
+        turn = _TURN * np.eye(robot.joints)[axis]
+        pull = dynamics.gravity_torque(position + turn) - dynamics.gravity_torque(position - turn)
+        return masses()[..., axis], pull / (2 * _TURN)
+
+    return of_axis
 
 
 def link_frames(robot: Robot) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -5,19 +5,43 @@ import numpy as np
 from jointwear.effects.bends import timing_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.order import first_derivative, second_derivative
+from jointwear.effects.swing import wind_up
 
 #: Jm G^2 / K [s^2] to start from, for drives of 2 to 23 Hz; reversals of the motor move with it.
 _SHARES = (5e-5, 1.3e-4, 3.2e-4, 8e-4, 2e-3, 5e-3)
+#: J / K [s^2] to start from, for links that swing at 60 to 6 Hz. A swing is sharp: in steps of a seventh of the
+#: stiffness none is passed by.
+_SWINGS = tuple(float(x) for x in (2 * np.pi * np.geomspace(60.0, 6.0, 33)) ** -2.0)
+#: Damping of that swing to start from, over that at which it ends.
+_DAMPING = 0.05
 
 
 def _friction(state, axis, velocity):
     return state.drive.coulomb(axis, velocity) + state.drive.viscous[axis] * velocity
 
 
+def _spreads(p):
+    return bool(p.get("side")) and p.get("inertia", 0.0) > 0
+
+
+def _spread(state, axis, source, p):
+    """Return the torques (..., n) that a link lacks which lags behind its motor by the wind-up."""
+    by_acceleration, by_angle = state.wind_up_regressor(axis)
+    stiffness = p["inertia"] / p["inertia_over_stiffness"]
+    load, inertia = state.load[..., axis], by_acceleration[..., axis]
+    if state.record is None:
+        return np.zeros(np.shape(state.position))
+    drag = 2.0 * p.get("damping", _DAMPING) * np.sqrt(stiffness * p["inertia"])
+    twist, acceleration = wind_up(state, load, inertia, stiffness, drag)
+    return -by_acceleration * acceleration[:, None] - by_angle * twist[:, None]
+
+
 def _columns(state, axis, source, p):
     """Return what the wind-up load / K of the gear adds to the torque: inertia and friction are those of the motor."""
     load, velocity = state.load[..., axis], state.velocity[..., axis]
     share, inertia = p["inertia_over_stiffness"], p.get("inertia", 0.0)
+    if _spreads(p) and state.wind_up_regressor is not None:
+        return _spread(state, axis, source, p)[..., [axis]]
     torque = share * second_derivative(state, load)
     if p.get("side"):
         # Motor and friction move as recorded; the link behind the gear lags by the wind-up, and its inertia with it.
@@ -31,6 +55,10 @@ def _columns(state, axis, source, p):
 
 def _grid(state, axis):
     of_motor = [{"inertia_over_stiffness": x, "inertia": 0.0, "side": 1} for x in _SHARES]
+    if state.wind_up_regressor is not None and state.encoder_side != "link":
+        link = float(np.mean(state.wind_up_regressor(axis)[0][..., axis]))
+        if link > 0:
+            of_motor = [{"inertia_over_stiffness": x, "inertia": link, "side": 1, "damping": _DAMPING} for x in _SWINGS]
     if state.torque_kind == "link_sensor":
         # Behind the gear the motor is not felt: only the positions may be its own.
         return of_motor
@@ -41,16 +69,32 @@ def _grid(state, axis):
     return of_link + of_motor
 
 
+def _parameters_of(p, c):
+    # The size of a swing is in its parameters. Else inertia enters in proportion; the reversals of the motor do not,
+    # so that the search moves the parameter too.
+    return {**p, "inertia_over_stiffness": float(p["inertia_over_stiffness"] * (1.0 if _spreads(p) else c[0]))}
+
+
 EFFECT = Effect(
     identifier="joint_flexibility",
     name="Joint flexibility",
-    equation="(Jm G^2/K) d2(tau_load)/dt2, friction at v + d(tau_load)/dt / K; motor side: -(J/K) d2(tau_load)/dt2",
+    equation="(Jm G^2/K) d2(tau_load)/dt2, friction at v + d(tau_load)/dt / K; motor side: -M dw2/dt2 - (dg/dq) w, "
+    "J dw2/dt2 + D dw/dt + K w = tau_load",
     parameters=(
         Parameter(
             "inertia_over_stiffness", "s2", 0.0, 1.0, "Jm G^2/K, or J/K with the inertia of the link: (period / 2 pi)^2"
         ),
-        Parameter("inertia", "kg m2", 0.0, 1e4, "Jm G^2 from which K follows; 0: friction as of the link", 0.0, True),
+        Parameter(
+            "inertia",
+            "kg m2",
+            0.0,
+            1e4,
+            "Jm G^2 or mean J from which K follows; 0: friction as of the link, or a link that does not swing",
+            0.0,
+            True,
+        ),
         Parameter("side", "1", 0, 1, "0: positions are those of the link, 1: of the motor", 0, fixed=True),
+        Parameter("damping", "1", 0.0, 1.0, "damping of the swing of the link, 1: it does not swing", _DAMPING),
     ),
     confused_with=("actuation_delay",),
     excitation="motion with much jerk, and different loads",
@@ -59,11 +103,12 @@ EFFECT = Effect(
     argument_unit="N m/s2",
     torque=lambda state, axis, source, p: _columns(state, axis, source, p)[..., 0],
     columns=_columns,
-    # Inertia enters in proportion; the reversals of the motor do not, so that the search moves the parameter too.
-    parameters_of=lambda p, c: {**p, "inertia_over_stiffness": float(p["inertia_over_stiffness"] * c[0])},
+    parameters_of=_parameters_of,
     grid=_grid,
     needs=("order", "gear between"),
     scaled="inertia_over_stiffness",
+    spreads=_spreads,
+    spread=_spread,
     timing=True,
     bend=timing_bend(),
     sequential=True,
