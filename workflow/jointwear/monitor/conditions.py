@@ -20,7 +20,7 @@ Simoni et al. 2015 for warming): wide enough to learn any joint, narrow enough t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -71,6 +71,12 @@ class Conditions:
         some = self.temperature[:, known]
         with np.errstate(invalid="ignore"):
             return bool(np.all(np.abs(some - some[:, :1])[np.isfinite(some).all(axis=1)] < 1e-6))
+
+    def until(self, window: int) -> Conditions:
+        """Return those of the windows before `window`."""
+        names = ("start", "end", "temperature", "features", "speed", "load")
+        regime = None if self.regime is None else self.regime[:window]
+        return replace(self, **{name: getattr(self, name)[:window] for name in names}, regime=regime)
 
 
 def operating_features(

@@ -28,6 +28,7 @@ from jointwear.monitor.findings import coarse_findings, findings_of
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.programs import labelled_regimes, program_findings
+from jointwear.monitor.recall import Recall
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
 from jointwear.monitor.regimes import find_regimes, signatures
 from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
@@ -105,6 +106,7 @@ def judge(
     baseline: int | np.ndarray,
     settings: JudgeSettings,
     known: dict[str, list[AxisNormal | None]] | None = None,
+    recall: Recall | None = None,
 ) -> Judgement:
     """Judge all windows.
 
@@ -112,6 +114,7 @@ def judge(
     ----------
     baseline : number of windows, from the first, that show the robot healthy, or which ones, (w,) bool.
     known : normal states by name of the series, of a call that differs in the stated rate alone; filled where empty.
+    recall : of what the baseline told before, :mod:`.recall`.
     """
     known = {} if known is None else known
     first = np.arange(statistics.windows) < baseline if np.ndim(baseline) == 0 else np.asarray(baseline, dtype=bool)
@@ -141,14 +144,13 @@ def judge(
         ("backlash", [backlash_series(statistics, np.array([not reason for reason in hidden]))]),
     ):
         if name not in known:
-            known[name] = learn_axes(
-                candidates, levels[: len(candidates)], conditions, before_events(first, events, statistics.axes), shift
-            )
+            quiet = before_events(first, events, statistics.axes)
+            known[name] = learn_axes(candidates, levels[: len(candidates)], conditions, quiet, shift, recall)
     steps: list[ScaleStep] = []
     found: list[list[int]] = [[] for _ in range(statistics.axes)]
 
     def watched(name: str, share: float, **more: bool) -> Watch:
-        return watch(known[name], conditions, first, shift, share * rate, events, found, **more)
+        return watch(known[name], conditions, first, shift, share * rate, events, found, recall=recall, **more)
 
     for turn in range(MOST_STEPS + 1):
         level = watched("level", LEVEL_SHARE)

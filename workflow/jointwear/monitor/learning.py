@@ -19,6 +19,7 @@ from jointwear.monitor.dispersion import (
     within_shifts,
 )
 from jointwear.monitor.normal_state import NormalFit, Posterior, fit_normal_state
+from jointwear.monitor.recall import Recall, Rows, key_of
 from jointwear.monitor.series import Series
 from jointwear.monitor.warm_up import DRIVES, TIMES, warm_up_state
 from jointwear.statistics.known import known_median
@@ -63,6 +64,7 @@ def learn_axes(
     conditions: Conditions,
     learnt: np.ndarray,
     shift: np.ndarray,
+    recall: Recall | None = None,
 ) -> list[AxisNormal | None]:
     """Return the normal state of every axis, None where the baseline shows too little.
 
@@ -70,23 +72,99 @@ def learn_axes(
     ----------
     series, names : candidates for the level that is judged; the one whose left-out shifts scatter least, counted as
         growth of Coulomb friction, is taken. conditions : of all windows. learnt : (w, n) bool. shift : (w,).
+    recall : of what was chosen before.
+    """
+    # What is learnt rests on the windows up to the end of the baseline, so that nothing later can change it.
+    rows = np.flatnonzero(learnt.any(axis=1))
+    until = int(rows[-1]) + 1 if len(rows) else 0
+    shared = conditions.shared
+    early = conditions.until(until)
+    parts = [Series(s.value[:until], s.variance[:until], s.unit, s.share) for s in series]
+    recall = recall or Recall()
+    key = key_of(
+        "learnt", *(x for s in parts for x in (s.value, s.variance, s.share)), early.start, early.end,
+        early.temperature, early.features, early.speed, early.load, early.regime, early.named, shared,
+        learnt[:until], shift[:until],
+    )  # fmt: skip
+    rows_of = recall(key, lambda: _choose(parts, early, shared, learnt[:until], shift[:until]))
+    chosen = [_Chosen.of(row) for row in rows_of]
+    warm: dict[tuple[float, float], np.ndarray] = {}
+    result: list[AxisNormal | None] = []
+    for j, choice in enumerate(chosen):
+        if choice is None:
+            result.append(None)
+            continue
+        if choice.tau is not None and (choice.tau, choice.power) not in warm:
+            warm[choice.tau, choice.power] = _warm(conditions, learnt, choice.tau, choice.power)
+        own = None if choice.tau is None else warm[choice.tau, choice.power]
+        one, name = series[choice.series], names[choice.series]
+        design = _design(one, conditions, shared, learnt, own, j)
+        value = np.where(learnt[:, j], one.value[:, j], np.nan)
+        middle = float(np.nanmedian(value))
+        fit = _fit(design, value - middle, choice.dispersion, one.variance[:, j], shift)
+        to_coulomb, unit = 1.0 / float(one.share[j]), float(one.unit[j] * np.exp(middle))
+        level, spread = one.value[:, j] - middle, one.variance[:, j]
+        result.append(AxisNormal(name, level, spread, design, fit, choice.dispersion, to_coulomb, unit))
+    return result
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """How an axis is learnt: place of the series, `dispersion`, warm-up time [h] or None, and power of its drive."""
+
+    series: int
+    dispersion: Dispersion
+    tau: float | None
+    power: float
+
+    @property
+    def row(self) -> list[float | None]:
+        """It as numbers."""
+        d = self.dispersion
+        numbers = (self.series, d.extra, d.memory, d.between, d.spread, self.tau, self.power)
+        return [None if x is None else float(x) for x in numbers]
+
+    @classmethod
+    def of(cls, row: list[float | None]) -> _Chosen | None:
+        """Return what :attr:`row` said; None of an empty row."""
+        return cls(int(row[0]), Dispersion(*row[1:5]), row[5], row[6]) if row else None
+
+
+def _choose(
+    series: Sequence[Series], conditions: Conditions, shared: bool, learnt: np.ndarray, shift: np.ndarray
+) -> Rows:
+    """Return how each axis is learnt (:class:`_Chosen`), an empty row where the baseline shows too little.
+
+    Parameters
+    ----------
+    series, conditions, learnt, shift : of :func:`learn_axes`, up to the end of the baseline.
+    shared : whether all axes have the same temperature.
     """
     n = learnt.shape[1]
-    best: list[AxisNormal | None] | None = None
+    best: Rows | None = None
     lowest = np.inf
-    for tau, power in _times(conditions, learnt):
-        warm = None
-        if tau is not None:
-            drive = _relative(conditions.speed, learnt) ** power
-            warm = warm_up_state(conditions.start, conditions.end, drive, tau)
-        states: list[list[AxisNormal | None]] = []
-        for one, name in zip(series, names, strict=True):
-            states.append(_learn(one, name, conditions, learnt, shift, warm))
-        chosen = [min((s[j] for s in states if s[j] is not None), key=_scatter, default=None) for j in range(n)]
-        total = sum(np.log(_scatter(a)) for a in chosen if a is not None)
+    for tau, power in _times(conditions, shared, learnt):
+        warm = None if tau is None else _warm(conditions, learnt, tau, power)
+        states = [_learn(one, conditions, shared, learnt, shift, warm) for one in series]
+        rows: Rows = []
+        total = 0.0
+        for j in range(n):
+            found = [(states[k][j][1], k) for k in range(len(series)) if states[k][j] is not None]
+            if not found:
+                rows.append([])
+                continue
+            scatter, k = min(found)
+            rows.append(_Chosen(k, states[k][j][0], tau, power).row)
+            total += np.log(scatter)
         if best is None or total < lowest:
-            best, lowest = chosen, total
-    return best or [None] * n
+            best, lowest = rows, total
+    return best or [[] for _ in range(n)]
+
+
+def _warm(conditions: Conditions, learnt: np.ndarray, tau: float, power: float) -> np.ndarray:
+    """Return the warm-up state (w, n) of a time [h] and a power of the speed."""
+    drive = _relative(conditions.speed, learnt) ** power
+    return warm_up_state(conditions.start, conditions.end, drive, tau)
 
 
 def _relative(speed: np.ndarray, learnt: np.ndarray) -> np.ndarray:
@@ -96,7 +174,7 @@ def _relative(speed: np.ndarray, learnt: np.ndarray) -> np.ndarray:
         return np.nan_to_num(speed / usual, nan=1.0, posinf=1.0)
 
 
-def _times(conditions: Conditions, learnt: np.ndarray) -> list[tuple[float | None, float]]:
+def _times(conditions: Conditions, shared: bool, learnt: np.ndarray) -> list[tuple[float | None, float]]:
     """Warm-up times and powers of the speed that drives them; none where every axis logs a temperature that moves."""
     with np.errstate(all="ignore"):
         inside = np.where(learnt, conditions.temperature, np.nan)
@@ -105,61 +183,64 @@ def _times(conditions: Conditions, learnt: np.ndarray) -> list[tuple[float | Non
             known, np.nanmin(np.nan_to_num(inside, nan=1e9), axis=0), 0
         )
     own = known & (span > SPREAD)
-    if own.all() and not conditions.shared:
+    if own.all() and not shared:
         return [(None, 0.0)]
     return [(tau, power) for tau in TIMES for power in DRIVES]
 
 
+def _design(
+    series: Series, conditions: Conditions, shared: bool, learnt: np.ndarray, warm: np.ndarray | None, j: int
+) -> Design:
+    """Return the design of axis `j`; the warm-up state `warm` (w, n) enters where it logs no temperature of its own."""
+    rows = learnt[:, j] & np.isfinite(series.value[:, j])
+    own = np.isfinite(conditions.temperature[rows, j])
+    use = warm[:, j] if warm is not None and (not own.any() or shared) else None
+    return design_of(conditions, j, rows, use)
+
+
 def _learn(
     series: Series,
-    name: str,
     conditions: Conditions,
+    shared: bool,
     learnt: np.ndarray,
     shift: np.ndarray,
     warm: np.ndarray | None,
-) -> list[AxisNormal | None]:
+) -> list[tuple[Dispersion, float] | None]:
+    """Return for each axis the dispersion, and the scatter of left-out shifts in growth of Coulomb friction."""
     n = learnt.shape[1]
     sensed = np.isfinite(np.where(learnt, conditions.temperature, np.nan)).any(axis=0)
-    told = USUAL_SHARED if conditions.shared else USUAL_OWN
+    told = USUAL_SHARED if shared else USUAL_OWN
     usual = [told if sensed[j] else USUAL_NONE for j in range(n)]
     axes = [j for j in range(n) if enough(series.value[:, j], learnt[:, j], shift)]
-    designs, fits = {}, {}
-    dispersion = dict.fromkeys(axes, START)
+    designs = {j: _design(series, conditions, shared, learnt, warm, j) for j in axes}
+    values = {}
     for j in axes:
-        rows = learnt[:, j] & np.isfinite(series.value[:, j])
-        own = np.isfinite(conditions.temperature[rows, j])
-        use = warm[:, j] if warm is not None and (not own.any() or conditions.shared) else None
-        designs[j] = design_of(conditions, j, rows, use)
+        value = np.where(learnt[:, j], series.value[:, j], np.nan)
+        values[j] = value - float(np.nanmedian(value))
+    dispersion = dict.fromkeys(axes, START)
     for _ in range(ROUNDS):
         means = {}
         for j in axes:
-            value = np.where(learnt[:, j], series.value[:, j], np.nan)
-            value = value - float(np.nanmedian(value))
-            noise = dispersion[j].noise(series.variance[:, j])
-            fits[j] = fit_normal_state(designs[j].matrix, value, noise, shift, designs[j].prior)
-            extra, memory = within_shifts(fits[j].left_out, series.variance[:, j], shift)
+            fit = _fit(designs[j], values[j], dispersion[j], series.variance[:, j], shift)
+            extra, memory = within_shifts(fit.left_out, series.variance[:, j], shift)
             variance = series.variance[:, j] + extra
-            means[j] = shift_means(fits[j].left_out, fits[j].left_out_variance, variance, shift, memory)
+            means[j] = shift_means(fit.left_out, fit.left_out_variance, variance, shift, memory)
             dispersion[j] = Dispersion(extra, memory, dispersion[j].between, dispersion[j].spread)
         found = between_shifts([means[j] for j in axes], [usual[j] for j in axes])
         for j, (between, spread) in zip(axes, found, strict=True):
             dispersion[j] = Dispersion(dispersion[j].extra, dispersion[j].memory, between, spread)
-    result: list[AxisNormal | None] = [None] * n
+    result: list[tuple[Dispersion, float] | None] = [None] * n
     for j in axes:
-        value = np.where(learnt[:, j], series.value[:, j], np.nan)
-        middle = float(np.nanmedian(value))
-        fit = fit_normal_state(
-            designs[j].matrix, value - middle, dispersion[j].noise(series.variance[:, j]), shift, designs[j].prior
-        )
-        result[j] = AxisNormal(
-            name, series.value[:, j] - middle, series.variance[:, j], designs[j], fit, dispersion[j],
-            1.0 / float(series.share[j]), float(series.unit[j] * np.exp(middle)),
-        )  # fmt: skip
+        fit = _fit(designs[j], values[j], dispersion[j], series.variance[:, j], shift)
+        scatter = 1.0 / float(series.share[j]) * float(np.nanmean(np.abs(fit.left_out)))
+        result[j] = dispersion[j], scatter
     return result
 
 
-def _scatter(axis: AxisNormal) -> float:
-    return axis.to_coulomb * float(np.nanmean(np.abs(axis.fit.left_out)))
+def _fit(
+    design: Design, value: np.ndarray, dispersion: Dispersion, variance: np.ndarray, shift: np.ndarray
+) -> NormalFit:
+    return fit_normal_state(design.matrix, value, dispersion.noise(variance), shift, design.prior)
 
 
 def relearnt(axis: AxisNormal, learnt: np.ndarray, shift: np.ndarray, prior: Posterior) -> NormalFit:

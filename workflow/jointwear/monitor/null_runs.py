@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from jointwear.monitor.decision import BACK, FEWEST_BEFORE, SHIFTS, STEP, STEP_WINDOWS, TOLERATED
 from jointwear.monitor.dispersion import FLOOR, STEP_WEIGHT
@@ -60,25 +60,46 @@ class Axis:
         )
 
 
+@dataclass(frozen=True)
+class _Draws:
+    """What the null runs of all axes with as many windows a shift share, standardised.
+
+    `spread`, `carried`, `offset` (RUNS, 1); `fresh` (RUNS, JUDGED); `parts` (RUNS, JUDGED, MOMENTS).
+    """
+
+    spread: np.ndarray
+    carried: np.ndarray
+    fresh: np.ndarray
+    offset: np.ndarray
+    parts: np.ndarray
+
+
+@lru_cache(maxsize=8)
+def _draws(windows: int) -> _Draws:
+    random = np.random.default_rng([20150824, windows])
+    law = np.sqrt((FREEDOM - 2) / FREEDOM)
+    return _Draws(
+        spread=random.standard_normal((RUNS, 1)),
+        carried=random.uniform(0.0, CARRIED, (RUNS, 1)),
+        fresh=law * random.standard_t(FREEDOM, (RUNS, JUDGED)),
+        offset=law * random.standard_t(FREEDOM, (RUNS, 1)),
+        parts=random.standard_normal((RUNS, JUDGED, MOMENTS)),
+    )
+
+
 @lru_cache(maxsize=512)
 def _maxima(axis: Axis) -> tuple[np.ndarray, np.ndarray]:
     """Return the largest statistic of each run (RUNS,): of the level, and of the last shifts less those before."""
-    random = np.random.default_rng([20150824, axis.windows])
-    law = np.sqrt((FREEDOM - 2) / FREEDOM)
-
-    def heavy(*shape: int) -> np.ndarray:
-        return law * random.standard_t(FREEDOM, shape)
-
-    true = axis.between * np.exp(axis.spread * random.standard_normal((RUNS, 1)))
-    carried = random.uniform(0.0, CARRIED, (RUNS, 1))
+    drawn = _draws(axis.windows)
+    true = axis.between * np.exp(axis.spread * drawn.spread)
+    carried, fresh = drawn.carried, drawn.fresh
     shifts = np.empty((RUNS, JUDGED))
-    fresh = heavy(RUNS, JUDGED)
     shifts[:, 0] = fresh[:, 0]
     for s in range(1, JUDGED):
         shifts[:, s] = carried[:, 0] * shifts[:, s - 1] + np.sqrt(1 - carried[:, 0] ** 2) * fresh[:, s]
-    offset = axis.normal * heavy(RUNS, 1)
+    offset = axis.normal * drawn.offset
     # Means of the first 1/M, 2/M ... of a shift.
-    parts = axis.within * np.sqrt(MOMENTS) * random.standard_normal((RUNS, JUDGED, MOMENTS))
+    parts = axis.within * np.sqrt(MOMENTS) * drawn.parts
     share = np.arange(1, MOMENTS + 1)
     running = np.cumsum(parts, axis=2) / share + (true * shifts + offset)[..., None]
     # From here on runs come last, so that all runs of a moment lie together: (JUDGED, MOMENTS, RUNS).
@@ -150,7 +171,7 @@ def null_thresholds(axis: Axis, chance_per_window: float) -> tuple[float, float]
     both = _quantile(np.maximum(maxima[0] / alone[0], maxima[1] / alone[1]), at)
     farther = float((smallest / wanted) ** (1 / FREEDOM)) if wanted < smallest else 1.0
     # What no run shows, a state of the robot that the normal one is wrong for, comes to an axis once in so many shifts.
-    least = float(np.sqrt((FREEDOM - 2) / FREEDOM) * student.ppf(1 - min(wanted, 0.5), FREEDOM))
+    least = float(np.sqrt((FREEDOM - 2) / FREEDOM) * stdtrit(FREEDOM, 1 - min(wanted, 0.5)))
     return max(alone[0] * both * farther, least), max(alone[1] * both * farther, least)
 
 

@@ -19,6 +19,7 @@ from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import READING_KEYS, window_seconds
+from jointwear.monitor.recall import Recall
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import read_survey, survey_log
 from jointwear.monitor.windows import WindowStatistics
@@ -107,8 +108,14 @@ def judge_pieces(
     state: str | Path,
     alarms: str | Path,
     name: str | None = None,
+    recall: Recall | None = None,
 ) -> None:
-    """Judge the statistics of logs, in the order of the logs; see :func:`judge_windows`."""
+    """Judge the statistics of logs, in the order of the logs; see :func:`judge_windows`.
+
+    Parameters
+    ----------
+    recall : of what the baseline told before, :mod:`.recall`.
+    """
     arm = load_robot(robot)
     whole = assemble(pieces)
     if not whole.statistics.windows:
@@ -119,7 +126,7 @@ def judge_pieces(
     statistics, baseline = with_kept_baseline(whole.statistics, given, kept)
     keep_baseline(statistics, baseline, given, kept)
     whole = replace(whole, statistics=statistics)
-    judgement = judge(statistics, baseline.mask, settings_of(arm, entry))
+    judgement = judge(statistics, baseline.mask, settings_of(arm, entry), recall=recall)
     if baseline.words:
         begin = float(statistics.start[0])
         told = {"time": begin, "axes": [], "kind": "baseline", "words": baseline.words}

@@ -14,6 +14,7 @@ from jointwear.monitor.dispersion import inflated, updated_between
 from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
 from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
+from jointwear.monitor.recall import Recall, key_of
 from jointwear.monitor.shared_error import ALIKE, SharedError, shared_error
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
@@ -74,6 +75,7 @@ def watch(
     proposed: Sequence[Sequence[int]] = (),
     services: bool = True,
     common: bool = True,
+    recall: Recall | None = None,
 ) -> Watch:
     """Watch one quantity.
 
@@ -84,6 +86,7 @@ def watch(
     events : per axis, windows at which the config says that something was done to it.
     proposed : the same, found in the logs themselves.
     services : whether falls propose services. common : whether what all axes have in common is taken out.
+    recall : of thresholds that were simulated before.
     """
     w, n = len(shift), len(axes)
     events, proposed = events or [[]] * n, proposed or [[]] * n
@@ -99,9 +102,11 @@ def watch(
         for e, p in zip(events, proposed, strict=True)
     ]
     fall_rate = FALL_RATE / 1000 * conditions.hours
+    recall = recall or Recall()
     for j in judged:
-        threshold[j], steps[j] = _thresholds(axes[j], shift, baseline, rate / len(judged))
-        falls[j] = _thresholds(axes[j], shift, baseline, fall_rate / len(judged))[0]
+        null = _null_of(axes[j], shift, baseline)
+        threshold[j], steps[j] = _thresholds(null, rate / len(judged), recall)
+        falls[j] = _thresholds(null, fall_rate / len(judged), recall)[0]
     # Services change what comes after them: found one after the other, until none is left.
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
     states: dict[int, _Axis] = {}
@@ -286,16 +291,20 @@ def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int)
     return np.stack([baseline & (place < min(events[j], default=len(baseline))) for j in range(n)], axis=1)
 
 
-def _thresholds(axis: AxisNormal, shift: np.ndarray, baseline: np.ndarray, rate: float) -> tuple[float, float]:
-    """Return the thresholds of one axis, of level and steps, for a rate of false alarms a window."""
+def _null_of(axis: AxisNormal, shift: np.ndarray, baseline: np.ndarray) -> Axis:
+    """Return what the null runs of one axis depend on."""
     rows = np.isfinite(axis.series_value) & baseline
     usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else 8.0
     noise = float(np.nanmedian(axis.noise))
     within = np.sqrt(noise * float(inflated(usual, axis.dispersion.memory)) / usual)
     left = axis.fit.left_out_variance
     normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else 0.01
-    null = Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual))
-    return null_thresholds(null, rate)
+    return Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual)).rounded()
+
+
+def _thresholds(null: Axis, rate: float, recall: Recall) -> list[float]:
+    """Return the thresholds of one axis, of level and steps, for a rate of false alarms a window."""
+    return recall(key_of("thresholds", null, rate), lambda: [list(null_thresholds(null, rate))])[0]
 
 
 def _begin_of_change(window: int, shifts: int, shift: np.ndarray) -> int:

@@ -18,6 +18,7 @@ from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.plan import digest
 from jointwear.monitor.fleet.reading import Readings, code_of, model_of
 from jointwear.monitor.page import write_page
+from jointwear.monitor.recall import read_recall, write_recall
 from jointwear.monitor.stages import judge_pieces
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import read_state
@@ -84,11 +85,14 @@ def watch_robot(
         row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows")) if logs else 0
         if not readings.logs:
             raise InputError(unreachable or "there is no log yet")
-        judging = [entry, model_of(entry["robot"]), readings.stamp, code_of("judge_windows"), code_of("watch_fleet")]
+        code = code_of("judge_windows")
+        judging = [entry, model_of(entry["robot"]), readings.stamp, code, code_of("watch_fleet")]
         judged = digest([judging, time_zone, page])
         if judged != readings.judged or not (own / "state.nc").is_file():
             readings.judged = ""
-            judge_pieces(readings.pieces(), entry["robot"], entry, own / "state.nc", own / "alarms.csv", name)
+            recall = read_recall(own / "recall.json", code)
+            judge_pieces(readings.pieces(), entry["robot"], entry, own / "state.nc", own / "alarms.csv", name, recall)
+            write_recall(own / "recall.json", recall, code)
             state = read_state(own / "state.nc")
             write_history(own / "history.parquet", state, name)
             levels = {axis["level"] for axis in standing(state)["axes"]}
