@@ -105,10 +105,10 @@ def test_robots_of_one_name_and_different_logs_do_not_mix(logs, tmp_path):
 def test_a_robot_that_breaks_does_not_stop_the_others(logs, tmp_path, monkeypatch, capsys):
     judge = watch.judge_pieces
 
-    def broken(pieces, robot, entry, state, alarms, name):
+    def broken(pieces, robot, entry, state, alarms, name, **how):
         if name == "two":
             raise KeyError("nobody thought of this")
-        judge(pieces, robot, entry, state, alarms, name)
+        judge(pieces, robot, entry, state, alarms, name, **how)
 
     monkeypatch.setattr(watch, "judge_pieces", broken)
     entries = dict.fromkeys(("one", "two", "three"), ENTRY)

@@ -19,6 +19,8 @@ MOST_POINTS = 360
 MOST_MARKS = 90
 #: Most steps between the ticks of an axis of a robot, and the gap between two of them as a share of their height.
 TICKS, BETWEEN = 4, 0.14
+#: Height of the row of an axis over time and over temperature [inches].
+TIME_ROW, TEMPERATURE_ROW = 1.15, 0.95
 #: Fewer are drawn as points with bars, more as a line with a band.
 FEW_POINTS = 40
 #: A band that is wider than this many times the usual one is cut at the edge of its row.
@@ -73,6 +75,46 @@ class _Row:
         return self(found), form.format_ticks(found)
 
 
+class _Panel:
+    """One panel in which each axis has a row of its own; a panel for each takes three times as long."""
+
+    def __init__(self, rows: int, height: float) -> None:
+        """Begin a figure of `rows` rows, `height` [inches] each."""
+        self.figure = new_figure(0.45 + height * rows, layout=None)
+        self.axes = self.figure.subplots()
+        Margins(left=0.95, bottom=0.5, top=0.1).apply(self.figure, 1, 1)
+        self._rows, self._feet = rows, []
+        self._places, self._labels = [], []
+
+    def row(self, axis: int, unit: str, *values: np.ndarray) -> _Row:
+        """Return the next row, from the top, for values of the 0-based `axis`; its label and ticks are drawn."""
+        row = _Row((self._rows - 1 - len(self._feet)) * (1 + BETWEEN), *values)
+        beside = self.axes.get_yaxis_transform()
+        self._feet.append(row.foot)
+        self.axes.text(-0.105, row.foot + 0.5, f"axis {axis + 1}\n[{unit}]", transform=beside, rotation=90,
+                       ha="center", va="center")  # fmt: skip
+        if not row.seen:
+            self.axes.text(0.5, row.foot + 0.5, UNJUDGED, transform=beside, ha="center", va="center",
+                           color=palette.MUTED)  # fmt: skip
+        places, labels = row.ticks()
+        self._places += list(places)
+        self._labels += labels
+        return row
+
+    def save(self, output: str | Path, title: str, description: str) -> None:
+        """Write the figure."""
+        from matplotlib.collections import LineCollection
+
+        feet = [[(0, foot), (1, foot)] for foot in self._feet]
+        across = self.axes.get_yaxis_transform()
+        lines = LineCollection(feet, colors=palette.MUTED, linewidths=0.8, transform=across)
+        self.axes.add_collection(lines, autolim=False)
+        self.axes.set_yticks(self._places, self._labels)
+        self.axes.set_ylim(0, self._rows + (self._rows - 1) * BETWEEN)
+        self.axes.set_xmargin(0.02)
+        save(self.figure, output, title, description)
+
+
 def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo = UTC) -> None:
     """Draw an estimate of every axis over time in `zone`, with two standard deviations, baseline and alarms."""
     values, std, unit = state.estimates[name]
@@ -80,47 +122,53 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
     w, n = values.shape
     groups = np.array_split(np.arange(w), min(w, MOST_POINTS))
     at = time[[g[len(g) // 2] for g in groups]]
-    figure = new_figure(0.45 + 1.15 * n, layout=None)
-    # One panel for all axes, each in a row of its own: a panel for every axis takes three times as long.
-    axes = figure.subplots()
-    Margins(left=0.95, bottom=0.5, top=0.1).apply(figure, 1, 1)
+    panel = _Panel(n, TIME_ROW)
+    axes = panel.axes
     axes.axvspan(time[0], time[state.baseline - 1], color=palette.GRID, alpha=0.45, linewidth=0)
-    told, places, labels = [], [], []
+    told = []
+    marks: dict[int, list] = {}
     for j in range(n):
         mean, error = _thin(values[:, j], std[:, j], groups)
         # The first windows of a series know little: a row as high as their band would show nothing else.
         wide = len(groups) >= FEW_POINTS and error > WIDE * _middle(error)
-        row = _Row((n - 1 - j) * (1 + BETWEEN), *(np.where(wide, np.nan, mean + s * error) for s in (-2, 2)))
+        row = panel.row(j, unit, *(np.where(wide, np.nan, mean + s * error) for s in (-2, 2)))
         colour = palette.axis_colour(j + 1)
-        if not row.seen:
-            axes.text(0.5, row.foot + 0.5, UNJUDGED, transform=axes.get_yaxis_transform(), ha="center", va="center",
-                      color=palette.MUTED)  # fmt: skip
-        elif len(groups) < FEW_POINTS:
+        if row.seen and len(groups) < FEW_POINTS:
             size = 2 * error / (row.high - row.low)
-            axes.errorbar(at, row(mean), yerr=size, fmt="o", markersize=3, color=colour, linewidth=1.0)
-        else:
+            _points(axes, at, row(mean), size, colour, 1.0)
+        elif row.seen:
             edges = (np.clip(row(mean + s * error), row.foot, row.foot + 1) for s in (-2, 2))
             axes.fill_between(at, *edges, color=colour, alpha=0.25, linewidth=0)
             axes.plot(at, np.clip(row(mean), row.foot, row.foot + 1), color=colour, linewidth=1.2)
         for k, alarm in enumerate(a for a in state.alarms if a["axis"] == j + 1):
             where = time[np.clip(np.searchsorted(state.end, alarm["time"]), 0, w - 1)]
-            dashes = palette.DASHES[k % len(palette.DASHES)]
-            axes.plot([where] * 2, [row.foot, row.foot + 1], color=palette.INK, linewidth=1.1, linestyle=dashes)
-        axes.text(-0.105, row.foot + 0.5, f"axis {j + 1}\n[{unit}]", transform=axes.get_yaxis_transform(), rotation=90,
-                  ha="center", va="center")  # fmt: skip
-        axes.axhline(row.foot, color=palette.MUTED, linewidth=0.8)
-        at_ticks, words = row.ticks()
-        places += list(at_ticks)
-        labels += words
+            marks.setdefault(k % len(palette.DASHES), []).append([(where, row.foot), (where, row.foot + 1)])
         told.append(_told(state, j, mean))
-    axes.set_yticks(places, labels)
-    axes.set_ylim(0, n + (n - 1) * BETWEEN)
-    axes.set_xmargin(0.02)
+    _mark(axes, marks)
     axes.set_xlabel(label)
     if state.dated:
         _date_labels(axes, zone)
     title = f"{name.replace('_', ' ')} of every axis over time"
-    save(figure, output, title, f"{title}; {'; '.join(told)}.")
+    panel.save(output, title, f"{title}; {'; '.join(told)}.")
+
+
+def _points(axes, at: np.ndarray, mean: np.ndarray, size: np.ndarray, colour: str, width: float) -> None:
+    """Draw points with bars of half-length `size`, the bars as one line with gaps: one artist in place of hundreds."""
+    gaps = np.full(len(at), np.nan)
+    bars = np.stack([mean - size, mean + size, gaps], axis=1).ravel()
+    axes.plot(np.repeat(at, 3), bars, color=colour, linewidth=width)
+    axes.plot(at, mean, "o", markersize=3, color=colour)
+
+
+def _mark(axes, marks: dict[int, list]) -> None:
+    """Draw the alarms: upright lines by the number of their dashes, one artist for all that are alike."""
+    from matplotlib.collections import LineCollection
+
+    for k, lines in marks.items():
+        axes.add_collection(
+            LineCollection(lines, colors=palette.INK, linewidths=1.1, linestyles=[palette.DASHES[k]], zorder=2),
+            autolim=True,
+        )
 
 
 def _middle(error: np.ndarray) -> float:
@@ -147,29 +195,15 @@ def _date_labels(axes, zone: tzinfo) -> None:
 def draw_temperature(state: RobotState, name: str, axes_shown: Sequence[int], output: str | Path) -> None:
     """Draw an estimate over temperature for some 0-based axes."""
     values, std, unit = state.estimates[name]
-    columns = min(len(axes_shown), 3)
-    rows = -(-len(axes_shown) // columns)
-    figure = new_figure(0.5 + 1.8 * rows, layout=None)
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    Margins(left=0.75, bottom=0.5, between=(0.75, 0.8)).apply(figure, columns, rows)
-    for axes in panels[len(axes_shown) :]:
-        axes.set_axis_off()
-    for axes, j in zip(panels, axes_shown, strict=False):
+    panel = _Panel(len(axes_shown), TEMPERATURE_ROW)
+    for j in axes_shown:
         order = np.argsort(state.temperature[:, j], kind="stable")
         groups = np.array_split(order, min(len(order), MOST_MARKS))
         mean, error = _thin(values[:, j], std[:, j], groups)
-        axes.errorbar(
-            [float(np.median(state.temperature[g, j])) for g in groups],
-            mean,
-            yerr=2 * error,
-            fmt="o",
-            markersize=3.5,
-            color=palette.axis_colour(j + 1),
-            linewidth=0.8,
-        )
-        axes.set_title(f"axis {j + 1}")
-        axes.set_xlabel("temperature [°C]")
-        axes.set_ylabel(f"[{unit}]")
+        row = panel.row(j, unit, mean - 2 * error, mean + 2 * error)
+        at = np.array([np.median(state.temperature[g, j]) for g in groups])
+        _points(panel.axes, at, row(mean), 2 * error / (row.high - row.low), palette.axis_colour(j + 1), 0.8)
+    panel.axes.set_xlabel("temperature [°C]")
     title = f"{name.replace('_', ' ')} over temperature"
     words = "window" if len(state.start) <= MOST_MARKS else "group of windows of like temperature"
-    save(figure, output, title, f"{title}, one point per {words} with two standard deviations.")
+    panel.save(output, title, f"{title}, one point per {words} with two standard deviations.")

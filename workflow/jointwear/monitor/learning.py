@@ -76,7 +76,9 @@ def learn_axes(
     """
     # What is learnt rests on the windows up to the end of the baseline, so that nothing later can change it.
     rows = np.flatnonzero(learnt.any(axis=1))
-    until = int(rows[-1]) + 1 if len(rows) else 0
+    if not len(rows):
+        return [None] * learnt.shape[1]
+    until = int(rows[-1]) + 1
     shared = conditions.shared
     early = conditions.until(until)
     parts = [Series(s.value[:until], s.variance[:until], s.unit, s.share) for s in series]
