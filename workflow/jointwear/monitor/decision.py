@@ -109,22 +109,22 @@ def shift_evidence(
     all_down = (known & (r < -TOLERATED) & usual[index])[:, :FALLEN].all(axis=1)
     carried = np.sqrt(CARRIED * shared[index])
     step = _steps(r, x, v, covariances, which, carried, known, both_up & good)
+    whole = _covariance(x[:, :SHIFTS], covariances, which) + carried[:, :SHIFTS, None] * carried[:, None, :SHIFTS]
+    own_place = np.arange(SHIFTS)
+    whole[:, own_place, own_place] += v[:, :SHIFTS] - carried[:, :SHIFTS] ** 2
     for k in range(1, SHIFTS + 1):
         rows = np.flatnonzero(good & known[:, k - 1])
         if not len(rows):
             break
-        c = x[rows, :k] @ covariances[which[rows]] @ np.swapaxes(x[rows, :k], 1, 2)
-        lasting = carried[rows, :k]
-        c += lasting[:, :, None] * lasting[:, None, :]
-        c[:, np.arange(k), np.arange(k)] += v[rows, :k] - lasting**2
+        c = whole[rows, :k, :k]
         solved = np.linalg.solve(c, np.ones((len(rows), k, 1)))[..., 0]
         information = solved.sum(axis=1)
         centre = np.einsum("wk,wk->w", solved, r[rows, :k]) / information
         error = 1.0 / np.sqrt(information)
         if k == 1:
             latest[rows], latest_std[rows] = centre, error
-            whole = count[rows] >= STEP_WINDOWS
-            up, down = whole & (centre > STEP), np.zeros(len(rows), dtype=bool)
+            full = count[rows] >= STEP_WINDOWS
+            up, down = full & (centre > STEP), np.zeros(len(rows), dtype=bool)
         else:
             up, down = both_up[rows], all_down[rows]
         rise = np.where(up, (centre - TOLERATED) / error, -np.inf)
@@ -161,7 +161,7 @@ def _steps(
     if not len(rows):
         return result
     some = known[rows]
-    c = x[rows] @ covariances[which[rows]] @ np.swapaxes(x[rows], 1, 2)
+    c = _covariance(x[rows], covariances, which[rows])
     c += carried[rows][:, :, None] * carried[rows][:, None, :]
     both = some[:, :, None] & some[:, None, :]
     own = np.arange(BACK)
@@ -178,6 +178,15 @@ def _steps(
         difference = (d * p - b * q - a * q + b * p) / determinant
         error = np.sqrt((a + 2 * b + d) / determinant)
         result[rows, k - 1] = np.where(old, (difference - TOLERATED) / error, -np.inf)
+    return result
+
+
+def _covariance(x: np.ndarray, covariances: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """Return the covariance (w, k, k) of predictions for designs `x` (w, k, p) by the normal states `which` (w,)."""
+    result = np.empty((len(x), x.shape[1], x.shape[1]))
+    for state in np.unique(which):
+        rows = np.flatnonzero(which == state)
+        result[rows] = x[rows] @ covariances[state] @ np.swapaxes(x[rows], 1, 2)
     return result
 
 

@@ -27,7 +27,7 @@ class Posterior:
 
     def predict(self, design: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the expected value (w,) of designs (w, p) and its variance (w,), noise of the window not included."""
-        return design @ self.mean, np.einsum("wp,pq,wq->w", design, self.covariance, design)
+        return design @ self.mean, ((design @ self.covariance) * design).sum(axis=1)
 
 
 @dataclass(frozen=True)
@@ -140,15 +140,19 @@ def taught(posterior: Posterior, design: np.ndarray, value: np.ndarray, variance
     if used.sum() < 2:
         return posterior
     x, y, v = design[used], value[used], variance[used]
-    error = y - x @ posterior.mean
-    spread = v + np.einsum("wp,pq,wq->w", x, posterior.covariance, x)
-    error = error - np.average(error, weights=1 / spread)
+    expected, spread = posterior.predict(x)
+    error, spread = y - expected, spread + v
+    error -= (error / spread).sum() / (1 / spread).sum()
     weight = (FREEDOM + 1) / (FREEDOM + error**2 / spread) / v
-    x = x - weight @ x / weight.sum()
-    y = y - weight @ y / weight.sum()
-    before = _inverse(posterior.covariance)
-    covariance = _inverse(before + (x.T * weight) @ x)
-    return Posterior(covariance @ (before @ posterior.mean + x.T @ (weight * y)), covariance)
+    share = weight / weight.sum()
+    x, y = x - share @ x, y - share @ y
+    # A shift has fewer windows than the normal state has coefficients: the smaller system is solved.
+    shown = x @ posterior.covariance
+    inner = shown @ x.T
+    inner.flat[:: len(inner) + 1] += 1 / weight
+    gain = np.linalg.solve(inner, shown).T
+    covariance = posterior.covariance - gain @ shown
+    return Posterior(posterior.mean + gain @ (y - x @ posterior.mean), 0.5 * (covariance + covariance.T))
 
 
 def _inverse(matrix: np.ndarray) -> np.ndarray:

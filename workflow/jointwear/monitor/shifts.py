@@ -53,13 +53,10 @@ def places_of_shifts(shift: np.ndarray, count: int) -> np.ndarray:
     -1 where there is no such shift.
     """
     w = len(shift)
-    last_of = {int(s): k for k, s in enumerate(shift)}
     result = np.full((w, count), -1, dtype=np.int64)
     result[:, 0] = np.arange(w)
-    known = sorted(last_of)
-    position = {s: p for p, s in enumerate(known)}
-    for k in range(w):
-        p = position[int(shift[k])]
-        for back in range(1, min(count, p + 1)):
-            result[k, back] = last_of[known[p - back]]
+    known, position = np.unique(shift, return_inverse=True)
+    last = np.searchsorted(position, np.arange(len(known)), side="right") - 1
+    before = position[:, None] - np.arange(1, count)
+    result[:, 1:] = np.where(before >= 0, last[np.maximum(before, 0)], -1)
     return result

@@ -178,6 +178,7 @@ class _Axis:
         variance = normal.noise * (1 + memory) / (1 - memory)
         posterior = normal.fit.posterior
         bad = ~np.isfinite(matrix).all(axis=1)
+        clean = np.nan_to_num(matrix)
         for k, (a, b) in enumerate(itertools.pairwise(edges)):
             part = slice(a, b)
             learnt = baseline
@@ -186,9 +187,10 @@ class _Axis:
                 posterior = relearnt(normal, learnt, shift, widened(normal, posterior)).posterior
                 last = int(np.flatnonzero(learnt)[-1]) + 1 if learnt.any() else b
                 self.learning[a:last] = True
-            for s in np.unique(shift[part]):
-                rows = a + np.flatnonzero(shift[part] == s)
-                expected, spread = posterior.predict(np.nan_to_num(matrix[rows]))
+            # Shifts are runs of windows.
+            cuts = a + np.flatnonzero(np.diff(shift[part])) + 1
+            for rows in np.split(np.arange(a, b), cuts - a):
+                expected, spread = posterior.predict(clean[rows])
                 self.residual[rows] = np.where(bad[rows], np.nan, normal.series_value[rows] - expected)
                 self.predicted[rows] = spread + normal.design.beyond[rows]
                 self.which[rows] = len(self.states)
@@ -204,7 +206,7 @@ class _Axis:
         self.residual[own] = normal.fit.left_out[own]
         self.predicted[own] = normal.fit.left_out_variance[own]
         with np.errstate(invalid="ignore"):
-            beyond = (self.predicted > UNSEEN**2) | ~np.isfinite(matrix).all(axis=1)
+            beyond = (self.predicted > UNSEEN**2) | bad
             self.unseen = beyond & np.isfinite(normal.series_value) & ~own
         hidden = self.unseen | self.learning
         self.residual[hidden] = np.nan
@@ -282,6 +284,8 @@ class _Axis:
 def _new_program(design: Design, posterior: Posterior, rows: np.ndarray) -> np.ndarray:
     """Return which windows `rows` run a program whose normal is not known yet."""
     unknown = [c for c in design.programs if posterior.covariance[c, c] > UNSEEN**2]
+    if not unknown:
+        return np.zeros(len(rows), dtype=bool)
     return (design.matrix[np.ix_(rows, unknown)] > 0).any(axis=1)
 
 
