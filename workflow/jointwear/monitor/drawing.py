@@ -19,6 +19,8 @@ MOST_POINTS = 360
 MOST_MARKS = 90
 #: Most steps between the ticks of an axis of a robot, and the gap between two of them as a share of their height.
 TICKS, BETWEEN = 4, 0.14
+#: Length of a tick [points]; as far from it stands its label.
+TICK = 3.5
 #: Height of the row of an axis over time and over temperature [inches].
 TIME_ROW, TEMPERATURE_ROW = 1.15, 0.95
 #: Fewer are drawn as points with bars, more as a line with a band.
@@ -104,12 +106,27 @@ class _Panel:
     def save(self, output: str | Path, title: str, description: str) -> None:
         """Write the figure."""
         from matplotlib.collections import LineCollection
+        from matplotlib.markers import TICKLEFT
+        from matplotlib.transforms import ScaledTranslation
 
-        feet = [[(0, foot), (1, foot)] for foot in self._feet]
         across = self.axes.get_yaxis_transform()
-        lines = LineCollection(feet, colors=palette.MUTED, linewidths=0.8, transform=across)
-        self.axes.add_collection(lines, autolim=False)
-        self.axes.set_yticks(self._places, self._labels)
+        # Ticks of Matplotlib's own are three artists each, and take a third of the time of such a figure.
+        self.axes.set_yticks([])
+        for places, colour, width, order in (
+            (self._places, palette.GRID, 0.7, 0.5),
+            (self._feet, palette.MUTED, 0.8, 2),
+        ):
+            lines = [[(0, place), (1, place)] for place in places]
+            self.axes.add_collection(
+                LineCollection(lines, colors=colour, linewidths=width, transform=across, zorder=order), autolim=False
+            )
+        self.axes.plot(
+            np.zeros(len(self._places)), self._places, linestyle="none", marker=TICKLEFT, markersize=TICK,
+            color=palette.MUTED, markeredgewidth=0.8, transform=across, clip_on=False,
+        )  # fmt: skip
+        beside = across + ScaledTranslation(-2 * TICK / 72, 0, self.figure.dpi_scale_trans)
+        for place, words in zip(self._places, self._labels, strict=True):
+            self.axes.text(0, place, words, transform=beside, ha="right", va="center_baseline")
         self.axes.set_ylim(0, self._rows + (self._rows - 1) * BETWEEN)
         self.axes.set_xmargin(0.02)
         save(self.figure, output, title, description)
