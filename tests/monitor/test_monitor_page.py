@@ -54,7 +54,7 @@ def built(tmp_path_factory):
     for path, log in zip(windows, logs, strict=True):
         accumulate_windows([log], folder / "survey.json", ROBOT, entry, path)
     judge_windows(windows, ROBOT, entry, folder / "state.nc", folder / "alarms.csv", "cell_3")
-    write_page(folder / "state.nc", folder / "monitor.html", folder / "figures")
+    write_page(read_state(folder / "state.nc"), folder / "monitor.html", folder / "figures")
     return folder, windows, entry
 
 
@@ -280,7 +280,7 @@ def test_refusals_are_kept_in_the_state(tmp_path, built):
     state = read_state(tmp_path / "state.nc")
     assert state.refused == (EVIL,)
     assert state.entry == json.loads(json.dumps(entry))
-    write_page(tmp_path / "state.nc", tmp_path / "p.html", tmp_path / "figures")
+    write_page(read_state(tmp_path / "state.nc"), tmp_path / "p.html", tmp_path / "figures")
     assert EVIL not in (tmp_path / "p.html").read_text()
 
 

@@ -1,8 +1,10 @@
 """Write the page of a monitored robot."""
 
 from jointwear.monitor.page import write_page
+from jointwear.monitor.state import read_state
 from jointwear.running.script import reported
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
-        write_page(snakemake.input.state, snakemake.output.page, snakemake.output.figures, snakemake.params.time_zone)
+        state = read_state(snakemake.input.state)
+        write_page(state, snakemake.output.page, snakemake.output.figures, snakemake.params.time_zone)

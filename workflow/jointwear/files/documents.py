@@ -6,7 +6,9 @@ Imported by the Snakefile at every call of Snakemake, so nothing heavy is import
 from __future__ import annotations
 
 import re
+from copy import deepcopy
 from datetime import date
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +114,13 @@ def _check_depth(text: str) -> None:
 
 
 def _load(text: str) -> Any:
+    """Return what a text says; the caller may change it."""
+    return deepcopy(_loaded(text))
+
+
+@lru_cache(maxsize=16)
+def _loaded(text: str) -> Any:
+    """Return what a text says. The robots of a fleet share their robot file and its schema."""
     _check_depth(text)
     loader = _StrictLoader(text)
     try:

@@ -17,7 +17,7 @@ from jointwear.monitor.episodes import Episode
 from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.standing import standing
-from jointwear.monitor.state import RobotState, read_state
+from jointwear.monitor.state import RobotState
 from jointwear.monitor.summaries import axis_summary, headline, name_axes, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
 from jointwear.monitor.words import todo
@@ -102,7 +102,7 @@ def _newest(episodes: list[Episode]) -> list[Episode]:
     return sorted(episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
 
 
-def write_page(state_file: str | Path, output: str | Path, figures: str | Path, time_zone: str | None = None) -> None:
+def write_page(state: RobotState, output: str | Path, figures: str | Path, time_zone: str | None = None) -> None:
     """Write the page of a monitored robot.
 
     Parameters
@@ -111,9 +111,9 @@ def write_page(state_file: str | Path, output: str | Path, figures: str | Path, 
 
     Raises
     ------
-    InputError : if the state cannot be read, or there is no such zone.
+    InputError : if there is no such zone.
     """
-    state, folder, zone = read_state(state_file), Path(figures), zone_of(time_zone)
+    folder, zone = Path(figures), zone_of(time_zone)
     shown = {name: words for name, words in TIMELINES.items() if np.isfinite(state.estimates[name][0]).any()}
     files = {f"timeline_{name}": folder / f"timeline_{name}.svg" for name in shown}
     for name in shown:

@@ -15,7 +15,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import parse_json
 from jointwear.files.storage import open_dataset, read_attribute
 from jointwear.monitor.assembly import Piece
-from jointwear.monitor.window_files import read_statistics, write_statistics
+from jointwear.monitor.window_files import statistics_in, write_statistics
 from jointwear.monitor.windows import PER_WINDOW, WindowStatistics
 
 
@@ -56,8 +56,8 @@ def read_pieces(path: str | Path) -> list[Piece]:
     ------
     InputError : naming the file, if it is missing, broken, or was written by another version of this library.
     """
-    statistics = read_statistics(path)
     with open_dataset(path) as dataset:
+        statistics = statistics_in(dataset, path)
         logs, refused = (
             parse_json(str(read_attribute(dataset, path, name)), path, list) for name in ("logs", "refused")
         )

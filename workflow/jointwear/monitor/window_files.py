@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 
 from jointwear.files import provenance
@@ -88,11 +89,16 @@ def read_statistics(path: str | Path) -> WindowStatistics:
     InputError : naming the file, if it is missing, broken, or was written by another version of this library.
     """
     with open_dataset(path) as dataset:
-        whole = {"regressor", *PER_WINDOW} <= set(dataset.variables)
-        if not whole or tuple(read_variable(dataset, path, "regressor")) != REGRESSORS:
-            raise InputError(f"{path}: holds no window statistics of this version; delete it and run again")
-        values = {name: read_variable(dataset, path, name) for name in PER_WINDOW}
-        reference, dated = read_variable(dataset, path, "torque_reference"), bool(dataset.dated)
+        return statistics_in(dataset, path)
+
+
+def statistics_in(dataset: netCDF4.Dataset, path: str | Path) -> WindowStatistics:
+    """Return the statistics of an open file; see :func:`read_statistics`."""
+    whole = {"regressor", *PER_WINDOW} <= set(dataset.variables)
+    if not whole or tuple(read_variable(dataset, path, "regressor")) != REGRESSORS:
+        raise InputError(f"{path}: holds no window statistics of this version; delete it and run again")
+    values = {name: read_variable(dataset, path, name) for name in PER_WINDOW}
+    reference, dated = read_variable(dataset, path, "torque_reference"), bool(dataset.dated)
     values = {k: v.astype(np.int64) if v.dtype.kind == "i" else v for k, v in values.items()}
     clock = np.concatenate([np.ravel(values["start"]), np.ravel(values["end"])])
     timely = np.abs(clock[np.isfinite(clock)]) < LATEST

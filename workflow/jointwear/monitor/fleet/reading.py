@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -51,8 +52,9 @@ _RECORD = {
 }
 
 
+@cache
 def code_of(script: str) -> str:
-    """Return a digest of the library files that a script of the workflow imports."""
+    """Return a digest of the library files that a script of the workflow imports, as they are when first asked for."""
     found = hashlib.sha256()
     for path in imported_by(LIBRARY.parent / "scripts" / f"{script}.py"):
         found.update(path.read_bytes())

@@ -88,21 +88,25 @@ def watch_robot(
         code = code_of("judge_windows")
         judging = [entry, model_of(entry["robot"]), readings.stamp, code, code_of("watch_fleet")]
         judged = digest([judging, time_zone, page])
-        if judged != readings.judged or not (own / "state.nc").is_file():
+        fresh = judged == readings.judged and (own / "state.nc").is_file()
+        if not fresh:
             readings.judged = ""
             recall = read_recall(own / "recall.json", code)
-            judge_pieces(readings.pieces(), entry["robot"], entry, own / "state.nc", own / "alarms.csv", name, recall)
+            judge_pieces(
+                readings.pieces(), entry["robot"], entry, own / "state.nc", own / "alarms.csv", name, recall=recall
+            )
             write_recall(own / "recall.json", recall, code)
-            state = read_state(own / "state.nc")
+        state = read_state(own / "state.nc")
+        row.update(standing(state))
+        if not fresh:
             write_history(own / "history.parquet", state, name)
-            levels = {axis["level"] for axis in standing(state)["axes"]}
+            levels = {axis["level"] for axis in row["axes"]}
             if page or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
-                write_page(own / "state.nc", own / "monitor.html", own / "figures", time_zone)
+                write_page(state, own / "monitor.html", own / "figures", time_zone)
             else:
                 (own / "monitor.html").unlink(missing_ok=True)
             readings.judged = judged
             readings.save()
-        row.update(standing(read_state(own / "state.nc")))
         row["kept_logs"] = len(set(readings.logs) - set(logs))
         row["page"] = "monitor.html" if (own / "monitor.html").is_file() else None
         return row
