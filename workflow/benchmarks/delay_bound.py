@@ -4,7 +4,8 @@ A detector is given what no user can give it: the law of the growth (its shape a
 residuals of shifts scatter. It does not know whether and when growth began. It takes the largest log-likelihood ratio
 over a grid of onsets (for a known law this is the cumulative sum of Page, 1954), and alarms at the rate that one axis
 has of the robot's. Residuals of shifts are drawn as independent: what the normal state does not know lasts longer in
-truth, so that the bound is below what can be reached.
+truth, so that the bound is below what can be reached. One scatter stands for all axes of a kind of robot: an axis that
+scatters less could be told sooner.
 
     PYTHONPATH=workflow python workflow/benchmarks/delay_bound.py --cells 400
 
