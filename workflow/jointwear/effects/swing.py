@@ -9,6 +9,9 @@ from jointwear.effects.state import State, record_slices
 
 #: Least inertia [kg m2] of a link; a robot file may be wrong.
 LEAST = 1e-9
+#: Samples at the start of a record whose load is taken from the next one: derivatives are not known there, and a link
+#: that is struck rings for long.
+STRUCK = 8
 
 
 def wind_up(
@@ -30,9 +33,10 @@ def wind_up(
     for part in record_slices(state):
         if part.stop - part.start < 2:
             continue
-        mass = np.maximum(inertia[part], LEAST)
-        place[part], speed = _swung(state.time[part], load[part], mass, stiffness, drag)
-        acceleration[part] = (load[part] - stiffness * place[part] - drag * speed) / mass
+        mass, pull = np.maximum(inertia[part], LEAST), np.array(load[part], dtype=float)
+        pull[:STRUCK] = pull[min(STRUCK, len(pull) - 1)]
+        place[part], speed = _swung(state.time[part], pull, mass, stiffness, drag)
+        acceleration[part] = (pull - stiffness * place[part] - drag * speed) / mass
     return place, acceleration
 
 
