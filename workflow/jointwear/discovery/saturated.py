@@ -26,21 +26,21 @@ START = 2
 SHARP = (4.0, 6.0, 9.0)
 
 
-def estimate_noise(problem: Problem, extra: dict[int, np.ndarray] | None = None) -> list[Whitener | None]:
-    """Estimate the colour of the noise of every judged axis from a saturated fit.
-
-    The fit holds the base regression, the coarse structure bases and `extra` columns (N_train, k) an axis, so that
-    what is left is noise whether or not an effect is hidden. It is done again with whitened columns and, where the
-    noise of derived accelerations would let columns take a part of the noise for signal, with instruments.
-    """
+def estimate_noise(problem: Problem) -> list[Whitener | None]:
+    """Estimate the colour of the noise of every judged axis from a saturated fit."""
     result: list[Whitener | None] = [None] * problem.robot.joints
     for axis in problem.judged:
-        more = None if extra is None else extra.get(axis)
-        result[axis] = _axis_noise(problem, axis, more)
+        result[axis] = axis_noise(problem, axis)
     return result
 
 
-def _axis_noise(problem: Problem, axis: int, extra: np.ndarray | None) -> Whitener:
+def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> Whitener:
+    """Estimate the colour of the noise of one axis from a saturated fit.
+
+    The fit holds the base regression, the coarse structure bases and `extra` columns (N_train, k), so that
+    what is left is noise whether or not an effect is hidden. It is done again with whitened columns and, where the
+    noise of derived accelerations would let columns take a part of the noise for signal, with instruments.
+    """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     y = problem.discrepancy[problem.train, axis]
     columns = _columns(problem, axis, extra, Cutoffs())
