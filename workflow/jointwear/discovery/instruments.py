@@ -153,15 +153,6 @@ def limit(columns: np.ndarray, record: np.ndarray, cutoff: float, rate: float) -
     return np.concatenate([low_pass(columns[piece], cutoff, rate) for piece in runs(record)])
 
 
-def smear_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
-    """Return what the filter behind the derivatives does to the torque of one axis, (N_train, k).
-
-    Nothing where columns of torque end below that filter: what is left of it there would be noise alone.
-    """
-    smear = problem.smear[problem.train, axis]
-    return smear[:, :0] if cutoffs.torque < problem.measured.cutoff[axis] else smear
-
-
 def clock_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
     """Return what sampling the torque of one axis :data:`CLOCK` of a period late changes, (N_train, 1) [N m]."""
     limited = band_limited(problem.train_state, axis, cutoffs.timing, problem.measured.rate)

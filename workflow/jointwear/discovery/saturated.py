@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit, smear_of
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
 from jointwear.discovery.noise_spectrum import corrected
 from jointwear.discovery.problem import Problem
@@ -64,7 +64,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     rate, raw = problem.measured.rate, problem.train_state
     state = band_limited(raw, axis, cutoffs.torque, rate)
     inertial = limit(problem.inertial[problem.train, axis], label, cutoffs.torque, rate)
-    groups = [problem.friction_columns(state, axis), inertial, smear_of(problem, axis, cutoffs)]
+    groups = [problem.friction_columns(state, axis), inertial, problem.smear[problem.train, axis]]
     if extra is not None:
         groups.append(extra)
     groups += [b.columns for b in axis_bases(state, axis, used, coarse=True)]

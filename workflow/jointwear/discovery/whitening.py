@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, clock_of, limit, smear_of
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, clock_of, limit
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
@@ -107,7 +107,8 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         base.append(
             Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}, (axis,))
         )
-        smear = smear_of(problem, axis, cutoffs[axis])
+        # It takes the noise of derivatives off the residual too: here as where the noise is estimated.
+        smear = problem.smear[problem.train, axis]
         if np.any(smear):
             # What the filter does is no part of the robot: a prediction in N m has to do without it.
             nothing = np.zeros((len(white.rows), smear.shape[1]))
