@@ -6,7 +6,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.leftovers import unexplained
 from jointwear.discovery.noise import Whitener, estimate, simulate
-from jointwear.discovery.noise_spectrum import corrected
+from jointwear.discovery.noise_spectrum import REDDEST, corrected
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
@@ -78,3 +78,21 @@ def test_structure_that_is_a_thousandth_of_the_torque_is_no_finding():
     assert surest < 1e-8
     assert 1 not in found
     assert 1 in structure(0.03)[0]
+
+
+def test_a_residual_that_no_sensor_makes_is_not_put_back_by_bands():
+    """Of what falls so steeply a fit has not taken noise alone."""
+    rng = np.random.default_rng(4)
+    trajectory = np.repeat(np.arange(4), 600)
+    usable = np.ones(len(trajectory), bool)
+    time = np.tile(np.arange(600) / 100.0, 4)
+    slow = np.sin(2 * np.pi * 0.7 * time + 0.5 * trajectory) + 0.5 * np.sin(2 * np.pi * 2.3 * time + trajectory)
+    residual = slow + 0.001 * rng.standard_normal(len(trajectory))
+    start = estimate(residual, usable, trajectory, 2)
+    ends = start.density(np.array([0.0, 50.0]), 100.0)
+    assert ends[0] > REDDEST * ends[1]
+
+    plain = estimate(residual, usable, trajectory)
+    kept = corrected(start, residual, lambda series: 0.3 * series, usable, trajectory, 100.0)
+    assert len(kept.lags) == len(plain.lags)
+    assert kept.sigma == pytest.approx(plain.sigma / 0.3, rel=0.5)

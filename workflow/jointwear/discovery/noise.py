@@ -76,14 +76,14 @@ def estimate(
         rows = whitenable(usable, trajectory, highest)
     best = (np.inf, np.zeros(0), 1.0)
     for order in range(highest + 1):
-        lags, variance = _regress(residual, rows, order)
+        lags, variance = regress(residual, rows, order)
         score = len(rows) * np.log(variance) + (order + 1) * np.log(max(len(rows), 2))
         if score < best[0] - 2.0:
             best = (score, lags, variance)
     return Whitener(whitenable(usable, trajectory, len(best[1])), best[1], float(np.sqrt(best[2])))
 
 
-def _regress(series: np.ndarray, rows: np.ndarray, order: int) -> tuple[np.ndarray, float]:
+def regress(series: np.ndarray, rows: np.ndarray, order: int) -> tuple[np.ndarray, float]:
     """Least-squares coefficients (order,) and innovation variance of an autoregressive model of a series (N,)."""
     target = series[rows]
     if not order:

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, simulate, stable, whitenable
+from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, estimate, regress, simulate, stable, whitenable
 
 #: Time [s] within which noise forgets to 37 %.
 LONGEST_MEMORY = 0.35
@@ -26,6 +26,9 @@ LEFT = 0.2
 OUTLYING = 2.0
 #: Samples with predecessors from which on spectra are compared, in all and of a record.
 FEWEST_ROWS, FEWEST_OF_RECORD = 200, 100
+#: Power at the low end of the band over that at the high end beyond which a residual is no sensor's noise: white noise
+#: has 1, of an autoregression of 0.9 it is 400, of a robot whose model is far off 40,000 and more.
+REDDEST = 1e3
 #: Edges of the bands in cells.
 EDGES = np.unique(np.concatenate([[0], np.round(np.geomspace(1, CELLS, BANDS)).astype(int)]))
 
@@ -46,6 +49,8 @@ def corrected(
     next to nothing the model is that of the neighbouring frequencies. Its order is chosen anew each time. What lasts
     longer than :data:`LONGEST_MEMORY` is not noise but structure, for the tests over time to find. Of each
     band a record counts up to :data:`OUTLYING` medians: noise is there all the time, a push in some records only.
+    A residual that falls by more than :data:`REDDEST` is mostly what the model lacks; more of that than is left is not
+    put back, but its coefficients are moved until what the fit leaves of drawn noise has those of the residual.
 
     Parameters
     ----------
@@ -53,6 +58,9 @@ def corrected(
         after the fit. take_off : series (N, k) -> what the fit leaves of them. usable : (N,) samples that are judged.
     trajectory : (N,) labels. rate : [Hz]. highest : order that the model may have.
     """
+    ends = white.density(np.array([0.0, 0.5]) * rate, rate)
+    if ends[0] > REDDEST * ends[1]:
+        return _by_lags(estimate(residual, usable, trajectory, highest), take_off, trajectory, rate)
     rows = whitenable(usable, trajectory, highest)
     if len(rows) < FEWEST_ROWS:
         return white
@@ -76,6 +84,24 @@ def corrected(
         density = model.density(lowest, rate) * np.exp(np.interp(frequency, centres[known], ratio))
         model = of_density(density, rate, highest, len(rows), radius)
     return Whitener(whitenable(usable, trajectory, len(model.lags)), model.lags, model.sigma)
+
+
+def _by_lags(
+    white: Whitener, take_off: Callable[[np.ndarray], np.ndarray], trajectory: np.ndarray, rate: float
+) -> Whitener:
+    """Return the model whose drawn noise has, after the fit, the coefficients and the variance of `white`."""
+    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    order, rows = len(white.lags), white.rows
+    wanted = np.array([*white.lags, np.log(white.sigma)])
+    trial = wanted.copy()
+    for step in range(3):
+        rng = np.random.default_rng(np.random.SeedSequence([8, order]))
+        model = Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
+        left = take_off(simulate(model, trajectory, DRAWS, rng))
+        fits = [regress(left[:, k], rows, order) for k in range(left.shape[1])]
+        came_out = np.mean([[*lags, 0.5 * np.log(variance)] for lags, variance in fits], axis=0)
+        trial = np.array([*model.lags, trial[-1]]) + (wanted - came_out) * (1.0 if step == 0 else 0.7)
+    return Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
 
 
 def band_power(white: np.ndarray, rows: np.ndarray, trajectory: np.ndarray) -> np.ndarray:
