@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Candidate, possible, prior_std, raw_columns
+from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, possible, prior_std
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -99,14 +99,15 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
     half = 0.5 * settings.accept
     gates = []
     if trial.candidate.axis is not None:
+        beside = white.fit(before)
         if follows_time(trial.candidate):
             gates.append(("nats gained on the last record left out", found.last, settings.worst_record))
-            gates.append(("nats by which one step in time does better", -_step_lead(white, before, trial), -half))
+            gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
         gates.append(
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
-        gates.append(("its parameters within their bounds", float(within_bounds(white, before, trial)), 1.0))
-        share = _share_of_torque(white, before, trial)
+        gates.append(("its parameters within their bounds", float(within_bounds(white, beside, trial)), 1.0))
+        share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == "inertial" else t for t in white.base]
     b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
@@ -135,26 +136,22 @@ def _cancels(white: White, trial: Named) -> float:
     """
     problem, axis = white.problem, trial.candidate.axis
     used = problem.usable[:, axis]
-    b, gram = white.fit().gram(trial.term.blocks)
-    coefficients = posterior_mean(b, gram, trial.term.std)
-    torque = (raw_columns(white, trial.candidate) @ coefficients)[used]
+    torque = fitted_torque(white, white.fit(), trial.candidate, trial.term.blocks, trial.term.std)
     friction = problem.friction_columns(problem.train_state, axis)[used]
     torque = torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
     discrepancy = problem.discrepancy[problem.train, axis][used]
     return float(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300))
 
 
-def _share_of_torque(white: White, before: list[Term], trial: Named) -> float:
+def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
     """Return the RMS torque of an effect, fitted beside others, over that of its axis."""
     problem, axis = white.problem, trial.candidate.axis
-    b, gram = white.fit(before).gram(trial.term.blocks)
-    used = problem.usable[:, axis]
-    torque = (raw_columns(white, trial.candidate) @ posterior_mean(b, gram, trial.term.std))[used]
-    whole = problem.train_state.torque[used, axis]
+    torque = fitted_torque(white, beside, trial.candidate, trial.term.blocks, trial.term.std)
+    whole = problem.train_state.torque[problem.usable[:, axis], axis]
     return float(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
 
 
-def _step_lead(white: White, before: list[Term], trial: Named) -> float:
+def _step_lead(white: White, beside: Fit, trial: Named) -> float:
     """Return the nats by which a step within one record does better than an effect that follows time."""
     problem, candidate = white.problem, trial.candidate
     effect, state = get_effect(candidate.effect), problem.train_state
@@ -170,21 +167,19 @@ def _step_lead(white: White, before: list[Term], trial: Named) -> float:
         return -np.inf
     columns = carrier[:, None] * (time[:, None] > np.array(steps))
     std = prior_std(white, candidate, columns)
-    fit = white.fit(before)
-    b, cross = fit.projected({candidate.axis: (x := white.columns(candidate.axis, columns))})
-    left = np.sum(x**2, axis=0) - np.sum((cross @ fit.covariance) * cross, axis=1)
+    b, cross = beside.projected({candidate.axis: (x := white.columns(candidate.axis, columns))})
+    left = np.sum(x**2, axis=0) - np.sum((cross @ beside.covariance) * cross, axis=1)
     scaled = 1.0 + std**2 * np.maximum(left, 0.0)
     gains = 0.5 * (std * b) ** 2 / scaled - 0.5 * np.log(scaled)
-    b, gram = fit.gram(trial.term.blocks)
+    b, gram = beside.gram(trial.term.blocks)
     return float(np.max(gains) - np.log(len(steps)) - gain(b, gram, trial.term.std))
 
 
-def within_bounds(white: White, before: list[Term], trial: Named) -> bool:
-    """Return whether the parameters of an effect of one unknown, fitted, are those of such an effect."""
+def within_bounds(white: White, beside: Fit, trial: Named) -> bool:
+    """Return whether the parameters of an effect of one unknown, fitted beside a fit, are those of such an effect."""
     if len(trial.term.std) > 1 or trial.candidate.effect == LINK_MASS:
         return True
-    b, gram = white.fit(before).gram(trial.term.blocks)
-    size = b / (gram[0] + 1 / trial.term.std**2)
+    size = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
     off = white.problem.settings.off_scale
     if get_effect(trial.candidate.effect).scaled and not 1 / off < size[0] < off:
         return False

@@ -12,7 +12,7 @@ from jointwear.discovery.instruments import limit
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White, link_mass_blocks
-from jointwear.effects import Effect, State, get_effect, library
+from jointwear.effects import Effect, get_effect, library
 from jointwear.robots.inertia import mass_direction
 
 LINK_MASS = "link_mass"
@@ -57,7 +57,7 @@ def raw_columns(white: White, candidate: Candidate) -> np.ndarray:
     return effect.columns(white.state_of(effect, candidate.axis), candidate.axis, candidate.source, candidate.nonlinear)
 
 
-def spreads(candidate: Candidate) -> bool:
+def on_all_axes(candidate: Candidate) -> bool:
     """Return whether a candidate on one axis acts on the others too."""
     if candidate.effect == LINK_MASS or candidate.axis is None:
         return False
@@ -66,7 +66,7 @@ def spreads(candidate: Candidate) -> bool:
 
 def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     """Return the columns (N_train, k) before whitening, on every axis that it acts on, of a candidate on one axis."""
-    if not spreads(candidate):
+    if not on_all_axes(candidate):
         return {candidate.axis: raw_columns(white, candidate)}
     problem, effect = white.problem, get_effect(candidate.effect)
     torque = effect.spread(problem.train_state, candidate.axis, candidate.source, candidate.nonlinear)
@@ -74,9 +74,29 @@ def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     return {a: limit(torque[:, [a]], record, white.cutoffs[a].swing, rate) for a in problem.judged}
 
 
-def white_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
-    """Return the whitened columns of a candidate on one axis, on every axis that it acts on."""
-    return {a: white.columns(a, columns) for a, columns in raw_torques(white, candidate).items()}
+def whitened(white: White, torques: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
+    """Return columns (N_train, k) on some axes, as of :func:`raw_torques`, whitened."""
+    return {a: white.columns(a, columns) for a, columns in torques.items()}
+
+
+def term_of(white: White, candidate: Candidate) -> Term:
+    """Return the term of the model that a candidate on one axis is."""
+    torques = raw_torques(white, candidate)
+    std = prior_std(white, candidate, torques[candidate.axis])
+    raw = {a: white.raw(a, columns) for a, columns in torques.items()}
+    return Term(f"{candidate.effect} {candidate.axis}", whitened(white, torques), std, raw)
+
+
+def fitted_torque(white: White, fit: Fit, candidate: Candidate, blocks: dict, std: np.ndarray) -> np.ndarray:
+    """Return the torque [N m] of a candidate, fitted beside a fit, on the samples of its axis that can be used.
+
+    Parameters
+    ----------
+    blocks : whitened columns of the candidate by axis. std : (k,) prior standard deviations of their coefficients.
+    """
+    b, gram = fit.gram(blocks)
+    torque = raw_columns(white, candidate) @ posterior_mean(b, gram, std)
+    return torque[white.problem.usable[:, candidate.axis]]
 
 
 def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
@@ -96,7 +116,7 @@ def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.nda
 
     An effect may say that some of its coefficients are usually larger.
     """
-    if spreads(candidate):
+    if on_all_axes(candidate):
         # Its size is in its parameters.
         return np.ones(columns.shape[1])
     axis, widths = candidate.axis, get_effect(candidate.effect).widths
@@ -152,8 +172,8 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                     unresolved += 1
                     continue
                 candidate = Candidate(effect.identifier, axis, source, dict(nonlinear))
-                if spreads(candidate):
-                    dictionary.whole.append((candidate, white_blocks(white, candidate), np.ones(1)))
+                if on_all_axes(candidate):
+                    dictionary.whole.append((candidate, whitened(white, raw_torques(white, candidate)), np.ones(1)))
                     continue
                 columns = raw_columns(white, candidate)
                 if not np.any(columns[problem.usable[:, axis]]):
@@ -233,7 +253,7 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
         if keys is not None and candidate.key not in keys:
             continue
         b, gram = fit.gram(blocks)
-        value = gain_about_one(white, b, gram) if spreads(candidate) else gain(b, gram, std)
+        value = gain_about_one(white, b, gram) if on_all_axes(candidate) else gain(b, gram, std)
         if candidate.effect == LINK_MASS and abs(b[0]) > white.problem.settings.wrongest_mass * (
             gram[0, 0] + 1 / std[0] ** 2
         ):
@@ -263,62 +283,9 @@ def contenders(found: list[Scored], settings: Settings) -> list[Scored]:
     return [s for s in found if s.evidence > (1.0 - settings.usual) * found[0].evidence - settings.accept]
 
 
-@dataclass(frozen=True)
-class Form:
-    """Tolerance of the form of one effect: flexible columns over its own argument.
-
-    `knots` (k,) of a table over the argument, or None where the columns need none.
-    """
-
-    candidate: Candidate
-    knots: np.ndarray | None
-
-    def columns(self, state: State) -> np.ndarray:
-        """Return the columns (N, k) on any ordered state."""
-        candidate = self.candidate
-        bend = get_effect(candidate.effect).bend
-        return bend.columns(state, candidate.axis, candidate.source, candidate.nonlinear, self.knots)
-
-
-def form_of(white: White, candidate: Candidate) -> Form | None:
-    """Return the tolerance of the form of a candidate, None where its form is exact, as of a gain or a mass."""
-    if candidate.effect == LINK_MASS or candidate.axis is None:
-        return None
-    effect, axis = get_effect(candidate.effect), candidate.axis
-    if effect.bend is None or spreads(candidate):
-        return None
-    if effect.bend.knots is None:
-        return Form(candidate, None)
-    used = white.problem.usable[:, axis]
-    knots = effect.bend.knots(white.problem.train_state, axis, candidate.source, candidate.nonlinear, used)
-    return Form(candidate, knots) if len(knots) > 1 else None
-
-
 def possible(effect: Effect, nonlinear: dict[str, Any], coefficients: np.ndarray) -> bool:
     """Return whether the parameters lie within their bounds: no friction that drives, no delay of a quarter second."""
     if effect.scaled and coefficients[0] <= 0:
         # Its size, with its sign, is in the nonlinear parameters.
         return False
     return effect.possible(effect.parameters_of(nonlinear, coefficients))
-
-
-def companion(white: White, form: Form, size: float) -> Term:
-    """Return the whitened columns of a form with their prior.
-
-    Parameters
-    ----------
-    size : RMS torque of the effect [N m]; the columns may each be worth its `usual` share.
-    """
-    axis = form.candidate.axis
-    columns = form.columns(white.state_of(get_effect(form.candidate.effect), axis))
-    used = white.problem.usable[:, axis]
-    # Hats are narrow: their height, not their RMS, is bounded by the size of the effect.
-    scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
-    height = np.sqrt(np.mean(columns[used] ** 4, axis=0) / np.maximum(scale**2, 1e-300))
-    std = np.where(scale > 1e-12, white.problem.settings.usual * size / np.maximum(height, 1e-12), 1e-9)
-    return Term(
-        f"form of {form.candidate.effect}",
-        {axis: white.columns(axis, columns)},
-        np.maximum(std, 1e-9),
-        {axis: white.raw(axis, columns)},
-    )

@@ -14,18 +14,16 @@ from jointwear.discovery.candidates import (
     Dictionary,
     Scored,
     build_dictionary,
-    companion,
     contenders,
-    form_of,
-    prior_std,
+    fitted_torque,
     raw_blocks,
-    raw_columns,
     scan,
-    white_blocks,
+    term_of,
 )
 from jointwear.discovery.crossval import CrossValidated
+from jointwear.discovery.forms import companion, form_of
 from jointwear.discovery.leftovers import stand_alone, unexplained
-from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
+from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Outcome, Refusal
 from jointwear.discovery.posterior import weigh
 from jointwear.discovery.problem import Problem
@@ -165,12 +163,8 @@ def _form_of(white: White, fit: Fit, scored: Scored) -> Term | None:
     form = form_of(white, scored.candidate)
     if form is None:
         return None
-    b, gram = fit.gram(scored.blocks)
-    coefficients = posterior_mean(b, gram, scored.std)
-    axis = scored.candidate.axis
-    torque = raw_columns(white, scored.candidate) @ coefficients
-    used = white.problem.usable[:, axis]
-    return companion(white, form, float(np.sqrt(np.mean(torque[used] ** 2))))
+    torque = fitted_torque(white, fit, scored.candidate, scored.blocks, scored.std)
+    return companion(white, form, float(np.sqrt(np.mean(torque**2))))
 
 
 def _with_form(white: White, fit: Fit, scored: Scored) -> float:
@@ -191,12 +185,12 @@ def _named(white: White, fit: Fit, scored: Scored) -> Named:
     if scored.candidate.axis is not None and scored.candidate.effect != LINK_MASS:
         candidate = refine(white, fit, scored.candidate)
         misfit = _stuck(scored.candidate, candidate)
-        std = prior_std(white, candidate, raw_columns(white, candidate))
-        scored = Scored(candidate, scored.evidence, white_blocks(white, candidate), std)
+        term = term_of(white, candidate)
+        scored = Scored(candidate, scored.evidence, term.blocks, term.std)
     else:
         misfit = ""
-    label = f"{scored.candidate.effect} {scored.candidate.axis}"
-    term = Term(label, scored.blocks, scored.std, raw_blocks(white, scored.candidate))
+        label = f"{scored.candidate.effect} {scored.candidate.axis}"
+        term = Term(label, scored.blocks, scored.std, raw_blocks(white, scored.candidate))
     return Named(scored.candidate, term, _form_of(white, fit, scored), scored.evidence, misfit=misfit)
 
 
@@ -260,7 +254,7 @@ def _predicting(outcome: Outcome, named: list[Named]) -> list[Named]:
     def others(one: Named) -> list[Term]:
         return [t for n in named for t in n.terms if n is not one]
 
-    within = [n for n in named if within_bounds(white, others(n), n)]
+    within = [n for n in named if within_bounds(white, white.fit(others(n)), n)]
     outcome.refusals += [
         Refusal(n.candidate, n.evidence, "its parameters within their bounds", 0.0, 1.0)
         for n in named

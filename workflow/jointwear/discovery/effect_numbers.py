@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import Candidate, Form, prior_std, raw_columns, spreads, white_blocks
+from jointwear.discovery.candidates import Candidate, on_all_axes, prior_std, raw_columns, raw_torques, whitened
+from jointwear.discovery.forms import Form
 from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height, spread
@@ -62,7 +63,7 @@ def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.nd
     effect = get_effect(candidate.effect)
     if effect.whole_arm:
         return effect.columns(state, 0, None, candidate.nonlinear)
-    if spreads(candidate):
+    if on_all_axes(candidate):
         return effect.spread(state, candidate.axis, candidate.source, candidate.nonlinear)[..., None]
     own = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
     if form is not None:
@@ -115,9 +116,9 @@ def _form_std(
 
 def _fitted(white: White, fit: Fit, candidate: Candidate) -> dict[str, float]:
     """Return the parameters of an effect that is added to a fit; the nonlinear ones stay as they are."""
-    columns = raw_columns(white, candidate)
-    b, gram = fit.gram(white_blocks(white, candidate))
-    mean = posterior_mean(b, gram, prior_std(white, candidate, columns))
+    torques = raw_torques(white, candidate)
+    b, gram = fit.gram(whitened(white, torques))
+    mean = posterior_mean(b, gram, prior_std(white, candidate, torques[candidate.axis]))
     return get_effect(candidate.effect).parameters_of(candidate.nonlinear, mean)
 
 

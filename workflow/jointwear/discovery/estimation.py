@@ -11,15 +11,13 @@ from jointwear.discovery.base import likely_base
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
-    Form,
-    companion,
-    form_of,
-    raw_columns,
+    fitted_torque,
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
 from jointwear.discovery.fallback import EVERYTHING, Step, left_out_ratio, put_back
-from jointwear.discovery.linear import Fit, Term, posterior_mean
+from jointwear.discovery.forms import Form, companion, form_of
+from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.references import effect_term, reference_of, with_references
@@ -258,11 +256,7 @@ def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Ter
     form = form_of(white, candidate)
     if form is None or stiff(candidate):
         return None
-    fit = white.fit(others)
-    b, gram = fit.gram(term.blocks)
-    coefficients = posterior_mean(b, gram, term.std)
-    used = white.problem.usable[:, candidate.axis]
-    size = float(np.sqrt(np.mean((raw_columns(white, candidate) @ coefficients)[used] ** 2)))
-    flexible = companion(white, form, size)
+    torque = fitted_torque(white, white.fit(others), candidate, term.blocks, term.std)
+    flexible = companion(white, form, float(np.sqrt(np.mean(torque**2))))
     found = cross_validate(white, [*others, term], [flexible])
     return (form, flexible) if found.nats > 0.5 * white.problem.settings.accept and found.gain_share > 0 else None

@@ -9,7 +9,7 @@ import numpy as np
 from jointwear.discovery.candidates import LINK_MASS, Candidate
 from jointwear.discovery.estimation import Estimate, Final
 from jointwear.discovery.identifiability import Visible
-from jointwear.discovery.noise_floor import noise_floor
+from jointwear.discovery.noise_floor import floor_with_names
 from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.retuned import retuned_parameters, unlikely_masses
@@ -59,7 +59,7 @@ def make_verdict(
         word = "effects"
     else:
         word = "retuned" if retuned else "none"
-    gap = measure_gap(problem, torques, noise_floor(final))
+    gap = measure_gap(problem, torques, floor_with_names(final))
     return Verdict(
         dataset=name,
         verdict=word,

@@ -11,7 +11,6 @@ from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
-from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
@@ -37,7 +36,7 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
     """
     problem, white = outcome.problem, outcome.white
     # What a form that is a little off leaves behind is no structure of its own.
-    fit = white.fit([*with_tolerances(white, outcome.named), *_attenuated(white)])
+    fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
     if robust:
         fit = _without_outliers(fit)
     settings = problem.settings
@@ -92,24 +91,6 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
     return found, profile
-
-
-def _attenuated(white: White) -> list[Term]:
-    """Return terms for what the noise of derived accelerations takes off the fitted inertias.
-
-    Columns with noise are fitted with coefficients that are too small; what is missing follows the motion itself.
-    """
-    problem, terms = white.problem, []
-    for axis in problem.judged:
-        if not np.isfinite(white.cutoffs[axis].structure):
-            continue
-        state = white.structure_state(axis)
-        motion = np.column_stack([state.load[:, axis], state.acceleration])
-        size = np.sqrt(np.mean(motion[problem.usable[:, axis]] ** 2, axis=0))
-        std = problem.scale[axis] / np.maximum(size, 1e-12)
-        raw = white.raw(axis, motion)
-        terms.append(Term(f"attenuation {axis}", {axis: white.columns(axis, motion)}, std, {axis: raw}))
-    return terms
 
 
 def _beside(fit: Fit, axis: int, columns: np.ndarray, raw: np.ndarray, theta: np.ndarray) -> np.ndarray:

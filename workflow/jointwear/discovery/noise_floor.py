@@ -9,7 +9,7 @@ from jointwear.discovery.estimation import Final
 from jointwear.discovery.saturated import axis_noise
 
 
-def noise_floor(final: Final) -> list[float | None]:
+def floor_with_names(final: Final) -> list[float | None]:
     """Return the standard deviation of the torque noise of every axis [N m], None where it cannot be judged.
 
     The fit behind the noise holds bases over every argument, but no wave over the motor angle at its own order: a

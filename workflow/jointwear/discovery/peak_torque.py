@@ -15,7 +15,8 @@ from itertools import product
 
 import numpy as np
 
-from jointwear.discovery.candidates import Candidate, Form, companion, form_of, possible, prior_std
+from jointwear.discovery.candidates import Candidate, possible, prior_std
+from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.refine import evidence_at, free_parameters
 from jointwear.discovery.settings import Settings

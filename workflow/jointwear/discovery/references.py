@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.base import pinned
-from jointwear.discovery.candidates import Candidate, prior_std, raw_blocks, raw_columns, white_blocks
+from jointwear.discovery.candidates import Candidate, term_of
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.refine import evidence_at, refine
 from jointwear.discovery.whitening import White
@@ -55,12 +55,4 @@ def with_references(white, base, refined, forms, others, error):
 
 def effect_term(white: White, candidate: Candidate, old: Term) -> Term:
     """Return the term of a candidate after a move of its nonlinear parameters; `old` for one on the whole arm."""
-    if candidate.axis is None:
-        return old
-    columns = raw_columns(white, candidate)
-    return Term(
-        f"{candidate.effect} {candidate.axis}",
-        white_blocks(white, candidate),
-        prior_std(white, candidate, columns),
-        raw_blocks(white, candidate),
-    )
+    return old if candidate.axis is None else term_of(white, candidate)

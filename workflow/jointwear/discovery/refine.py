@@ -9,11 +9,10 @@ import numpy as np
 from jointwear.discovery.candidates import (
     Candidate,
     gain_about_one,
+    on_all_axes,
     prior_std,
-    raw_columns,
     raw_torques,
-    spreads,
-    white_blocks,
+    whitened,
 )
 from jointwear.discovery.linear import Fit, gain, posterior_mean
 from jointwear.discovery.whitening import White
@@ -33,11 +32,10 @@ def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
     torques = raw_torques(white, candidate)
     if not all(np.isfinite(columns).all() for columns in torques.values()):
         return -np.inf
-    b, gram = fit.gram({axis: white.columns(axis, columns) for axis, columns in torques.items()})
-    effect = get_effect(candidate.effect)
-    if spreads(candidate):
+    b, gram = fit.gram(whitened(white, torques))
+    if on_all_axes(candidate):
         return gain_about_one(white, b, gram)
-    if effect.scaled:
+    if get_effect(candidate.effect).scaled:
         # Its size is in the columns: the coefficient is one.
         return float(b[0] - 0.5 * gram[0, 0])
     return gain(b, gram, prior_std(white, candidate, torques[candidate.axis]))
@@ -51,14 +49,12 @@ def best_start(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     """
     effect = get_effect(candidate.effect)
     name = effect.scaled
-    if not name:
+    if not name or on_all_axes(candidate):
+        # The grid of what acts on all axes was made for it.
         return candidate
     grid = [float(p[name]) for p in effect.grid(white.problem.train_state, candidate.axis)]
     sign = np.sign(candidate.nonlinear[name])
     sizes = [abs(x) for x in grid if np.sign(x) == sign]
-    if spreads(candidate):
-        # The grid was made for it.
-        return candidate
     values = sign * np.geomspace(0.5 * min(sizes), max(sizes), STARTS)
     trials = [candidate, *(replace(candidate, nonlinear={**candidate.nonlinear, name: float(x)}) for x in values)]
     return max(trials, key=lambda c: evidence_at(white, fit, c))
@@ -73,7 +69,8 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     free = free_parameters(candidate)
     if not free:
         return candidate
-    others = [] if other_form else get_effect(candidate.effect).alternatives(candidate.nonlinear)
+    effect = get_effect(candidate.effect)
+    others = [] if other_form else effect.alternatives(candidate.nonlinear)
     if others:
         trials = [candidate, *(replace(candidate, nonlinear=dict(p)) for p in others)]
         found = [refine(white, fit, c, other_form=True) for c in trials]
@@ -82,15 +79,11 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     best, value = candidate, evidence_at(white, fit, candidate)
     step = {p.name: 0.25 for p in free}
     bounds = {p.name: (p.lower, p.upper) for p in free}
-    if spreads(candidate):
+    if on_all_axes(candidate):
         # A swing outside the range of the grid is none that these data could show.
-        name = get_effect(candidate.effect).scaled
-        sizes = [
-            g[name]
-            for g in get_effect(candidate.effect).grid(white.problem.train_state, candidate.axis)
-            if set(g) == set(candidate.nonlinear)
-        ]
-        bounds[name] = (min(sizes), max(sizes))
+        grid = effect.grid(white.problem.train_state, candidate.axis)
+        sizes = [g[effect.scaled] for g in grid if set(g) == set(candidate.nonlinear)]
+        bounds[effect.scaled] = (min(sizes), max(sizes))
     for _ in range(7):
         for p in free:
             for sign in (1.0, -1.0):
@@ -126,9 +119,9 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
         return candidate
     found = []
     for trial in [candidate, *(replace(candidate, nonlinear=dict(p)) for p in alike)]:
-        columns = raw_columns(white, trial)
-        b, gram = fit.gram(white_blocks(white, trial))
-        std = prior_std(white, trial, columns)
+        torques = raw_torques(white, trial)
+        b, gram = fit.gram(whitened(white, torques))
+        std = prior_std(white, trial, torques[trial.axis])
         size = float(np.linalg.norm(posterior_mean(b, gram, std)))
         found.append((gain(b, gram, std), size, trial))
     best = max(value for value, _, _ in found)

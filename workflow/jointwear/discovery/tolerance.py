@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, raw_torques, spreads
+from jointwear.discovery.candidates import LINK_MASS, on_all_axes, raw_torques
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import White
@@ -61,7 +61,7 @@ def _beyond_its_band(white: White, one: Named, coefficients: np.ndarray, axis: i
     if candidate.effect == LINK_MASS or candidate.axis is None or not get_effect(candidate.effect).timing:
         return np.zeros((len(state.velocity), 0))
     effect = get_effect(candidate.effect)
-    if spreads(candidate):
+    if on_all_axes(candidate):
         whole = effect.spread(state, candidate.axis, candidate.source, candidate.nonlinear)[:, axis]
         within = raw_torques(white, candidate)[axis][:, 0]
         return ((whole - within) * coefficients[0])[:, None]

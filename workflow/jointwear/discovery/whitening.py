@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -56,6 +57,24 @@ class White:
     def limited(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Return columns (N_train, k) of torque on one axis, without the noise of derived accelerations."""
         return _limited(self.problem, self.cutoffs[axis], columns)
+
+    @cached_property
+    def attenuation(self) -> list[Term]:
+        """Terms for what the noise of derived accelerations takes off the fitted inertias.
+
+        Columns with noise are fitted with coefficients that are too small; what is missing follows the motion itself.
+        """
+        problem, terms = self.problem, []
+        for axis in problem.judged:
+            if not np.isfinite(self.cutoffs[axis].structure):
+                continue
+            state = self.structure_state(axis)
+            motion = np.column_stack([state.load[:, axis], state.acceleration])
+            size = np.sqrt(np.mean(motion[problem.usable[:, axis]] ** 2, axis=0))
+            std = problem.scale[axis] / np.maximum(size, 1e-12)
+            blocks, raw = {axis: self.columns(axis, motion)}, {axis: self.raw(axis, motion)}
+            terms.append(Term(f"attenuation {axis}", blocks, std, raw))
+        return terms
 
     def fit(self, extra: list[Term] = ()) -> Fit:
         """Return the posterior of the base regression with `extra` terms."""

@@ -89,7 +89,7 @@ class State:
 
     def passed(self, axis: int, waves: float) -> np.ndarray | float:
         """Return the share (...,) that is left of a wave, `waves` in one radian of an axis, in the torque."""
-        return 1.0 if self.passes is None else self.passes(waves * np.abs(self.velocity[..., axis]) / (2 * np.pi))
+        return 1.0 if self.passes is None else self.passes(self._frequency(axis, waves))
 
     def shaken(self, axis: int, waves: float) -> np.ndarray | float:
         """Return the share (...,) that is left of a wave of torque that acts on an axis, `waves` in one radian.
@@ -100,7 +100,11 @@ class State:
         share = self.passed(axis, waves)
         if self.derives is None:
             return share
-        return share * self.derives(axis, waves * np.abs(self.velocity[..., axis]) / (2 * np.pi))
+        return share * self.derives(axis, self._frequency(axis, waves))
+
+    def _frequency(self, axis: int, waves: float) -> np.ndarray:
+        """Return the frequencies (...,) [Hz] at which a wave over the angle of an axis passes."""
+        return waves * np.abs(self.velocity[..., axis]) / (2 * np.pi)
 
     def rests_of(self, axis: int, source: int | None = None, shares: tuple[float, float] = (1.0, 0.0)) -> list[Rest]:
         """Return the stops of an axis, or of a drive that turns with `shares` of it and of another; unordered: none."""

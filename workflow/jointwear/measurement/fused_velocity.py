@@ -45,7 +45,7 @@ def made_of_positions(
     made = floors[1] < (2 * np.pi * FLOOR_AT * rate) ** 2 * floors[0]
     used = [p for p in pieces if p.stop - p.start >= SEGMENT]
     for j in np.flatnonzero(made):
-        crossing = float(np.sqrt(floors[1, j] / floors[0, j])) / (2 * np.pi)
+        crossing = _crossing(floors[:, j])
         low, high = TOLD[0] * crossing, min(TOLD[1] * crossing, TOLD_BELOW * rate)
         ratios = []
         for p in used:
@@ -74,8 +74,7 @@ def fuse(
     result, fused = np.array(velocity), np.zeros(velocity.shape[1], bool)
     used = [p for p in pieces if p.stop - p.start >= SHORTEST]
     for j in range(velocity.shape[1]):
-        crossing = float(np.sqrt(floors[1, j] / max(floors[0, j], 1e-300))) / (2 * np.pi)
-        band = min(crossing, HIGHEST * rate)
+        band = min(_crossing(floors[:, j]), HIGHEST * rate)
         if band < SLOWEST * rate or not used:
             continue
         low = [_smooth(_apart(time[p], position[p, j], velocity[p, j]), band, rate) for p in used]
@@ -87,6 +86,11 @@ def fuse(
             result[p, j] += more
         fused[j] = True
     return result, fused
+
+
+def _crossing(floors: np.ndarray) -> float:
+    """Return the frequency [Hz] at which the derivative of positions has the noise of velocities, floors (2,)."""
+    return float(np.sqrt(floors[1] / max(floors[0], 1e-300))) / (2 * np.pi)
 
 
 def _apart(time: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ import numpy as np
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
-from jointwear.measurement.fused_velocity import fuse, made_of_positions
+from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 from jointwear.measurement.velocity_lag import put_in_time
@@ -32,8 +32,6 @@ TRANSIENT = 3.0
 RESOLVED = 0.155
 #: Accelerations keep what lies below this [Hz]: friction that jumps at reversals shakes an arm up to there.
 LOWEST_CUTOFF = 20.0
-#: A measured velocity agrees with the positions where it differs from their derivative by no more than noise x this.
-AGREES = 1.5
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,7 @@ def runs(trajectory: np.ndarray) -> list[slice]:
     return [slice(a, b) for a, b in zip([0, *edges], [*edges, len(trajectory)], strict=True) if b > a]
 
 
-def noise_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
+def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
     """Return noise density [unit^2/Hz] of signals (k,) and the frequency [Hz] where the signal ends.
 
     The spectrum is taken of the second difference and divided by its gain: the range of a position spectrum is so
@@ -135,12 +133,14 @@ def measure(recording: Recording) -> Measured:
     cutoff = np.full(n, np.nan)
     velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
     acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
-    reach = np.array([noise_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
+    reach = np.array([spectral_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
     velocity, lag = (None, None) if velocity is None else put_in_time(time, pieces, position, velocity, reach, rate)
     source = position if velocity is None else velocity
     signals = {2: position, 1: velocity, 0: acceleration}
     orders = (0,) if acceleration is not None else (2,) if velocity is None else (2, 1)
-    densities = np.array([[noise_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders])
+    densities = np.array(
+        [[spectral_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders]
+    )
     floors = densities.copy()
     if orders == (2, 1):
         # What a filter hides of the noise of the positions is there all the same.
@@ -148,7 +148,7 @@ def measure(recording: Recording) -> Measured:
     if orders[0] == 2 and recording.encoder_step is not None:
         densities[0] = np.maximum(densities[0], quantisation_density(recording.encoder_step, rate))
     for j in range(n):
-        density, end = noise_floor([source[p, j] for p in pieces], rate)
+        density, end = spectral_floor([source[p, j] for p in pieces], rate)
         if velocity is None or acceleration is None:
             cutoff[j] = min(max(2.0 * end, LOWEST_CUTOFF), 0.45 * rate)
         limit = min(cutoff[j] if np.isfinite(cutoff[j]) else 0.5 * rate, 0.5 * rate)

@@ -101,9 +101,8 @@ def learn_axes(
         own = None if choice.tau is None else warm[choice.tau, choice.power]
         one, name = series[choice.series], names[choice.series]
         design = _design(one, conditions, shared, learnt, own, j)
-        value = np.where(learnt[:, j], one.value[:, j], np.nan)
-        middle = float(np.nanmedian(value))
-        fit = _fit(design, value - middle, choice.dispersion, one.variance[:, j], shift)
+        value, middle = _centred(one, learnt, j)
+        fit = _fit(design, value, choice.dispersion, one.variance[:, j], shift)
         to_coulomb, unit = 1.0 / float(one.share[j]), float(one.unit[j] * np.exp(middle))
         level, spread = one.value[:, j] - middle, one.variance[:, j]
         result.append(AxisNormal(name, level, spread, design, fit, choice.dispersion, to_coulomb, unit))
@@ -200,6 +199,13 @@ def _design(
     return design_of(conditions, j, rows, use)
 
 
+def _centred(series: Series, learnt: np.ndarray, j: int) -> tuple[np.ndarray, float]:
+    """Return the values (w,) of axis `j` that are learnt from, NaN elsewhere, less their median, and it."""
+    value = np.where(learnt[:, j], series.value[:, j], np.nan)
+    middle = float(np.nanmedian(value))
+    return value - middle, middle
+
+
 def _learn(
     series: Series,
     conditions: Conditions,
@@ -217,8 +223,7 @@ def _learn(
     designs = {j: _design(series, conditions, shared, learnt, warm, j) for j in axes}
     values = {}
     for j in axes:
-        value = np.where(learnt[:, j], series.value[:, j], np.nan)
-        values[j] = value - float(np.nanmedian(value))
+        values[j], _ = _centred(series, learnt, j)
     dispersion = dict.fromkeys(axes, START)
     for _ in range(ROUNDS):
         means = {}

@@ -107,6 +107,7 @@ def write_page(state: RobotState, output: str | Path, figures: str | Path, time_
 
     Parameters
     ----------
+    state : what is kept of the robot, with its alarms. output : the HTML file.
     figures : folder for the SVG files. time_zone : IANA name of the zone that times are shown in; None is UTC.
 
     Raises

@@ -17,7 +17,7 @@ from jointwear.files.json_documents import read_json, write_json
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.clock import Clock, Ordered
 from jointwear.measurement.formats import Chunk, Layout, read_log
-from jointwear.measurement.motion import noise_floor
+from jointwear.measurement.motion import spectral_floor
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion, derive_motion, unwrapped
 from jointwear.monitor.model import TorqueModel
@@ -158,7 +158,7 @@ def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> t
     source = unwrapped(chunk.position) if chunk.velocity is None else chunk.velocity
     for j in range(n):
         signals = [x[np.isfinite(x)] for x in (source[p, j] for p in pieces)]
-        density, end = noise_floor([x for x in signals if len(x) >= 64], rate)
+        density, end = spectral_floor([x for x in signals if len(x) >= 64], rate)
         if derived:
             cutoff[j] = min(2.0 * end, 0.4 * rate, HIGHEST_CUTOFF)
         limit = cutoff[j] if derived else 0.5 * rate
