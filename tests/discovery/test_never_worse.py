@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 
 from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.crossval import cross_validate
+from jointwear.discovery.estimation import doubts, finalise
 from jointwear.discovery.fallback import left_out_ratio, mean_squares
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
+from jointwear.discovery.outcome import Unexplained
 from jointwear.discovery.peak_torque import draw_form_errors
 from jointwear.effects import get_effect
 from jointwear.robots.robot import load_robot
@@ -86,6 +88,33 @@ def test_what_helps_while_a_wall_is_touched_only_is_no_better_robot(found):
     trial = replace(white, problem=odd, targets=targets)
     assert left_out_ratio(trial, [term], each=False)[axis] < 0.7
     assert left_out_ratio(trial, [term])[axis] > 1.5
+
+
+def test_an_axis_that_lacks_what_nothing_explains_keeps_its_parameters_as_given(found):
+    outcome = found.final.outcome
+    white = outcome.white
+    # Friction of joint 1 that comes and goes with every eighth block: fitted, it helps little and lasts no longer.
+    axis = 0
+    odd = replace(outcome.problem, discrepancy=outcome.problem.discrepancy.copy())
+    label = outcome.problem.block_of_sample
+    gripped = 4.0 * np.sign(outcome.problem.train_state.velocity[:, axis]) * (label % 8 == 0)
+    odd.discrepancy[outcome.problem.train, axis] += gripped
+    targets = [y.copy() for y in white.targets]
+    targets[axis] += white.whiteners[axis](gripped)
+    trial = replace(white, problem=odd, targets=targets)
+    left = Unexplained(axis, "time", "s", 0.0, 1.0, 1e-20, 500.0)
+    fit = trial.fit([t for n in outcome.named for t in n.terms])
+    lacking = replace(outcome, problem=odd, white=trial, fit=fit, unexplained=[left])
+    doubt = doubts(lacking)
+    assert doubt[axis] > 5.0
+    assert np.all(np.delete(doubt, axis) == 1.0)
+    final = finalise(lacking)
+    assert np.all(final.delta_friction[axis] == 0.0)
+    assert {(f.model, f.axis) for f in final.fallbacks} >= {("augmented", 1), ("retuned", 1)}
+    assert [e.named.candidate.key for e in final.estimates] == [("nonlinear_viscous_friction", 2, None)]
+    # An axis with a name, and one without structure, count as they are.
+    assert np.all(doubts(replace(lacking, unexplained=[replace(left, axis=2)])) == 1.0)
+    assert np.all(doubts(replace(lacking, unexplained=[])) == 1.0)
 
 
 def test_evidence_is_asked_without_the_block_of_time_that_gives_most_of_it(found):

@@ -2,12 +2,14 @@
 
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.statistics.intervals import wilson_interval
 from jointwear.studies.challenge.judge import accepted_names, error_norm, judge
 from jointwear.studies.challenge.page import calibration_points, confusion_table, write_page
@@ -24,6 +26,7 @@ from jointwear.studies.challenge.scores import (
     score_tier,
 )
 from jointwear.studies.challenge.scoring import peak_covered, summarise
+from jointwear.studies.challenge.solve import at_samples
 from jointwear.studies.challenge.stored import write_stored, write_stored_page
 from jointwear.studies.challenge.tiers import DRAWINGS, EFFECTS, TARGETS, TIERS
 
@@ -313,3 +316,19 @@ def test_peers_are_scored_at_the_setting_that_did_best_elsewhere(tmp_path):
 
 def test_every_effect_can_be_named():
     assert len(set(EFFECTS)) == len(EFFECTS)
+
+
+def test_a_model_is_asked_at_the_instants_of_the_recording_though_discovery_used_others():
+    # Two recordings at 1 kHz, each with a clock of its own; discovery reduces the rate by ten, from the fifth sample on.
+    one = np.arange(1000) * 1e-3
+    time, label = np.tile(one, 2), np.repeat([0, 1], 1000)
+    nothing = np.zeros((2000, 1))
+    recording = Recording(time, label, nothing, nothing)
+    laid = elapsed_time(time, label)
+    torque = np.sin(7.0 * laid)[:, None]
+    used = np.concatenate([np.arange(5, 1000, 10), np.arange(1005, 2000, 10)])
+    verdict = SimpleNamespace(sample_time=laid[used], sample_trajectory=label[used])
+    wanted = np.arange(1000, 2000, 5)
+    found = at_samples(verdict, torque[used], recording, wanted)
+    inside = (wanted >= used[100]) & (wanted <= used[-1])
+    assert found[inside] == pytest.approx(torque[wanted][inside], abs=1e-3)

@@ -64,9 +64,11 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     ----------
     without : labels of base terms that are left as the robot file has them.
     """
-    white = outcome.white
-    effects = [n for n in outcome.named if n.candidate.effect != LINK_MASS]
-    masses = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
+    doubt = doubts(outcome)
+    white, in_doubt = tempered(outcome.white, doubt), [int(axis) for axis in np.flatnonzero(doubt > 1.0)]
+    named = [_doubted(n, doubt) for n in outcome.named]
+    effects = [n for n in named if n.candidate.effect != LINK_MASS]
+    masses = [n for n in named if n.candidate.effect == LINK_MASS]
     mass_terms = [t for n in masses for t in n.terms]
     refined: list[tuple[Named, Candidate, Term]] = []
     for i, one in enumerate(effects):
@@ -79,18 +81,18 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
         forms.append(_form_if_kept(white, one, candidate, term, others))
     found = [t for _, _, t in refined] + [f[1] for f in forms if f is not None]
-    misfit = misfit_of(white, white.fit([*found, *mass_terms]))
+    misfit = doubt * misfit_of(white, white.fit([*found, *mass_terms]))
     unwritten: tuple[Estimate, ...] = ()
     fallbacks: tuple[FallBack, ...] = ()
     while True:
         base, refined = _whole_model(white, refined, forms, mass_terms)
         terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
         base = [t for t in base if t.label not in without]
-        kept, given_up = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented")
+        kept, given_up = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented", in_doubt)
         left = {id(t) for t in kept}
         everything = all(id(t) in left for _, _, t in refined)
         if not everything:
-            unwritten += _named_all_the_same(outcome, misfit, base, refined, forms, masses, left)
+            unwritten += _named_all_the_same(outcome, white, misfit, base, refined, forms, masses, left)
             # Parameters of the drives were held where the effect made corrections needless: they are asked again.
             given_up = _of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
         fallbacks += given_up
@@ -99,9 +101,9 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         if everything:
             break
     base = [t for t in base if id(t) in left]
-    final = _fitted(outcome, misfit, base, refined, forms, masses)
+    final = _fitted(outcome, white, misfit, base, refined, forms, masses)
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
-    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned")
+    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned", in_doubt)
     friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
     return replace(
         final,
@@ -111,6 +113,29 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         unwritten=unwritten,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
     )
+
+
+def doubts(outcome: Outcome) -> np.ndarray:
+    """Return by how much the noise of every axis (n,) is taken too small where nothing that was fitted helps much.
+
+    Of an axis without a name and with structure that is left, on which a model in which the axis counts by its misfit
+    gains little on records left out, the model says nothing. It would bend the inertia of the links, which all axes
+    share, to what the axis lacks. Elsewhere it is 1.
+    """
+    doubt = np.ones(outcome.problem.robot.joints)
+    where = sorted({u.axis for u in outcome.unexplained} - {n.candidate.axis for n in outcome.named})
+    if where:
+        doubt[where] = misfit_of(outcome.white, outcome.fit)[where]
+        white = tempered(outcome.white, doubt)
+        terms = [divided(t, doubt) for n in outcome.named for t in n.terms]
+        gained = left_out_ratio(white, likely_base(white, terms)[0] + terms) <= outcome.problem.settings.nearly_all
+        doubt[gained] = 1.0
+    return doubt
+
+
+def _doubted(one: Named, doubt: np.ndarray) -> Named:
+    form = None if one.form is None else divided(one.form, doubt)
+    return replace(one, term=divided(one.term, doubt), form=form)
 
 
 def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[FallBack, ...]:
@@ -126,7 +151,7 @@ def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[
 
 
 def _named_all_the_same(
-    outcome: Outcome, misfit: np.ndarray, base, refined, forms, masses, left
+    outcome: Outcome, white: White, misfit: np.ndarray, base, refined, forms, masses, left
 ) -> tuple[Estimate, ...]:
     """Return the effects that are there although the written model does without them.
 
@@ -134,11 +159,10 @@ def _named_all_the_same(
     does not speak against an effect with which all records together are predicted better than by the given robot.
     The others become suspects.
     """
-    white = outcome.white
     lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
     if not lost:
         return ()
-    whole = _fitted(outcome, misfit, base, refined, forms, masses)
+    whole = _fitted(outcome, white, misfit, base, refined, forms, masses)
     ratio = left_out_ratio(white, whole.fit.terms, each=False)
     result = []
     for i in lost:
@@ -180,19 +204,22 @@ def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Ste
     return steps
 
 
-def _fitted(outcome: Outcome, misfit: np.ndarray, base: list[Term], refined, forms, masses: list[Named]) -> Final:
+def _fitted(
+    outcome: Outcome, white: White, misfit: np.ndarray, base: list[Term], refined, forms, masses: list[Named]
+) -> Final:
     """Fit a model as it will be written, and give every effect its numbers.
 
     What is known of them is said by the axes for as much as their `misfit` leaves.
     """
-    white = outcome.white
     mass_terms = [t for n in masses for t in n.terms]
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     fit = Fit(white.targets, [*base, *terms])
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
     for _, candidate, term in refined:
         _make_sound(fit, candidate, places[id(term)])
-    weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
+    # Axes in doubt have been divided already.
+    rest = misfit / doubts(outcome)
+    weak, less = tempered(white, rest), {id(t): divided(t, rest) for t in fit.terms}
     known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
     known.theta = fit.theta
     weak_base = [less[id(t)] for t in base]

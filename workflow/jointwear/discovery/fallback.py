@@ -6,6 +6,7 @@ seen. A robot file is used for motion to come: on no axis may it be worse than t
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,7 +99,7 @@ def mean_squares(label: np.ndarray, *errors: np.ndarray) -> np.ndarray:
 
 
 def put_back(
-    white: White, terms: list[Term], steps: dict[int, list[Step]], model: str
+    white: White, terms: list[Term], steps: dict[int, list[Step]], model: str, open_axes: Collection[int] = ()
 ) -> tuple[list[Term], tuple[FallBack, ...]]:
     """Give up parts of a model until no axis is predicted worse than by the given robot.
 
@@ -106,6 +107,8 @@ def put_back(
     ----------
     steps : 0-based axis -> what can be given up for its sake, the least loss first.
     model : name of the model in the verdict.
+    open_axes : 0-based axes on which structure is left that nothing explains, and on which the model gains little: what
+        acts on such an axis alone is kept only where it gains clearly.
 
     Returns
     -------
@@ -117,12 +120,34 @@ def put_back(
     while True:
         bad = [j for j in np.argsort(-ratio) if ratio[j] > limit]
         chosen = next(((int(j), s) for j in bad if (s := _best_step(white, kept, steps, int(j), ratio[j]))), None)
+        chosen = chosen or _little_gained(white, kept, steps, open_axes, ratio)
         if chosen is None:
             return kept, tuple(given_up)
         axis, step = chosen
         given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
         kept = step.taken_off(kept)
         ratio = left_out_ratio(white, kept)
+
+
+def _little_gained(
+    white: White, kept: list[Term], steps: dict[int, list[Step]], axes: Collection[int], ratio: np.ndarray
+) -> tuple[int, Step] | None:
+    """Return one of `axes` on which the model gains little, and what acts on it alone; None if there is none.
+
+    Parameters
+    ----------
+    ratio : error of the model as it is over that of the given robot, (n,).
+    """
+    settings = white.problem.settings
+    for axis in sorted(axes):
+        if ratio[axis] <= settings.nearly_all:
+            continue
+        own = [s for s in steps.get(axis, []) if all(set(t.blocks) == {axis} for t in s.terms)]
+        own = [s for s in own if len(s.taken_off(kept)) < len(kept)]
+        together = Step(", ".join(s.words for s in own), tuple(t for s in own for t in s.terms))
+        if own and np.all(left_out_ratio(white, together.taken_off(kept)) <= settings.not_worse):
+            return axis, together
+    return None
 
 
 def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axis: int, ratio: float) -> Step | None:

@@ -17,7 +17,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.provenance import attributes
 from jointwear.files.storage import Variable, open_dataset, write_dataset
-from jointwear.measurement.recording import Recording
+from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.robots.robot import Robot
 from jointwear.studies.challenge.arms import given_robot
 from jointwear.studies.challenge.case_files import padded
@@ -55,21 +55,19 @@ def solve(recording: Recording, robot: Robot, settings: Settings) -> tuple[dict[
         nothing = np.full((len(MODELS), len(held), recording.joints), np.nan)
         return {"refused": str(error)}, nothing, time.process_time() - start
     seconds = time.process_time() - start
-    torque = np.array([_at_samples(verdict, verdict.torques[model], recording, held) for model in MODELS])
+    torque = np.array([at_samples(verdict, verdict.torques[model], recording, held) for model in MODELS])
     return json.loads(verdict.to_json()), torque, seconds
 
 
-def _at_samples(verdict: Discovery, torque: np.ndarray, recording: Recording, wanted: np.ndarray) -> np.ndarray:
+def at_samples(verdict: Discovery, torque: np.ndarray, recording: Recording, wanted: np.ndarray) -> np.ndarray:
     """Return a model's torque at the wanted samples of the recording; discovery may have used other instants."""
     result = np.full((len(wanted), torque.shape[1]), np.nan)
+    # Discovery lays recordings end to end, and of a high rate its first instant is not that of the recording.
+    clock = elapsed_time(recording.time, recording.trajectory)[wanted]
     for label in np.unique(recording.trajectory[wanted]):
         mine, theirs = recording.trajectory[wanted] == label, verdict.sample_trajectory == label
-        # Discovery may lay recordings end to end: times count from the first sample of each.
-        start = recording.time[recording.trajectory == label][0]
-        clock = recording.time[wanted[mine]] - start
-        theirs_clock = verdict.sample_time[theirs] - verdict.sample_time[theirs][0]
         for joint in range(torque.shape[1]):
-            result[mine, joint] = np.interp(clock, theirs_clock, torque[theirs, joint])
+            result[mine, joint] = np.interp(clock[mine], verdict.sample_time[theirs], torque[theirs, joint])
     return result
 
 
