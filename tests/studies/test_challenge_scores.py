@@ -319,7 +319,7 @@ def test_every_effect_can_be_named():
 
 
 def test_a_model_is_asked_at_the_instants_of_the_recording_though_discovery_used_others():
-    # Two recordings at 1 kHz, each with a clock of its own; discovery reduces the rate by ten, from the fifth sample on.
+    # Two recordings at 1 kHz, each with a clock of its own; discovery takes every tenth sample from the fifth on.
     one = np.arange(1000) * 1e-3
     time, label = np.tile(one, 2), np.repeat([0, 1], 1000)
     nothing = np.zeros((2000, 1))
