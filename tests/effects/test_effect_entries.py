@@ -109,12 +109,26 @@ def test_loops_of_hysteresis_never_drive_and_follow_the_fit(level, bends, distan
 def test_a_torque_constant_may_change_either_way(state, sign):
     effect = effects.get_effect("torque_constant_temperature")
     nonlinear = effect.grid(state, 1)[0]
-    parameters = effect.parameters_of(nonlinear, np.array([sign * 0.002]))
+    parameters = effect.parameters_of(nonlinear, np.array([sign * 0.002, 0.0]))
     assert effect.possible(parameters)
     warm = state.temperature[:, 1] > parameters["reference"] + 1
     torque = effect.torque(state, 1, None, effect.complete(parameters))
     # A constant that falls as the motor warms takes more current: the recorded torque is too large, not too small.
     assert np.all(sign * torque[warm] * state.torque[warm, 1] >= 0)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(-0.003, 0.003).filter(lambda s: abs(s) > 1e-4), st.floats(-20.0, 80.0))
+def test_the_temperature_at_which_a_gain_is_right_is_read_off_the_data(state, slope, reference):
+    effect = effects.get_effect("torque_constant_temperature")
+    wanted = {"slope": slope, "reference": reference}
+    torque = effect.torque(state, 1, None, wanted)
+    nonlinear = effect.grid(state, 1)[0]
+    columns = effect.columns(state, 1, None, nonlinear)
+    found = effect.parameters_of(nonlinear, np.linalg.lstsq(columns, torque, rcond=None)[0])
+    assert found == pytest.approx(wanted, rel=1e-6)
+    # A gain that is off and does not change has no such temperature.
+    assert not effect.possible(effect.parameters_of(nonlinear, np.array([0.0, 0.05])))
 
 
 @settings(max_examples=25, deadline=None)

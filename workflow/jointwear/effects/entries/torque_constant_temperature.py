@@ -1,12 +1,26 @@
 """Torque constant, or gain of the torque measurement, that changes as magnets and electronics warm."""
 
+import numpy as np
+
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.temperature import reference_temperature, temperature_shape, warming
 
 
+def _torque(state, axis, source, p):
+    return p["slope"] * warming(state, axis, p["reference"]) * state.torque[..., axis]
+
+
 def _columns(state, axis, source, p):
-    return (warming(state, axis, p["reference"]) * state.torque[..., axis])[..., None]
+    # At which temperature the gain is right is read off the data: no number of the drive could take over the rest.
+    known = np.isfinite(state.temperature[..., axis])
+    torque = state.torque[..., axis] * known
+    return np.stack([warming(state, axis, p["reference"]) * torque, torque], axis=-1)
+
+
+def _parameters_of(p, c):
+    slope = float(c[0]) or 1e-12
+    return {"slope": slope, "reference": p["reference"] - float(c[1]) / slope}
 
 
 def _grid(state, axis):
@@ -29,13 +43,11 @@ EFFECT = Effect(
     source="engineering judgement: remanence of magnets falls by about 0.1 to 0.2 % per kelvin",
     argument="temperature",
     argument_unit="degC",
-    torque=lambda state, axis, source, p: p["slope"] * _columns(state, axis, source, p)[..., 0],
+    torque=_torque,
     columns=_columns,
-    parameters_of=lambda p, c: {**p, "slope": float(c[0])},
+    parameters_of=_parameters_of,
     grid=_grid,
     needs=("temperature",),
     shape=_SHAPE,
     bend=table_bend(_SHAPE, 4),
-    vanishes_at="reference",
-    floats=True,
 )
