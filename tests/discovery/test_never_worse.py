@@ -117,6 +117,25 @@ def test_an_axis_that_lacks_what_nothing_explains_keeps_its_parameters_as_given(
     assert np.all(doubts(replace(lacking, unexplained=[])) == 1.0)
 
 
+def test_an_effect_that_one_record_alone_tells_of_is_asked_by_halves_of_records(found):
+    white = found.final.outcome.white
+    axis, record = 1, white.folds(1)
+    last = (record == record[-1]).astype(float)
+    sigma = white.whiteners[axis].sigma
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    odd.discrepancy[np.flatnonzero(white.problem.train)[white.whiteners[axis].rows], axis] += 30.0 * sigma * last
+    targets = [y.copy() for y in white.targets]
+    targets[axis] += 30.0 * last
+    trial = replace(white, problem=odd, targets=targets)
+    term = Term("step", {axis: last[:, None]}, np.array([100.0]), {axis: sigma * last[:, None]})
+    # As a number of the model it has to extrapolate to a record that it knows nothing of.
+    assert left_out_ratio(trial, [term], each=False)[axis] > 0.95
+    assert left_out_ratio(trial, [replace(term, effect=True)], each=False)[axis] < 0.5
+    everywhere = replace(term, blocks={axis: np.ones((len(last), 1))}, raw={axis: sigma * np.ones((len(last), 1))})
+    asked = [left_out_ratio(trial, [replace(everywhere, effect=effect)])[axis] for effect in (True, False)]
+    assert asked[0] == asked[1]
+
+
 def test_evidence_is_asked_without_the_block_of_time_that_gives_most_of_it(found):
     white = found.final.outcome.white
     axis, block = 1, white.blocks(1)

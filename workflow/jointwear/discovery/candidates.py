@@ -84,7 +84,7 @@ def term_of(white: White, candidate: Candidate) -> Term:
     torques = raw_torques(white, candidate)
     std = prior_std(white, candidate, torques[candidate.axis])
     raw = {a: white.raw(a, columns) for a, columns in torques.items()}
-    return Term(f"{candidate.effect} {candidate.axis}", whitened(white, torques), std, raw)
+    return Term(f"{candidate.effect} {candidate.axis}", whitened(white, torques), std, raw, effect=True)
 
 
 def fitted_torque(white: White, fit: Fit, candidate: Candidate, blocks: dict, std: np.ndarray) -> np.ndarray:

@@ -190,7 +190,7 @@ def _named(white: White, fit: Fit, scored: Scored) -> Named:
     else:
         misfit = ""
         label = f"{scored.candidate.effect} {scored.candidate.axis}"
-        term = Term(label, scored.blocks, scored.std, raw_blocks(white, scored.candidate))
+        term = Term(label, scored.blocks, scored.std, raw_blocks(white, scored.candidate), effect=True)
     return Named(scored.candidate, term, _form_of(white, fit, scored), scored.evidence, misfit=misfit)
 
 

@@ -6,7 +6,7 @@ seen. A robot file is used for motion to come: on no axis may it be worse than t
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,10 @@ from jointwear.discovery.whitening import White
 EVERYTHING = "everything of this joint as given"
 #: Time in motion [s] from which a record is asked by itself.
 ASKED_ALONE = 5.0
+#: Share of its prior variance that is left of a coefficient that the data tell of, and of one that they do not.
+TOLD, UNTOLD = 0.1, 0.5
+#: Axis -> fold (m,) of each whitened row.
+Folds = Callable[[int], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -39,13 +43,20 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
 
     It is that over all records, that of the worst record or that of the block of time in the middle, whichever is
     largest: what helps in most records and harms in one is not a better robot, nor what helps while a wall is touched
-    and harms at all other times. Records of a few seconds are too short to be asked one by one. Axes that cannot be
-    judged get 0.
+    and harms at all other times. Records of a few seconds are too short to be asked one by one. Where one record alone
+    tells of an effect nothing can be said of that record without it: halves of records are left out instead. Axes that
+    cannot be judged get 0.
 
     Parameters
     ----------
     each : ask for the worst record and the middle block too, not only for all of them together.
     """
+    ratio, told_alone = _ratio(white, terms, white.folds, each)
+    return _ratio(white, terms, white.halves, each)[0] if told_alone else ratio
+
+
+def _ratio(white: White, terms: list[Term], folds: Folds, each: bool) -> tuple[np.ndarray, bool]:
+    """Return the ratio of :func:`left_out_ratio` over some folds, and whether one alone tells of an effect."""
     sizes = [len(t.std) for t in terms]
     edges = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
     total = int(edges[-1])
@@ -60,7 +71,7 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
         where = np.concatenate([np.arange(edges[i], edges[i + 1]) for i in active] or [np.zeros(0, int)])
         design = np.concatenate([terms[i].blocks[axis] for i in active] or [np.zeros((len(y), 0))], axis=1)
         seen = np.concatenate([terms[i].raw[axis] for i in active] or [np.zeros((len(y), 0))], axis=1)
-        label = white.folds(axis)
+        label = folds(axis)
         raw[axis] = (seen, where, label)
         for record in np.unique(label):
             rows = label == record
@@ -71,8 +82,12 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
     square: dict[int, list[tuple[float, float, bool]]] = {axis: [] for axis in raw}
     blocks = {axis: white.blocks(axis) for axis in raw} if each else {}
     middle: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
+    told_alone = False
+    of_effect = np.repeat([t.effect for t in terms], sizes) if terms else np.zeros(0, bool)
+    known = of_effect & (_left_open(whole[0], precision) < TOLD) if of_effect.any() else of_effect
     for record, (gram, right) in parts.items():
         theta = cho_solve(cho_factor(whole[0] - gram + np.diag(precision)), whole[1] - right) if total else right
+        told_alone |= known.any() and bool(np.any(known & (_left_open(whole[0] - gram, precision) > UNTOLD)))
         for axis, (seen, where, label) in raw.items():
             rows = label == record
             given = targets[axis][rows]
@@ -88,7 +103,12 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
             if each:
                 both.append(tuple(np.median(np.concatenate(middle[axis], axis=1), axis=1)))
             ratio[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in both)
-    return ratio
+    return ratio, told_alone
+
+
+def _left_open(gram: np.ndarray, precision: np.ndarray) -> np.ndarray:
+    """Return the variance of each coefficient (k,) after the data, over that before them."""
+    return np.diag(cho_solve(cho_factor(gram + np.diag(precision)), np.eye(len(precision)))) * precision
 
 
 def mean_squares(label: np.ndarray, *errors: np.ndarray) -> np.ndarray:

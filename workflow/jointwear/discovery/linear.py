@@ -15,6 +15,7 @@ class Term:
     `blocks` holds an (m_axis, k) array for every axis that the coefficients act on, `std` (k,) their prior. `raw`
     holds the same columns before whitening [N m per coefficient], where predictions in N m are wanted. `drive` is
     the 0-based axis of whose drive the coefficients are parameters, and the place of the one that is, if it is one.
+    `effect` says that they are those of a named effect, not of the nominal model.
     """
 
     label: str
@@ -22,6 +23,7 @@ class Term:
     std: np.ndarray
     raw: dict[int, np.ndarray] = field(default_factory=dict)
     drive: tuple[int, ...] = ()
+    effect: bool = False
 
 
 class Fit:

@@ -83,6 +83,11 @@ class Problem:
         return self._folds(fewest=4)
 
     @cached_property
+    def half_of_sample(self) -> np.ndarray:
+        """(N_train,) half of its record that each training sample is in; a quarter or less where records are few."""
+        return self._folds(fewest=4, pieces=2)
+
+    @cached_property
     def block_of_sample(self) -> np.ndarray:
         """(N_train,) block of time of each training sample, `settings.block` long within its record, in order."""
         time, record = self.train_state.time, np.asarray(self.train_state.record)
@@ -94,12 +99,12 @@ class Problem:
         change = (np.diff(block) != 0) | (np.diff(record) != 0)
         return np.concatenate([[0], np.cumsum(change)])
 
-    def _folds(self, fewest: int) -> np.ndarray:
-        """Return the record of each training sample, cut into blocks, four in all or more, if there are too few."""
+    def _folds(self, fewest: int, pieces: int = 1) -> np.ndarray:
+        """Return the record, cut into `pieces`, of each training sample, into four in all or more if there are few."""
         record = np.asarray(self.train_state.record)
         labels, first = np.unique(record, return_index=True)
         labels = labels[np.argsort(first)]
-        blocks = 1 if len(labels) >= fewest else int(np.ceil(4 / max(len(labels), 1)))
+        blocks = pieces if len(labels) >= fewest else max(pieces, int(np.ceil(4 / max(len(labels), 1))))
         fold = np.zeros(len(record), dtype=int)
         for i, label in enumerate(labels):
             index = np.flatnonzero(record == label)

@@ -104,6 +104,10 @@ class White:
         """Return the part, out of at least four, that a name has to predict, of each whitened row of `axis`."""
         return self.problem.part_of_sample[self.whiteners[axis].rows]
 
+    def halves(self, axis: int) -> np.ndarray:
+        """Return the half of its record that each whitened row of `axis` is in, numbered over all records."""
+        return self.problem.half_of_sample[self.whiteners[axis].rows]
+
     def blocks(self, axis: int) -> np.ndarray:
         """Return the block of time, within its record, of each whitened row of `axis`."""
         return self.problem.block_of_sample[self.whiteners[axis].rows]
