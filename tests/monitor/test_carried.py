@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.carried import LoadsOnMotion, find_load, near_switch, with_loads
+from jointwear.monitor.carried import LoadsOnMotion, _positive, find_load, near_switch, with_loads
 from jointwear.monitor.model import ModelTorque
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
@@ -104,3 +104,12 @@ def test_samples_around_a_switch_are_left_out():
     assert near[50]
     assert not near[:30].any()
     assert near.sum() < 40
+
+
+def test_a_switch_does_not_turn_on_round_off_at_rest():
+    gain = np.zeros(40)
+    gain[10:20], gain[25:30] = 3.0, [1e-15, -1e-15, 2e-15, -1e-16, 1e-16]
+    shown = _positive(gain, 3)
+    assert np.array_equal(shown, _positive(gain * (1 - 1e-16), 3))
+    assert np.flatnonzero(shown).tolist() == list(range(9, 21))
+    assert not _positive(np.zeros(5), 3).any()

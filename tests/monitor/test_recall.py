@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from monitor_logs import ROBOT, START, columns, make_log, write_parquet
 
-from jointwear.monitor import learning, watching
+from jointwear.monitor import learning, stages, watching
 from jointwear.monitor.fleet import watch
 from jointwear.monitor.recall import Recall, key_of, read_recall, write_recall
 
@@ -65,3 +65,24 @@ def test_a_new_day_learns_and_simulates_nothing_again(monkeypatch, days_of_an_ar
     assert said[0] == said[1]
     kept = [(tmp_path / kind / "arm/recall.json").read_bytes() for kind in ("pieces", "anew")]
     assert kept[0] == kept[1]
+
+
+def test_the_rule_of_one_robot_learns_nothing_again(monkeypatch, days_of_an_arm, tmp_path):
+    entry, logs = days_of_an_arm
+    survey, windows = tmp_path / "survey.json", tmp_path / "windows.nc"
+    stages.survey_logs(logs[0], entry["robot"], entry, survey)
+    stages.accumulate_windows(logs, survey, entry["robot"], entry, windows)
+
+    def judged(name):
+        (tmp_path / name).mkdir(exist_ok=True)
+        state, alarms = tmp_path / name / "state.nc", tmp_path / name / "alarms.csv"
+        stages.judge_windows([windows], entry["robot"], entry, state, alarms, "arm")
+        return state.read_bytes(), alarms.read_bytes()
+
+    first = judged("kept")
+    made, whole = [], learning._choose
+    monkeypatch.setattr(learning, "_choose", lambda *given: made.append(1) or whole(*given))
+    assert judged("kept") == first
+    assert made == []
+    assert judged("anew") == first
+    assert made

@@ -41,6 +41,7 @@ def test_unit_loads_are_the_linear_part_of_a_payload(seed, mass, centre):
     assert first == pytest.approx((there - opposite) / 2, abs=1e-8 * size)
     moments = np.tile([mass, *(mass * centre)], (20, 1))
     assert flange.torque(*motion, moments) == pytest.approx(np.einsum("smkn,mk->smn", unit, moments), abs=1e-8 * size)
+    assert flange.unit_sum(*motion) == pytest.approx(unit.sum(axis=0), abs=1e-12 * size)
 
 
 def test_a_long_motion_is_the_sum_of_its_pieces():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,14 +87,10 @@ def window_statistics(
     if usable is not None:
         used &= usable
     found = pulses(residual, model, used, stretch, settings.reach) if settings.reach else None
+    offset = kept.indices(len(residual))[0]
     time, position, velocity, torque, stretch = (x[kept] for x in (time, position, velocity, torque, stretch))
-    used, m, n = used[kept].T, len(time), velocity.shape[1]
-    columns = np.zeros((n, _P + 1, m))
-    np.logical_and(used, velocity.T > 0, out=columns[:, 0], casting="unsafe")
-    columns[:, 1] = columns[:, 0] - used
-    for k, values in enumerate((velocity, model.gravity[kept], model.inertial[kept], residual[kept]), start=2):
-        np.copyto(columns[:, k], values.T, where=used)
-    _clear_negligible(columns, settings.torque_reference)
+    used, residual, m, n = used[kept], residual[kept], len(time), velocity.shape[1]
+    regressors = velocity, model.gravity[kept], model.inertial[kept]
     if flags is None:
         flags = np.zeros((m, n), dtype=np.int64)
     else:
@@ -101,7 +98,6 @@ def window_statistics(
         flags = np.broadcast_to(flags[:, None] if flags.ndim == 1 else flags, (m, n))
     temperature = None if temperature is None else temperature[kept]
     program = None if program is None else program[kept]
-    offset = kept.indices(len(residual))[0]
 
     index = np.floor(time / settings.length).astype(np.int64)
     rows, place = np.unique(index, return_inverse=True)
@@ -109,7 +105,9 @@ def window_statistics(
     edges = [0, *(np.flatnonzero(np.diff(place)) + 1), m] if m else [0]
     for a, b in itertools.pairwise(edges):
         piece, row = slice(a, b), int(place[a])
-        _add_regression(total, row, columns[:, :, piece], used[:, piece], time[piece], stretch[piece], settings.block)
+        moved = np.ascontiguousarray(used[piece].T)
+        columns = _columns([x[piece] for x in regressors], residual[piece], moved, settings.torque_reference)
+        _add_regression(total, row, columns, moved, time[piece], stretch[piece], settings.block)
         _add_torque(total, row, torque[piece], settings.torque_reference)
         if found is not None:
             _add_pulses(total, row, found, slice(offset + a, offset + b))
@@ -133,10 +131,25 @@ def window_statistics(
     return total
 
 
-def _clear_negligible(columns: np.ndarray, reference: np.ndarray) -> None:
-    """Set gravity and inertial torques that cannot matter to zero, sample by sample so that pieces add up."""
-    parts = columns[:, 3:5]
-    np.copyto(parts, 0.0, where=np.abs(parts) < NEGLIGIBLE * reference[:, None, None])
+def _columns(
+    regressors: Sequence[np.ndarray], residual: np.ndarray, used: np.ndarray, reference: np.ndarray
+) -> np.ndarray:
+    """Return the regressors and the residual (n, p + 1, k) of one piece, zeros where `used` (n, k) is False.
+
+    Torques that cannot matter are set to zero sample by sample, so that pieces add up.
+
+    Parameters
+    ----------
+    regressors : velocity, gravity and inertial torque (k, n). residual : (k, n). reference : (n,) torque [N m].
+    """
+    columns = np.zeros((len(used), _P + 1, used.shape[1]))
+    np.logical_and(used, regressors[0].T > 0, out=columns[:, 0], casting="unsafe")
+    columns[:, 1] = columns[:, 0] - used
+    for k, values in enumerate((*regressors, residual), start=2):
+        np.copyto(columns[:, k], values.T, where=used)
+    torques = columns[:, 3:5]
+    np.copyto(torques, 0.0, where=np.abs(torques) < NEGLIGIBLE * reference[:, None, None])
+    return columns
 
 
 def _add_regression(

@@ -38,6 +38,8 @@ NEGLIGIBLE, HIDDEN = 1e-3, 1e-4
 #: What is added to the normal equations of the moments, their diagonal being one: moments that the motion hardly tells
 #: apart stay small instead of turning on round-off.
 RIDGE = 1e-8
+#: Share of the largest gain of a switch that is round-off: where nothing moves, it must not say which way it turns.
+ROUND_OFF = 1e-9
 #: Rows of the regressors that are torques of the model.
 _TORQUES = slice(3, 5)
 
@@ -54,7 +56,7 @@ class UnitTorques(Protocol):
     """Torques of loads at samples of a motion, by their indices (k,)."""
 
     def unit(self, rows: np.ndarray) -> np.ndarray:
-        """Return gravity and inertial torque (2, k, 4, n) of unit mass [N m/kg] and first moments [N m/(kg m)]."""
+        """Return the torque (k, 4, n) of unit mass [N m/kg] and of unit first moments [N m/(kg m)]."""
 
     def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
         """Return gravity and inertial torque (2, k, n) [N m] of loads `moments` (k, 4)."""
@@ -71,7 +73,7 @@ class LoadsOnMotion:
 
     def unit(self, rows: np.ndarray) -> np.ndarray:
         """See :class:`UnitTorques`."""
-        return self.flange.unit(self.position[rows], self.velocity[rows], self.acceleration[rows])
+        return self.flange.unit_sum(self.position[rows], self.velocity[rows], self.acceleration[rows])
 
     def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
         """See :class:`UnitTorques`."""
@@ -107,7 +109,7 @@ def with_loads(
     rows = np.concatenate(index) if index else np.zeros(0, dtype=int)
     if not len(rows):
         return model, clear
-    units = torques.unit(rows).sum(axis=0)
+    units = torques.unit(rows)
     v, on = velocity[rows], used[rows]
     columns = np.stack([v > 0, -(v < 0).astype(float), v, model.gravity[rows], model.inertial[rows]])
     columns = np.where(on, columns, 0.0).transpose(2, 0, 1)
@@ -165,7 +167,7 @@ def find_load(
             after = np.maximum((error**2).sum(axis=1) / count, 1e-12)
             torque = loads @ moments
             gain = (torque * (2 * (error + carried * torque) - torque) / after[:, None]).sum(axis=0)
-            fresh = _smooth(gain, width) > 0
+            fresh = _positive(gain, width)
             done = np.array_equal(fresh, carried)
             carried, weight = fresh, 1.0 / after
             if done or not carried.any():
@@ -186,20 +188,25 @@ def _that_matter(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:
 
 def _moments(gram: np.ndarray, moment: np.ndarray) -> np.ndarray:
     """Return the moments (4,) of the normal equations; one that no axis shows is zero."""
-    size = np.sqrt(np.diag(gram))
+    size = np.sqrt(gram.diagonal())
     seen = size > HIDDEN * size.max(initial=0.0)
-    if not seen.any():
+    whole = seen.all()
+    if not (whole or seen.any()):
         return np.zeros(len(size))
-    scale = np.where(seen, size, 1.0)
-    inner = np.where(np.outer(seen, seen), gram / np.outer(scale, scale), 0.0)
-    inner[np.diag_indices_from(inner)] = 1.0 + RIDGE
-    return np.linalg.solve(inner, np.where(seen, moment / scale, 0.0)) / scale
+    scale = size if whole else np.where(seen, size, 1.0)
+    inner = gram / (scale[:, None] * scale)
+    aim = moment / scale
+    if not whole:
+        inner[~(seen[:, None] & seen)] = 0.0
+        aim[~seen] = 0.0
+    inner.flat[:: len(size) + 1] = 1.0 + RIDGE
+    return np.linalg.solve(inner, aim) / scale
 
 
 def _starts(plain: np.ndarray, loads: np.ndarray, variance: np.ndarray, width: int) -> list[np.ndarray]:
     """Switches (m,) to begin with: carried throughout, and where the residual looks like a mass."""
-    inner = _smooth(np.einsum("jm,jm->m", plain / variance[:, None], loads[..., 0]), width)
-    return [np.ones(plain.shape[1], dtype=bool), inner > 0]
+    inner = _positive(np.einsum("jm,jm->m", plain / variance[:, None], loads[..., 0]), width)
+    return [np.ones(plain.shape[1], dtype=bool), inner]
 
 
 def _bases(columns: Sequence[np.ndarray]) -> np.ndarray:
@@ -214,6 +221,12 @@ def _bases(columns: Sequence[np.ndarray]) -> np.ndarray:
 def _without(bases: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return values (n, m, k) less their part in the spaces of `bases` (n, m, p)."""
     return values - bases @ (bases.transpose(0, 2, 1) @ values)
+
+
+def _positive(gain: np.ndarray, width: int) -> np.ndarray:
+    """Return where a gain (m,), smoothed, speaks for the load: nothing but round-off speaks for neither."""
+    smooth = _smooth(gain, width)
+    return smooth > ROUND_OFF * np.abs(smooth).max(initial=0.0)
 
 
 def _smooth(values: np.ndarray, width: int) -> np.ndarray:

@@ -73,7 +73,10 @@ def pulses(residual: np.ndarray, model: ModelTorque, used: np.ndarray, stretch: 
 def _spread(values: np.ndarray, reach: int) -> np.ndarray:
     """Return the sums (n, m) over `reach` samples to either side; nothing lies beyond the ends."""
     kind = float if values.dtype.kind == "f" else np.int32
-    total = np.zeros((values.shape[0], values.shape[1] + 1), dtype=kind)
-    np.cumsum(values, axis=1, out=total[:, 1:])
-    index = np.arange(values.shape[1])
-    return total[:, np.minimum(index + reach + 1, values.shape[1])] - total[:, np.maximum(index - reach, 0)]
+    m = values.shape[1]
+    # Sums up to each sample, carried on beyond both ends.
+    total = np.empty((values.shape[0], m + 2 * reach + 1), dtype=kind)
+    total[:, : reach + 1] = 0
+    np.cumsum(values, axis=1, out=total[:, reach + 1 : reach + 1 + m])
+    total[:, reach + 1 + m :] = total[:, reach + m : reach + m + 1]
+    return total[:, 2 * reach + 1 :] - total[:, :m]

@@ -19,12 +19,13 @@ from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import READING_KEYS, window_seconds
-from jointwear.monitor.recall import Recall
+from jointwear.monitor.recall import Recall, read_recall, write_recall
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import read_survey, survey_log
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import robot_sources
+from jointwear.running.modules import code_of
 
 #: Fewest windows of a baseline from which anything can be learnt.
 FEWEST_BASELINE = 8
@@ -78,6 +79,8 @@ def judge_windows(
 ) -> None:
     """Judge all windows of a robot; write the state of every axis and the alarms.
 
+    What the baseline told is kept beside the state (`recall.json`) for the next call.
+
     Parameters
     ----------
     windows : files of :func:`accumulate_windows`, in the order of their logs.
@@ -88,7 +91,10 @@ def judge_windows(
     InputError : if no log could be used, or the baseline is too short.
     """
     pieces = [piece for path in windows for piece in read_pieces(path)]
-    judge_pieces(pieces, robot, entry, state, alarms, name)
+    kept, code = Path(state).parent / "recall.json", code_of("judge_windows")
+    recall = read_recall(kept, code)
+    judge_pieces(pieces, robot, entry, state, alarms, name, recall)
+    write_recall(kept, recall, code)
 
 
 def made_with(robot: str | Path, entry: Mapping[str, Any]) -> str:

@@ -15,10 +15,11 @@ import numpy as np
 import pinocchio as pin
 
 from jointwear.robots.dynamics import TIP, build_model
+from jointwear.robots.gravity import with_third_axis
 from jointwear.robots.robot import Robot
 
 #: Samples worked on at once: what they need stays in the cache.
-BLOCK = 4096
+BLOCK = 2048
 
 
 class FlangeLoad:
@@ -29,14 +30,17 @@ class FlangeLoad:
         data = model.createData()
         still = np.zeros(model.nq)
         pin.computeJointJacobians(model, data, still)
-        self._steps = []
+        self._steps, base = [], np.eye(3)
         for joint in range(1, model.njoints):
             place = model.jointPlacements[joint]
             # Of a robot with one joint, Pinocchio gives a vector.
             twist = pin.getJointJacobian(model, data, joint, pin.LOCAL).reshape(6, -1)[:, joint - 1]
-            self._steps.append((place.rotation, place.translation, twist[3:], twist[:3]))
-        frame = pin.SE3.Identity() if robot.urdf is not None else model.frames[model.getFrameId(TIP)].placement
-        self._tip = (frame.rotation, frame.translation)
+            turning = not twist[:3].any()
+            own = with_third_axis(twist[3:] if turning else twist[:3])
+            self._steps.append((base.T @ place.rotation @ own, base.T @ place.translation, turning))
+            base = own
+        tip = pin.SE3.Identity() if robot.urdf is not None else model.frames[model.getFrameId(TIP)].placement
+        self._tip = (base.T @ tip.rotation, base.T @ tip.translation)
         self._gravity = np.asarray(robot.gravity, dtype=float)[:, None]
 
     def unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
@@ -61,6 +65,20 @@ class FlangeLoad:
                 out[0, k + 1, j] = joint.couple(couples[k][0])
                 out[1, k + 1, j] = _dot(reach, swung[k]) + joint.couple(couples[k][1])
         return out
+
+    def unit_sum(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """Return what :meth:`unit` does, gravity and inertial torque in one, (m, 4, n)."""
+        out = np.empty((4, position.shape[1], len(position)))
+        for part in _blocks(len(position)):
+            joints, tip = self._frames(position[part], velocity[part], acceleration[part])
+            force, edges = tip.pushed - self._gravity, [tip.turn[:, k] for k in range(3)]
+            loads = [(tip.swung(edge), _cross(edge, force)) for edge in edges]
+            for j, joint in enumerate(joints):
+                reach = joint.reach(tip.place)
+                out[0, j, part] = _dot(reach, force)
+                for k, (swung, couple) in enumerate(loads, start=1):
+                    out[k, j, part] = _dot(reach, swung) + joint.couple(couple)
+        return out.transpose(2, 0, 1)
 
     def torque(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, moments: np.ndarray
@@ -93,19 +111,18 @@ class FlangeLoad:
         """Return the joints as they lie, and the frame of the payload."""
         m = len(position)
         q, v, a = (np.ascontiguousarray(x.T) for x in (position, velocity, acceleration))
+        sine, cosine = np.sin(q), np.cos(q)
         frame = _Frame(np.broadcast_to(np.eye(3)[:, :, None], (3, 3, m)), *(np.zeros((3, m)) for _ in range(4)))
         joints = []
-        for k, (fixed, offset, angular, linear) in enumerate(self._steps):
+        for k, (fixed, offset, turning) in enumerate(self._steps):
             frame = frame.placed(fixed, offset)
-            turning = not linear.any()
-            way = _along(frame.turn, angular if turning else linear)
+            way = frame.turn[:, 2]
             joints.append(_Joint(way, frame.place, turning))
             if turning:
+                spun = frame.spun + way * a[k]
+                spun += _cross(frame.spin, way) * v[k]
                 frame = replace(
-                    frame,
-                    turn=_turned(frame.turn, angular, q[k]),
-                    spin=frame.spin + way * v[k],
-                    spun=frame.spun + way * a[k] + v[k] * _cross(frame.spin, way),
+                    frame, turn=_turned(frame.turn, sine[k], cosine[k]), spin=frame.spin + way * v[k], spun=spun
                 )
             else:
                 pushed = frame.pushed + way * a[k] + 2 * v[k] * _cross(frame.spin, way) + q[k] * frame.swung(way)
@@ -125,12 +142,16 @@ class _Frame:
 
     def swung(self, arm: np.ndarray) -> np.ndarray:
         """Return the acceleration that a point fixed to the frame has beyond that of its origin."""
-        return _cross(self.spun, arm) + _cross(self.spin, _cross(self.spin, arm))
+        out = _cross(self.spun, arm)
+        out += _cross(self.spin, _cross(self.spin, arm))
+        return out
 
     def placed(self, rotation: np.ndarray, offset: np.ndarray) -> _Frame:
         """Return a frame fixed to this one."""
+        turn = rotation.T @ self.turn
+        if not offset.any():
+            return replace(self, turn=turn)
         arm = _along(self.turn, offset)
-        turn = np.stack([_along(self.turn, column) for column in rotation.T], axis=1)
         return replace(self, turn=turn, place=self.place + arm, pushed=self.pushed + self.swung(arm))
 
 
@@ -176,18 +197,12 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _turned(turn: np.ndarray, axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Return rotations (3, 3, m) times a turn by angles (m,) about a fixed unit axis (Rodrigues)."""
-    x, y, z = axis
-    if z == 1.0:
-        sine, rest = np.sin(angle), 1 - np.cos(angle)
-        out = turn.copy()
-        out[:, 0] += sine * turn[:, 1]
-        out[:, 0] -= rest * turn[:, 0]
-        out[:, 1] -= sine * turn[:, 0]
-        out[:, 1] -= rest * turn[:, 1]
-        return out
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    first = np.einsum("ijm,jk->ikm", turn, skew)
-    second = np.einsum("ijm,jk->ikm", first, skew)
-    return turn + np.sin(angle) * first + (1 - np.cos(angle)) * second
+def _turned(turn: np.ndarray, sine: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+    """Return rotations (3, 3, m) times a turn about the third axis."""
+    out = np.empty_like(turn)
+    out[:, 0] = cosine * turn[:, 0]
+    out[:, 0] += sine * turn[:, 1]
+    out[:, 1] = cosine * turn[:, 1]
+    out[:, 1] -= sine * turn[:, 0]
+    out[:, 2] = turn[:, 2]
+    return out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 from functools import cache
@@ -82,3 +83,12 @@ def _wanted(path: Path, effects: frozenset[str] | None) -> bool:
     if path.parent == EFFECTS / "entries" and path.stem != "__init__":
         return path.stem in effects
     return bool(effects)
+
+
+@cache
+def code_of(script: str) -> str:
+    """Return a digest of the library files that a script of the workflow imports, as they are when first asked for."""
+    found = hashlib.sha256()
+    for path in imported_by(LIBRARY.parent / "scripts" / f"{script}.py"):
+        found.update(path.read_bytes())
+    return found.hexdigest()

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,6 @@ from jointwear.monitor.plan import READING_KEYS, in_order
 from jointwear.monitor.stages import log_pieces, survey_logs
 from jointwear.monitor.survey import read_survey
 from jointwear.robots.robot_file import robot_sources
-from jointwear.running.modules import LIBRARY, imported_by
 
 #: Logs between two saves: what a run that is killed has to read again at most.
 SAVE_EVERY = 64
@@ -50,15 +48,6 @@ _RECORD = {
         },
     },
 }
-
-
-@cache
-def code_of(script: str) -> str:
-    """Return a digest of the library files that a script of the workflow imports, as they are when first asked for."""
-    found = hashlib.sha256()
-    for path in imported_by(LIBRARY.parent / "scripts" / f"{script}.py"):
-        found.update(path.read_bytes())
-    return found.hexdigest()
 
 
 def model_of(robot: str) -> str:

@@ -16,12 +16,13 @@ from jointwear.files.text_files import remove, replace_text
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
 from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.plan import digest
-from jointwear.monitor.fleet.reading import Readings, code_of, model_of
+from jointwear.monitor.fleet.reading import Readings, model_of
 from jointwear.monitor.page import write_page
 from jointwear.monitor.recall import read_recall, write_recall
 from jointwear.monitor.stages import judge_pieces
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import read_state
+from jointwear.running.modules import code_of
 
 #: Robots of a fleet up to which each gets a page; in a larger one those on which something is to be checked.
 PAGES = 50

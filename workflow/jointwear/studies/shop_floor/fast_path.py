@@ -152,11 +152,15 @@ class _JobLoads:
     square: np.ndarray
 
     def unit(self, rows: np.ndarray) -> np.ndarray:
-        parts = at_phase(self.job.load, self.phase[rows])
-        return np.stack([parts[:, 0], parts[:, 1] * self.square[rows, None, None]])
+        return self._parts(rows).sum(axis=0)
 
     def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
-        return np.einsum("smkn,mk->smn", self.unit(rows), moments)
+        return np.einsum("smkn,mk->smn", self._parts(rows), moments)
+
+    def _parts(self, rows: np.ndarray) -> np.ndarray:
+        """Return gravity and inertial torque (2, k, 4, n) of unit loads."""
+        parts = at_phase(self.job.load, self.phase[rows])
+        return np.stack([parts[:, 0], parts[:, 1] * self.square[rows, None, None]])
 
 
 def _derived(signals: Signals, cell: Cell, cutoff: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
