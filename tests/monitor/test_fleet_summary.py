@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from prometheus_client.parser import text_string_to_metric_families
 
 from jointwear.files.errors import InputError
+from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.page import robot_item
@@ -75,6 +76,16 @@ def test_the_most_urgent_robot_comes_first(built):
     assert "2025-12-31 19:00 EST" in text
     assert "shift 2" in text
     assert "silent for 5 days" in text
+
+
+def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
+    found = [
+        {"time": NOW, "axes": [1], "kind": BACKLASH, "words": "Backlash of axis 1 cannot be judged."},
+        {"time": NOW - DAY, "axes": [2], "kind": "scale", "words": "The scale changed."},
+    ]
+    assert robot_item(as_of(robot("arm", findings=found), NOW), zone_of(None), "robots")["findings"] == [
+        "The scale changed."
+    ]
 
 
 def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():

@@ -94,6 +94,14 @@ def test_wrong_numbers_from_the_middle_of_a_log_on(tmp_path, good):
     assert (found.statistics.count[5:] == 0).all()
 
 
+def test_one_fault_of_many_parts_is_told_once(tmp_path, good):
+    path = write_parquet(tmp_path / "log.parquet", columns(broken(make_log(480.0, seed=6), "degrees")))
+    survey = survey_log(str(good), layout(), model(), LENGTH)
+    found = log_statistics(str(path), layout(), model(), survey, LENGTH, block=4800)
+    assert len(found.refused) == 1
+    assert (found.statistics.count == 0).all()
+
+
 def test_a_good_later_log_is_not_refused(tmp_path, good):
     for seed, change in ((4, 1.0), (5, 1.3)):
         log = make_log(48.0, seed=seed)

@@ -362,12 +362,12 @@ def test_all_axes_at_once_are_a_finding_and_no_wear():
     assert (np.abs(result.value[:120]) < 1e-6).all()
 
 
-def test_a_robot_without_friction_numbers_is_judged_in_newton_metres():
+def test_a_robot_without_friction_numbers_grows_from_its_own_baseline():
     growth = np.ones((200, 3))
     growth[120:, 1] = 1.2
     none = JudgeSettings(coulomb=np.zeros((3, 2)), viscous=np.zeros(3))
     result = judge(statistics_of(residuals(200, growth, 18)), 120, none)
-    assert np.isnan(result.estimates["coulomb_percent"]).all()
+    assert result.estimates["coulomb_percent"][-40:, 1].mean() == pytest.approx(20, abs=3)
     assert {a["axis"] for a in result.alarms if a["detector"] == "model"} == {2}
     assert result.estimates["coulomb"][-40:, 1].mean() == pytest.approx(0.4, abs=0.05)
 
@@ -409,3 +409,15 @@ def test_raised_limits():
     assert raised_limit(quiet, 1e-3) == 1.0
     assert raised_limit(4 * random.exponential(1, 200), 1e-3) > 1.0
     assert raised_limit(np.ones(3), 1e-3) == 1.0
+
+
+def test_a_condition_that_lasts_a_shift_is_no_change_of_the_torque_pattern():
+    """Programs change by the hour in the normal period, by the shift after it; the torques of one are wild."""
+    random = np.random.default_rng(5)
+    size = np.array([0.2, 6.0, 0.4])
+    normal = random.integers(0, 3, 90)
+    crossed = size[normal] * random.exponential(1, 90)
+    later = size[np.repeat(random.integers(0, 3, 60), 8)] * random.exponential(1, 480)
+    runs = np.lib.stride_tricks.sliding_window_view(later, 5).min(axis=-1)
+    assert (runs > raised_limit(crossed, 1e-3)).any()
+    assert not (runs > raised_limit(crossed, 1e-3, mixed=True)).any()

@@ -16,7 +16,7 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline
 from jointwear.monitor.condition import UNRESOLVED, axis_conditions
-from jointwear.monitor.drawing import _thin
+from jointwear.monitor.drawing import _alone, _pauses, _thin
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.friction import window_friction
@@ -313,3 +313,12 @@ def test_thinned_windows_are_weighted_means_of_those_that_are_known(count, parts
         weight = 1 / std[good] ** 2
         assert mean[k] == pytest.approx(np.average(values[good], weights=weight), rel=1e-9, abs=1e-12)
         assert error[k] == pytest.approx(weight.sum() ** -0.5, rel=1e-9)
+
+
+def test_a_line_over_time_is_interrupted_where_nothing_was_measured():
+    hours = np.concatenate([24 * day + np.arange(6, 14) for day in (0, 1, 4)])
+    assert _pauses(hours).tolist() == [8, 16]
+    assert not len(_pauses(24.0 * np.array([0, 1, 2, 5, 6])))
+    assert not len(_pauses(np.zeros(1)))
+    broken = np.insert(np.arange(4.0), [1, 2], np.nan)
+    assert np.flatnonzero(_alone(broken)).tolist() == [0, 2]

@@ -304,6 +304,12 @@ def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_
     assert scale_steps(wear, quantity({}, {}), shift, none) == []
     (step,) = scale_steps(wear, quantity({2: 0.06}, {}), shift, none)
     assert (step.axis, step.window, step.factor) == (2, 40, pytest.approx(np.exp(0.06)))
+    # A few windows of like conditions before the alarm, in which the scale looks changed and then does not: wear.
+    passing = quantity({2: 0.06}, {})
+    passing.residual[48:] = 0.0
+    late = quantity({2: 0.06}, {2: 45})
+    assert scale_steps(late, passing, shift, none) == []
+    assert [s.axis for s in scale_steps(late, quantity({2: 0.06}, {}), shift, none)] == [2]
     # A cabinet scales all axes; the last two hardly move a body.
     level = quantity(dict.fromkeys(range(6), 0.06), {0: 50, 4: 50, 5: 55})
     scale = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5))

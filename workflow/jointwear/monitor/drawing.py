@@ -25,6 +25,8 @@ TICK = 3.5
 TIME_ROW, TEMPERATURE_ROW = 1.15, 0.95
 #: Fewer are drawn as points with bars, more as a line with a band.
 FEW_POINTS = 40
+#: A pause that is longer than so many usual steps between points interrupts line and band: nothing was measured in it.
+PAUSE = 4.0
 #: A band that is wider than this many times the usual one is cut at the edge of its row.
 WIDE = 4.0
 
@@ -139,6 +141,7 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
     w, n = values.shape
     groups = np.array_split(np.arange(w), min(w, MOST_POINTS))
     at = time[[g[len(g) // 2] for g in groups]]
+    pauses = _pauses(at)
     panel = _Panel(n, TIME_ROW)
     axes = panel.axes
     axes.axvspan(time[0], time[state.baseline - 1], color=palette.GRID, alpha=0.45, linewidth=0)
@@ -154,9 +157,13 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
             size = 2 * error / (row.high - row.low)
             _points(axes, at, row(mean), size, colour, 1.0)
         elif row.seen:
-            edges = (np.clip(row(mean + s * error), row.foot, row.foot + 1) for s in (-2, 2))
-            axes.fill_between(at, *edges, color=colour, alpha=0.25, linewidth=0)
-            axes.plot(at, np.clip(row(mean), row.foot, row.foot + 1), color=colour, linewidth=1.2)
+            low, middle, high = (np.clip(row(mean + s * error), row.foot, row.foot + 1) for s in (-2, 0, 2))
+            where, low, middle, high = (np.insert(x, pauses, np.nan) for x in (at, low, middle, high))
+            axes.fill_between(where, low, high, color=colour, alpha=0.25, linewidth=0)
+            axes.plot(where, middle, color=colour, linewidth=1.2)
+            alone = _alone(middle)
+            if alone.any():
+                axes.plot(where[alone], middle[alone], "o", markersize=2, color=colour)
         for k, alarm in enumerate(a for a in state.alarms if a["axis"] == j + 1):
             where = time[np.clip(np.searchsorted(state.end, alarm["time"]), 0, w - 1)]
             marks.setdefault(k % len(palette.DASHES), []).append([(where, row.foot), (where, row.foot + 1)])
@@ -167,6 +174,18 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
         _date_labels(axes, zone)
     title = f"{name.replace('_', ' ')} of every axis over time"
     panel.save(output, title, f"{title}; {'; '.join(told)}.")
+
+
+def _pauses(at: np.ndarray) -> np.ndarray:
+    """Return the indices of the points (k,) before which a pause lies."""
+    steps = np.diff(at)
+    return np.flatnonzero(steps > PAUSE * np.median(steps)) + 1 if len(steps) else np.zeros(0, dtype=int)
+
+
+def _alone(values: np.ndarray) -> np.ndarray:
+    """Return which values (k,) have no neighbour that a line could join them to."""
+    known = np.concatenate([[False], np.isfinite(values), [False]])
+    return known[1:-1] & ~known[:-2] & ~known[2:]
 
 
 def _points(axes, at: np.ndarray, mean: np.ndarray, size: np.ndarray, colour: str, width: float) -> None:

@@ -25,6 +25,7 @@ class Inspector:
     def __init__(self, model: TorqueModel, survey: Survey, path: str) -> None:
         self._check = LaterCheck(model.dynamics, np.array(survey.dead_band), survey.left, path)
         self.refused: list[str] = []
+        self._told: set[str] = set()
 
     def __call__(self, around: Ordered, motion: Motion, kept: slice) -> np.ndarray:
         """Return flags (m,) of a block, of which only `kept` is looked at: in parts where something is wrong."""
@@ -51,5 +52,8 @@ class Inspector:
                     marks[part] |= int(Flag.UNEXPLAINED)
             except Refused as refusal:
                 marks[part] |= int(Flag.REFUSED)
-                self.refused.append(f"{refusal}; {refusal.suggestion}")
+                # Parts of a log with one fault differ in the numbers of their sentences alone.
+                if refusal.suggestion not in self._told:
+                    self._told.add(refusal.suggestion)
+                    self.refused.append(f"{refusal}; {refusal.suggestion}")
         return marks

@@ -173,7 +173,7 @@ def judge(
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
         alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime)
-    estimates, std = _estimates(level, viscous, series, usual, coulomb)
+    estimates, std = _estimates(level, viscous, series, usual)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     status = raised_status(teller.status, backlash, CHANGED)
@@ -194,7 +194,7 @@ def judge(
 
 
 def _estimates(
-    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray, coulomb: np.ndarray
+    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     shape = level.residual.shape
     names = ("coulomb", "coulomb_percent", "viscous")
@@ -204,9 +204,8 @@ def _estimates(
         if axis is not None:
             growth = np.expm1(level.residual[:, j])
             values["coulomb"][:, j], std["coulomb"][:, j] = axis.unit * growth, axis.unit * level.std[:, j]
-            if coulomb[j].sum() > 0:
-                scale = 100 * axis.to_coulomb
-                values["coulomb_percent"][:, j], std["coulomb_percent"][:, j] = scale * growth, scale * level.std[:, j]
+            scale = 100 * axis.to_coulomb
+            values["coulomb_percent"][:, j], std["coulomb_percent"][:, j] = scale * growth, scale * level.std[:, j]
         if viscous.axes[j] is not None and speed[j] > 0:
             scale = series["viscous"].unit[j] / speed[j]
             values["viscous"][:, j], std["viscous"][:, j] = scale * viscous.residual[:, j], scale * viscous.std[:, j]

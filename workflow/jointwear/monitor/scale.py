@@ -75,9 +75,9 @@ def scale_steps(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
         hits += [(s.window, -1.0) for s in level.starts[j] if s.proposed][:1]
         for k, sign in sorted(hits):
             begin = k if sign < 0 else _begin(level, k, j, shift)
-            rows = slice(begin, k + 1) if sign > 0 else slice(k, _end(k, shift))
-            step, error = _mean(scale, rows, j, shift)
-            size = _mean(level, rows, j, shift)[0] if sign > 0 else step
+            # A changed scale lasts. The windows up to an alarm are few and of like conditions, whose error they share.
+            step, error = _mean(scale, slice(begin, _end(k, shift)), j, shift)
+            size = _mean(level, slice(begin, k + 1), j, shift)[0] if sign > 0 else step
             if np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR:
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break

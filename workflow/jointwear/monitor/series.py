@@ -83,9 +83,10 @@ def friction_series(
     part = (viscous + slope) * speed / level / middle
     with np.errstate(all="ignore"):
         of_coulomb = 1 - known_median(np.where(baseline[:, None], part, np.nan), axis=0)
-        nominal_share = np.where(known, level / np.where(level > 0, level + viscous * speed, 1.0), 1.0)
+        nominal_share = np.where(known, level / np.where(level > 0, level + viscous * speed, 1.0), of_coulomb)
     of_coulomb = np.where(np.isfinite(of_coulomb), of_coulomb, nominal_share)
-    share = np.clip(0.5 * (of_coulomb + nominal_share), 0.1, 1.0)
+    # A robot file without friction says nothing of its parts. Where the motion tells them no better, all of it counts.
+    share = np.clip(np.nan_to_num(0.5 * (of_coulomb + nominal_share), nan=1.0), 0.1, 1.0)
     found["friction"] = _logs(at_speed, variance, level, share)
     size = np.where(speed > 0, speed / level / middle, np.nan)
     found["viscous"] = Series(

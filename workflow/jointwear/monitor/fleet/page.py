@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.text_files import replace_text
+from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.findings import COARSE
 from jointwear.monitor.fleet.ranking import ORDER, REACHED, REFUSED, STALE
@@ -47,13 +48,19 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "check": check,
         "reason": row["reason"],
         "refusals": [told for told in row["refusals"] if told != row["reason"]],
-        "findings": [f["words"] for f in sorted(row["findings"], key=lambda f: -(f.get("time") or 0))][:SHOWN],
+        "findings": _to_check(row["findings"])[:SHOWN],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
         "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
         "coarse": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == HEALTHY and a["axis"] in coarse)),
         "counts": row,
     }
+
+
+def _to_check(findings: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return findings in words, the newest first, without those on backlash: they say what cannot be judged."""
+    shown = [f for f in findings if f["kind"] != BACKLASH]
+    return [f["words"] for f in sorted(shown, key=lambda f: -(f.get("time") or 0))]
 
 
 def _minute(row: Mapping[str, Any]) -> float:
