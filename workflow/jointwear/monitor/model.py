@@ -8,7 +8,6 @@ import numpy as np
 
 from jointwear.effects import check_effects, effect_torque, make_state
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.gravity import GravityTorque
 from jointwear.robots.inertia import wind_up_regressor
 from jointwear.robots.robot import Robot
 
@@ -34,7 +33,6 @@ class TorqueModel:
         check_effects(robot)
         self.robot = robot
         self.dynamics = Dynamics(robot)
-        self._gravity = GravityTorque(self.dynamics.model)
 
     def __call__(
         self,
@@ -53,7 +51,7 @@ class TorqueModel:
         record : (m,) label of the uninterrupted stretch that a sample belongs to, for effects that remember.
         """
         rigid = self.dynamics.rigid_body_torque(position, velocity, acceleration)
-        gravity = self._gravity(position)
+        gravity = self.dynamics.gravity_torque(position)
         if self.robot.effects:
             state = make_state(
                 self.robot,

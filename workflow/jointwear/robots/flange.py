@@ -15,7 +15,6 @@ import numpy as np
 import pinocchio as pin
 
 from jointwear.robots.dynamics import TIP, build_model
-from jointwear.robots.gravity import with_third_axis
 from jointwear.robots.robot import Robot
 
 #: Samples worked on at once: what they need stays in the cache.
@@ -36,7 +35,7 @@ class FlangeLoad:
             # Of a robot with one joint, Pinocchio gives a vector.
             twist = pin.getJointJacobian(model, data, joint, pin.LOCAL).reshape(6, -1)[:, joint - 1]
             turning = not twist[:3].any()
-            own = with_third_axis(twist[3:] if turning else twist[:3])
+            own = _with_third_axis(twist[3:] if turning else twist[:3])
             self._steps.append((base.T @ place.rotation @ own, base.T @ place.translation, turning))
             base = own
         tip = pin.SE3.Identity() if robot.urdf is not None else model.frames[model.getFrameId(TIP)].placement
@@ -195,6 +194,15 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _with_third_axis(axis: np.ndarray) -> np.ndarray:
+    """Return a rotation (3, 3) whose third column is a unit vector; the identity where it is the third axis."""
+    if axis[2] == 1.0:
+        return np.eye(3)
+    other = np.cross(np.eye(3)[np.argmin(np.abs(axis))], axis)
+    other /= np.linalg.norm(other)
+    return np.stack([other, np.cross(axis, other), axis], axis=1)
 
 
 def _turned(turn: np.ndarray, sine: np.ndarray, cosine: np.ndarray) -> np.ndarray:
