@@ -6,7 +6,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.leftovers import unexplained
 from jointwear.discovery.noise import Whitener, estimate, simulate
-from jointwear.discovery.noise_spectrum import REDDEST, corrected
+from jointwear.discovery.noise_spectrum import REDDEST, corrected, without_slow_torque
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
@@ -96,3 +96,51 @@ def test_a_residual_that_no_sensor_makes_is_not_put_back_by_bands():
     kept = corrected(start, residual, lambda series: 0.3 * series, usable, trajectory, 100.0)
     assert len(kept.lags) == len(plain.lags)
     assert kept.sigma == pytest.approx(plain.sigma / 0.3, rel=0.5)
+
+
+def gusty(rng, label, slow):
+    """Return white noise with a torque below 1.6 Hz that is new in every record, `slow` times as large."""
+    time = np.tile(np.arange(LENGTH * 4), len(label) // (LENGTH * 4)) / 100.0
+    records = label.max() + 1
+    waves = [
+        np.sin(2 * np.pi * rng.uniform(0.15, 1.6, records)[label] * time + rng.uniform(0, 6, records)[label])
+        for _ in range(6)
+    ]
+    return rng.standard_normal(len(label)) + slow * np.sum(waves, axis=0) / np.sqrt(3)
+
+
+def test_a_torque_that_comes_and_goes_with_the_wind_is_no_noise():
+    """A slow torque three times the noise is there in every record; noise forgets within a tenth of a second."""
+    label = np.repeat(np.arange(RECORDS), LENGTH * 4)
+    used, rng = np.ones(len(label), bool), np.random.default_rng(11)
+
+    def mended(series):
+        return corrected(estimate(series, used, label, 2), series, lambda x: x, used, label, 100.0)
+
+    frequency = np.array([0.3, 0.6, 1.0, 1.4])
+    level = 2.0 / 100.0
+    assert np.all(mended(gusty(rng, label, 3.0)).density(frequency, 100.0) < 30 * level)
+    lags = np.array([np.exp(-1.0 / (100.0 * 0.1))])
+    red = Whitener(np.arange(len(label)), lags, 1.0)
+    kept = mended(simulate(red, label, 1, rng)[:, 0])
+    assert np.all(np.abs(np.log(kept.density(frequency, 100.0) / red.density(frequency, 100.0))) < np.log(1.5))
+
+
+def test_slow_noise_of_most_joints_is_what_the_model_lacks():
+    """A smoothed torque and a rough model make every joint slow: nothing outside pushes; one slow joint is pushed."""
+    label = np.repeat(np.arange(RECORDS), LENGTH * 4)
+    used = np.ones((len(label), 3), bool)
+    rows = np.arange(len(label))
+    slow, white = Whitener(rows, np.array([1.8, -0.81]), 0.1), Whitener(rows, np.zeros(0), 1.0)
+    frequency = np.array([0.5, 1.0])
+
+    def changed(whites):
+        mended = without_slow_torque(whites, used, label, 100.0, 6)
+        return [
+            not np.allclose(a.density(frequency, 100.0), b.density(frequency, 100.0))
+            for a, b in zip(mended, whites, strict=True)
+        ]
+
+    assert changed([slow, white, white]) == [True, False, False]
+    assert changed([slow, slow, white]) == [False, False, False]
+    assert without_slow_torque([None, white, slow], used, label, 100.0, 6)[0] is None

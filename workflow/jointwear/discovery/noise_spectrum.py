@@ -7,7 +7,7 @@ learns that notch, and whatever moves slowly then looks like structure without a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -29,6 +29,12 @@ FEWEST_ROWS, FEWEST_OF_RECORD = 200, 100
 #: Power at the low end of the band over that at the high end beyond which a residual is no sensor's noise: white noise
 #: has 1, of an autoregression of 0.9 it is 400, of a robot whose model is far off 40,000 and more.
 REDDEST = 1e3
+#: Frequencies [Hz] below and above a gap: power of what lasts for seconds, and of noise that has nothing to do with it.
+SLOW, QUICK = 2.0, (3.0, 6.0)
+#: Times the density of the quick band that noise has at most in the slow one. First-order noise that forgets to 37 %
+#: within a tenth of a second has 5, so has the reddest of 60 plants with nothing hidden; a torque that comes and goes
+#: with the wind 50 to 1,300.
+SLOWEST = 10.0
 #: Edges of the bands in cells.
 EDGES = np.unique(np.concatenate([[0], np.round(np.geomspace(1, CELLS, BANDS)).astype(int)]))
 
@@ -82,8 +88,47 @@ def corrected(
         # Below the bands that the fit left something of, noise is as dense as in the lowest of them.
         lowest = np.maximum(frequency, centres[known][0])
         density = model.density(lowest, rate) * np.exp(np.interp(frequency, centres[known], ratio))
+        density = np.minimum(density, most_of_noise(density, frequency))
         model = of_density(density, rate, highest, len(rows), radius)
     return Whitener(whitenable(usable, trajectory, len(model.lags)), model.lags, model.sigma)
+
+
+def most_of_noise(density: np.ndarray, frequency: np.ndarray) -> np.ndarray:
+    """Return the most (k,) that a density (k,) at frequencies (k,) [Hz] may be if it is a sensor's, infinite but slow.
+
+    What pushes an arm slowly and at all times, wind above all, is no noise: it is left to the tests for structure.
+    """
+    most = np.full(len(frequency), np.inf)
+    if frequency[-1] >= QUICK[1]:
+        quick = (frequency >= QUICK[0]) & (frequency <= QUICK[1])
+        most[frequency < SLOW] = SLOWEST * float(np.exp(np.mean(np.log(density[quick]))))
+    return most
+
+
+def without_slow_torque(
+    whites: Sequence[Whitener | None], usable: np.ndarray, trajectory: np.ndarray, rate: float, highest: int
+) -> list[Whitener | None]:
+    """Return noise models of the axes (None where not judged) in which none is slower than a sensor's.
+
+    They stay as they are where most axes are slow: that is what the model of the arm lacks, and no outside torque.
+
+    Parameters
+    ----------
+    usable : (N, n) samples that are judged. trajectory : (N,) labels. rate : [Hz]. highest : order of a model.
+    """
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    densities = {axis: w.density(frequency, rate) for axis, w in enumerate(whites) if w is not None}
+    limited = {axis: np.minimum(d, most_of_noise(d, frequency)) for axis, d in densities.items()}
+    slow = [axis for axis, density in densities.items() if np.any(limited[axis] < density)]
+    result = list(whites)
+    if 2 * len(slow) > len(densities):
+        return result
+    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    for axis in slow:
+        model = of_density(limited[axis], rate, highest, len(whites[axis].rows), radius)
+        rows = whitenable(usable[:, axis], trajectory, len(model.lags))
+        result[axis] = Whitener(rows, model.lags, model.sigma)
+    return result
 
 
 def _by_lags(

@@ -9,7 +9,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
-from jointwear.discovery.noise_spectrum import corrected
+from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import axis_bases
 from jointwear.effects import State, library
@@ -31,7 +31,8 @@ def estimate_noise(problem: Problem) -> list[Whitener | None]:
     result: list[Whitener | None] = [None] * problem.robot.joints
     for axis in problem.judged:
         result[axis] = axis_noise(problem, axis)
-    return result
+    label, rate = problem.measured.trajectory[problem.train], problem.measured.rate
+    return without_slow_torque(result, problem.usable, label, rate, HIGHEST_ORDER_DERIVED)
 
 
 def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> Whitener:
