@@ -90,6 +90,22 @@ def test_what_helps_while_a_wall_is_touched_only_is_no_better_robot(found):
     assert left_out_ratio(trial, [term])[axis] > 1.5
 
 
+def test_of_three_records_two_need_not_tell_of_the_third(found):
+    """A torque that only the last of three records shows is predicted from its other half, not from other records."""
+    white, axis = found.final.outcome.white, 1
+    problem = replace(white.problem, discrepancy=np.zeros_like(white.problem.discrepancy))
+    order = np.arange(problem.train.sum())
+    fold, half = order * 3 // len(order), order * 6 // len(order)
+    problem.__dict__.update(fold_of_sample=fold, part_of_sample=half)
+    column = (fold == 2)[:, None].astype(float)
+    problem.discrepancy[np.flatnonzero(problem.train), axis] = 2.0 * column[:, 0]
+    trial = replace(white, problem=problem, targets=[np.zeros_like(y) for y in white.targets])
+    trial.targets[axis] += trial.columns(axis, 2.0 * column)[:, 0]
+    term = Term("late", {axis: trial.columns(axis, column)}, np.array([10.0]), {axis: trial.raw(axis, column)})
+    assert left_out_ratio(trial, [term], each=False)[axis] == pytest.approx(1.0)
+    assert left_out_ratio(trial, [term], each=False, parts=True)[axis] < 0.1
+
+
 def test_an_axis_that_lacks_what_nothing_explains_keeps_its_parameters_as_given(found):
     outcome = found.final.outcome
     white = outcome.white

@@ -157,18 +157,21 @@ def _named_all_the_same(
 
     A model falls back where one record left out is predicted worse, as when the others have to extrapolate to it. That
     does not speak against an effect with which all records together are predicted better than by the given robot.
-    The others become suspects.
+    Where no structure is left the parts that a name has to predict are asked instead: out of three records two would
+    have to extrapolate to the third. The others become suspects.
     """
     lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
     if not lost:
         return ()
     whole = _fitted(outcome, white, misfit, base, refined, forms, masses)
     ratio = left_out_ratio(white, whole.fit.terms, each=False)
+    of_parts = left_out_ratio(white, whole.fit.terms, each=False, parts=True)
+    still = {u.axis for u in outcome.unexplained}
     result = []
     for i in lost:
         one, candidate, _ = refined[i]
         axes = white.problem.judged if candidate.axis is None else (candidate.axis,)
-        if max(ratio[j] for j in axes) <= 1.0:
+        if max((ratio if still.intersection(axes) else of_parts)[j] for j in axes) <= 1.0:
             result.append(whole.estimates[i])
         else:
             outcome.suspects.append((one, "with it the model predicts records left out worse than the given robot"))

@@ -38,7 +38,7 @@ class Step:
         return [t for t in terms if not any(t is own for own in self.terms)]
 
 
-def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.ndarray:
+def left_out_ratio(white: White, terms: list[Term], each: bool = True, parts: bool = False) -> np.ndarray:
     """Return the RMS error [N m] of a model on records left out in turn over that of the given robot, (n,).
 
     It is that over all records, that of the worst record or that of the block of time in the middle, whichever is
@@ -50,7 +50,10 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True) -> np.nda
     Parameters
     ----------
     each : ask for the worst record and the middle block too, not only for all of them together.
+    parts : leave out the parts that a name has to predict: fewer than four records are cut into blocks.
     """
+    if parts:
+        return _ratio(white, terms, white.parts, each)[0]
     ratio, told_alone = _ratio(white, terms, white.folds, each)
     return _ratio(white, terms, white.halves, each)[0] if told_alone else ratio
 
