@@ -42,6 +42,7 @@ class Candidate:
 class Dictionary:
     """Whitened columns of all single-axis candidates, one matrix an axis, and of those on the whole arm.
 
+    `spreading` holds candidates on one axis that act on all, family by family: axis -> a matrix, one column for each.
     `not_tried` holds effect, 0-based axis (None: whole arm) and reason of what these data do not allow.
     """
 
@@ -49,6 +50,7 @@ class Dictionary:
     entries: dict[int, list[tuple[Candidate, slice, np.ndarray]]]
     whole: list[tuple[Candidate, dict[int, np.ndarray], np.ndarray]]
     not_tried: list[tuple[str, int | None, str]] = field(default_factory=list)
+    spreading: list[tuple[list[Candidate], dict[int, np.ndarray]]] = field(default_factory=list)
 
 
 def raw_columns(white: White, candidate: Candidate) -> np.ndarray:
@@ -70,8 +72,13 @@ def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
         return {candidate.axis: raw_columns(white, candidate)}
     problem, effect = white.problem, get_effect(candidate.effect)
     torque = effect.spread(problem.train_state, candidate.axis, candidate.source, candidate.nonlinear)
-    record, rate = np.asarray(problem.train_state.record), problem.measured.rate
-    return {a: limit(torque[:, [a]], record, white.cutoffs[a].swing, rate) for a in problem.judged}
+    return {a: _ended(white, a, torque[:, [a]]) for a in problem.judged}
+
+
+def _ended(white: White, axis: int, columns: np.ndarray) -> np.ndarray:
+    """Return columns (N_train, k) on one axis of effects that spread, ended where those of a swing end."""
+    problem = white.problem
+    return limit(columns, np.asarray(problem.train_state.record), white.cutoffs[axis].swing, problem.measured.rate)
 
 
 def whitened(white: White, torques: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
@@ -164,6 +171,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
             continue
         unresolved = 0
         grid = effect.grid(state, axis)
+        spreading: list[Candidate] = []
         for source in sources_of(axis, problem.robot.joints) if effect.needs_source else [None]:
             if source is not None and np.ptp(state.position[:, source]) < STILL:
                 continue
@@ -173,7 +181,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                     continue
                 candidate = Candidate(effect.identifier, axis, source, dict(nonlinear))
                 if on_all_axes(candidate):
-                    dictionary.whole.append((candidate, whitened(white, raw_torques(white, candidate)), np.ones(1)))
+                    spreading.append(candidate)
                     continue
                 columns = raw_columns(white, candidate)
                 if not np.any(columns[problem.usable[:, axis]]):
@@ -182,10 +190,24 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                 found.append((candidate, slice(start, start + columns.shape[1]), std))
                 rows.append(columns)
                 start += columns.shape[1]
+        if spreading:
+            dictionary.spreading.append((spreading, _on_all_axes(white, spreading)))
         if unresolved and unresolved == len(grid):
             dictionary.not_tried.append((effect.identifier, axis, "its waves are faster than the sampling"))
     dictionary.matrix[axis] = white.columns(axis, np.concatenate(rows, axis=1))
     dictionary.entries[axis] = found
+
+
+def _on_all_axes(white: White, candidates: list[Candidate]) -> dict[int, np.ndarray]:
+    """Return axis -> whitened columns, one for each candidate of an effect that spreads."""
+    problem = white.problem
+    torques = {a: np.empty((int(problem.train.sum()), len(candidates))) for a in problem.judged}
+    for k, one in enumerate(candidates):
+        torque = get_effect(one.effect).spread(problem.train_state, one.axis, one.source, one.nonlinear)
+        for a, columns in torques.items():
+            columns[:, k] = torque[:, a]
+    # One by one they are taken out again.
+    return {a: np.asfortranarray(white.columns(a, _ended(white, a, x))) for a, x in torques.items()}
 
 
 def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
@@ -249,11 +271,18 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
             if not possible(effect, candidate.nonlinear, posterior_mean(b[where], gram, std)):
                 continue
             families.setdefault(candidate.key, []).append((gain(b[where], gram, std), candidate, {axis: x}, std))
+    for candidates, matrices in dictionary.spreading:
+        if keys is not None and candidates[0].key not in keys:
+            continue
+        for k, (b, square) in enumerate(zip(*fit.gram_each(matrices), strict=True)):
+            value = gain_about_one(white, np.array([b]), np.array([[square]]))
+            blocks = {a: x[:, k : k + 1] for a, x in matrices.items()}
+            families.setdefault(candidates[k].key, []).append((value, candidates[k], blocks, np.ones(1)))
     for candidate, blocks, std in dictionary.whole:
         if keys is not None and candidate.key not in keys:
             continue
         b, gram = fit.gram(blocks)
-        value = gain_about_one(white, b, gram) if on_all_axes(candidate) else gain(b, gram, std)
+        value = gain(b, gram, std)
         if candidate.effect == LINK_MASS and abs(b[0]) > white.problem.settings.wrongest_mass * (
             gram[0, 0] + 1 / std[0] ** 2
         ):

@@ -81,6 +81,12 @@ class Fit:
         full = sum(x.T @ x for x in blocks.values())
         return b, full - cross @ self.covariance @ cross.T
 
+    def gram_each(self, blocks: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Return b and H (k,) of :meth:`gram` of each of the columns alone."""
+        b, cross = self.projected(blocks)
+        full = sum(np.sum(x**2, axis=0) for x in blocks.values())
+        return b, full - np.sum((cross @ self.covariance) * cross, axis=1)
+
     def mimicked(self, blocks: dict[int, np.ndarray], theta: np.ndarray) -> np.ndarray:
         """Return the coefficients (p,) with which the terms follow columns X on one or more axes times `theta` (k,)."""
         return self.covariance @ (self.projected(blocks)[1].T @ theta)

@@ -28,9 +28,12 @@ class Whitener:
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N, k) or (N,) into (m, k) or (m,)."""
-        result = columns[self.rows] if columns.dtype == np.float64 else columns[self.rows].astype(float)
+        order, count = len(self.lags), len(columns)
+        # Slices of all samples are faster than rows picked lag by lag.
+        whole = np.array(columns[order:], dtype=float)
         for lag, weight in enumerate(self.lags, start=1):
-            result -= weight * columns[self.rows - lag]
+            whole -= weight * columns[order - lag : count - lag]
+        result = whole[self.rows - order]
         result /= self.sigma
         return result
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
@@ -139,7 +140,15 @@ def _part_of(regressor: Callable[[], np.ndarray] | None, chosen: np.ndarray) -> 
 
 
 def _part_of_wind_up(regressor: WindUp | None, chosen: np.ndarray) -> WindUp | None:
-    return None if regressor is None else lambda axis: tuple(x[chosen] for x in regressor(axis))
+    if regressor is None:
+        return None
+
+    @cache
+    def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray]:
+        by_acceleration, by_angle = regressor(axis)
+        return by_acceleration[chosen], by_angle[chosen]
+
+    return of_axis
 
 
 def drive_of(robot: Robot) -> Drive:

@@ -173,8 +173,8 @@ class Dynamics:
         flat = np.asarray(position, dtype=float).reshape(-1, n)
         matrices = np.empty((len(flat), n, n))
         for i, q in enumerate(flat):
-            upper = np.triu(pin.crba(self.model, self.data, q))
-            matrices[i] = upper + np.triu(upper, 1).T
+            matrices[i] = pin.crba(self.model, self.data, q)
+        matrices = np.triu(matrices) + np.triu(matrices, 1).transpose(0, 2, 1)
         return matrices.reshape(*np.shape(position), n)
 
     def forward_dynamics(

@@ -26,14 +26,19 @@ def _spreads(p):
 
 def _spread(state, axis, source, p):
     """Return the torques (..., n) that a link lacks which lags behind its motor by the wind-up."""
+    return _lag(state, axis, p, slice(None))
+
+
+def _lag(state, axis, p, axes):
+    """Return these torques of some axes alone."""
     by_acceleration, by_angle = state.wind_up_regressor(axis)
     stiffness = p["inertia"] / p["inertia_over_stiffness"]
     load, inertia = state.load[..., axis], by_acceleration[..., axis]
     if state.record is None:
-        return np.zeros(np.shape(state.position))
+        return np.zeros(np.shape(state.position[..., axes]))
     drag = 2.0 * p.get("damping", _DAMPING) * np.sqrt(stiffness * p["inertia"])
     twist, acceleration = wind_up(state, load, inertia, stiffness, drag)
-    return -by_acceleration * acceleration[:, None] - by_angle * twist[:, None]
+    return -by_acceleration[:, axes] * acceleration[:, None] - by_angle[:, axes] * twist[:, None]
 
 
 def _columns(state, axis, source, p):
@@ -41,7 +46,7 @@ def _columns(state, axis, source, p):
     load, velocity = state.load[..., axis], state.velocity[..., axis]
     share, inertia = p["inertia_over_stiffness"], p.get("inertia", 0.0)
     if _spreads(p) and state.wind_up_regressor is not None:
-        return _spread(state, axis, source, p)[..., [axis]]
+        return _lag(state, axis, p, [axis])
     torque = share * second_derivative(state, load)
     if p.get("side"):
         # Motor and friction move as recorded; the link behind the gear lags by the wind-up, and its inertia with it.
