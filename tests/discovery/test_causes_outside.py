@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from jointwear.discovery import Settings
 from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.leftovers import acts_elsewhere, left_open, stand_alone
+from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.problem import build_problem
@@ -72,6 +72,25 @@ def test_a_torque_that_two_joints_share_is_no_spring_of_one(white):
     stand_alone(shared)
     assert not shared.named
     assert "joint 2" in shared.suspects[0][1]
+
+
+@pytest.mark.parametrize("wave", [False, True])
+def test_a_wave_that_shakes_a_joint_is_no_timing(white, wave):
+    """Its name explains all that the joint lacks; beside waves of each record nothing is left of it."""
+    late = Candidate("actuation_delay", 1, None, {"delay": 0.02, "lag": 0})
+    columns = raw_columns(white, late)
+    torque = 20.0 * np.sin(2 * np.pi * 1.3 * white.problem.train_state.time)[:, None] if wave else columns
+    term = Term("late", {1: white.columns(1, torque)}, np.ones(1), {1: white.raw(1, torque)})
+    discrepancy = white.problem.discrepancy.copy()
+    discrepancy[white.problem.train, 1] += torque[:, 0]
+    targets = [y + white.columns(a, torque[:, 0]) * (a == 1) for a, y in enumerate(white.targets)]
+    asked = replace(white, problem=replace(white.problem, discrepancy=discrepancy), targets=targets)
+    left = [Unexplained(1, LINE, "Hz", 1.3, 1.3, 1e-12, 50.0)]
+    named = [Named(late, term, None, 99.0)]
+    outcome = Outcome(asked.problem, asked, asked.fit([term]), None, named=named, unexplained=left)
+    stand_alone(outcome)
+    assert bool(outcome.named) == (not wave)
+    assert not wave or "the structure that is left" in outcome.suspects[0][1]
 
 
 def test_a_name_of_the_whole_arm_is_asked_where_most_axes_that_it_moves_stay_open(white):

@@ -4,16 +4,19 @@ import re
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfiltfilt
 
 from jointwear import effects
 from jointwear.discovery import Recording, discover
 from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.fused_load import fused_load
 from jointwear.discovery.instruments import Cutoffs, band_limited, cutoff_of, limit, torque_noise
 from jointwear.discovery.linear import Term
-from jointwear.discovery.noise import Whitener
+from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
@@ -22,8 +25,9 @@ from jointwear.discovery.shared_drives import STICKS, sticking
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.whitening import bridged, whiten
 from jointwear.effects import make_state
+from jointwear.effects.order import second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
-from jointwear.measurement.filtering import low_pass, zero_phase_gain
+from jointwear.measurement.filtering import RINGING, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.dynamics import Dynamics
@@ -209,6 +213,55 @@ def test_an_effect_of_one_new_file_is_found_named_and_written(robot, tmp_path):
         assert entry["parameters"]["height"] == pytest.approx(3.0, rel=0.1)
         with found.files["augmented"].robot() as written:
             effects.check_effects(written)
+
+
+def test_records_of_one_length_are_filtered_as_each_alone():
+    columns = np.random.default_rng(3).normal(size=(150, 3))
+    for lengths in ((50, 50, 50), (60, 90)):
+        record = np.repeat(np.arange(len(lengths)), lengths)
+        alone = [low_pass(columns[record == k], 7.0, 50.0) for k in range(len(lengths))]
+        assert np.array_equal(limit(columns, record, 7.0, 50.0), np.concatenate(alone))
+
+
+def test_the_filter_is_that_of_scipy():
+    values = np.random.default_rng(4).normal(size=(400, 2))
+    sections = butter(4, 20.0, fs=100.0, output="sos")
+    assert np.array_equal(low_pass(values, 20.0, 100.0), sosfiltfilt(sections, values, axis=0, padlen=RINGING))
+
+
+def test_whitening_looks_back_from_its_rows():
+    columns, rows = np.random.default_rng(5).normal(size=(40, 2)), np.array([3, 7, 8, 39])
+    lags, sigma = np.array([0.5, -0.2, 0.1]), 0.4
+    wanted = (columns[rows] - sum(w * columns[rows - k] for k, w in enumerate(lags, start=1))) / sigma
+    assert Whitener(rows, lags, sigma)(columns) == pytest.approx(wanted)
+
+
+def test_a_fused_load_shares_no_noise_with_the_residual():
+    """A link of 0.6 kg m2 behind a motor of 0.4 kg m2, positions with white noise that was derived up to 20 Hz."""
+    rng, rate, count = np.random.default_rng(6), 100.0, 4000
+    link, motor, spread, torque_noise_ = 0.6, 0.4, 1e-4, 0.02
+    time = np.arange(count) / rate
+    noise = DerivedNoise(np.array([[spread**2 / (rate / 2)]]), (2,), np.array([20.0]), False, rate)
+    shaken = low_pass(derivatives(time, low_pass(rng.normal(0, spread, count), 20.0, rate))[1], 20.0, rate)
+    residual = rng.normal(0, torque_noise_, count) - (link + motor) * shaken
+    load = 3.0 * np.sin(2 * np.pi * 0.5 * time)
+    problem = SimpleNamespace(
+        measured=SimpleNamespace(rate=rate, noise=noise),
+        mass_squares=np.array([[(link + motor) ** 2]]),
+        robot=SimpleNamespace(armature=np.array([motor])),
+        train_state=SimpleNamespace(load=(load + link * shaken)[:, None], record=np.zeros(count)),
+    )
+    white = estimate(residual, np.ones(count, bool), np.zeros(count, int), 16)
+    fused = fused_load(problem, 0, white, residual)
+    errors = [second_derivative(_clock(time), x - load)[50:-50] for x in (load + link * shaken, fused)]
+    shared = [np.corrcoef(x, residual[50:-50])[0, 1] for x in errors]
+    assert shared[0] > 0.7
+    assert abs(shared[1]) < 0.1
+    assert np.std(errors[1]) < 0.6 * np.std(errors[0])
+
+
+def _clock(time):
+    return SimpleNamespace(record=np.zeros(len(time)), time=time)
 
 
 def test_samples_of_a_shared_drive_that_sticks_are_left_out():

@@ -144,10 +144,17 @@ def _cancels(white: White, trial: Named) -> float:
 
 
 def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
-    """Return the RMS torque of an effect, fitted beside others, over that of its axis."""
+    """Return the RMS torque of an effect, fitted beside others, over that of its axis.
+
+    Timing changes nothing of a torque that stays: for effects of timing it counts about its mean in each record.
+    """
     problem, axis = white.problem, trial.candidate.axis
     torque = fitted_torque(white, beside, trial.candidate, trial.term.blocks, trial.term.std)
-    whole = problem.train_state.torque[problem.usable[:, axis], axis]
+    used = problem.usable[:, axis]
+    whole = problem.train_state.torque[used, axis]
+    if get_effect(trial.candidate.effect).timing:
+        record = np.unique(np.asarray(problem.train_state.record)[used], return_inverse=True)[1]
+        whole = whole - (np.bincount(record, whole) / np.bincount(record))[record]
     return float(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
 
 

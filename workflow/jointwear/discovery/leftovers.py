@@ -12,12 +12,15 @@ from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.effects import get_effect
+from jointwear.effects.state import record_slices
 
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
 #: together: half, by what the word means.
 MOST = 0.5
 #: A basis of structure that is put into the model may be worth this many times the friction of its axis.
 BASIS_SIZE = 2.0
+#: Argument of structure that is a wave or a linear chirp.
+LINE = "line over time"
 #: A residual counts as structure with at most this many standard deviations of its noise: one sample that jumps, at a
 #: start or a spike of the log, is no regime, and a regime of many samples loses nothing that decides.
 OUTLYING = 4.0
@@ -73,7 +76,7 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
         if line is not None:
             entry = Unexplained(
                 axis,
-                "line over time",
+                LINE,
                 "Hz",
                 line.frequency,
                 line.frequency + abs(line.rate),
@@ -164,10 +167,9 @@ def stand_alone(outcome: Outcome) -> None:
             reason = f"{failed[0].gate}: {failed[0].reached:.3g}, needed {failed[0].needed:.3g}"
         elif found.share <= MOST:
             reason = f"explains {100 * found.share:.0f} % of what {where} lacks, and structure is left there"
-        elif (
-            found.share > outcome.problem.settings.nearly_all
-            or not predictive(outcome.white, [*others, *(t for a in axes for t in _structure(outcome, a))], one)[1]
-        ):
+        elif (found.share > outcome.problem.settings.nearly_all and not _shaken(one)) or not predictive(
+            outcome.white, [*others, *_structures(outcome, one, axes)], one
+        )[1]:
             kept.append(one)
             continue
         else:
@@ -177,6 +179,14 @@ def stand_alone(outcome: Outcome) -> None:
         outcome.named = kept
         outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
+
+
+def _shaken(one: Named) -> bool:
+    """Return whether an effect is of timing: what shakes a joint at its own pace moves its load in time with it.
+
+    The noise model takes a part of that for noise, so that the share of what is left says nothing.
+    """
+    return one.candidate.effect != LINK_MASS and get_effect(one.candidate.effect).timing
 
 
 def left_open(outcome: Outcome, one: Named) -> list[int]:
@@ -229,6 +239,33 @@ def _coefficients(fit: Fit, one: Named) -> np.ndarray:
 
 def _rms(values: np.ndarray, where: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values[where] ** 2))) if where.any() else 0.0
+
+
+def _structures(outcome: Outcome, one: Named, axes: list[int]) -> list[Term]:
+    """Return terms for the unexplained structure of some axes, beside which an effect is asked again."""
+    terms = [t for a in axes for t in _structure(outcome, a)]
+    return terms + [t for a in axes for t in _waves(outcome, a)] if _shaken(one) else terms
+
+
+def _waves(outcome: Outcome, axis: int) -> list[Term]:
+    """Return terms for unexplained lines over time of one axis: waves of each record as close as it can tell apart."""
+    problem, white = outcome.problem, outcome.white
+    state, found = problem.train_state, [u for u in outcome.unexplained if (u.axis, u.argument) == (axis, LINE)]
+    columns = []
+    for line in found:
+        for piece in record_slices(state):
+            time = state.time[piece] - state.time[piece.start]
+            apart = 1.0 / float(time[-1])
+            reach = line.high - line.low + apart
+            for frequency in np.arange(max(line.low - reach, 0.5 * apart), line.low + reach, apart):
+                for wave in (np.sin, np.cos):
+                    columns.append(np.zeros(len(state.time)))
+                    columns[-1][piece] = wave(2 * np.pi * frequency * time)
+    if not columns:
+        return []
+    every = np.column_stack(columns)
+    std = np.full(every.shape[1], BASIS_SIZE * problem.scale[axis])
+    return [Term(f"lines of {axis}", {axis: white.columns(axis, every)}, std, {axis: white.raw(axis, every)})]
 
 
 def _structure(outcome: Outcome, axis: int) -> list[Term]:

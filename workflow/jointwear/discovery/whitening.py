@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from jointwear.discovery.fused_load import fused_load
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, clock_of, limit
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import Whitener
@@ -29,13 +30,17 @@ class White:
     base: list[Term]
     directions: np.ndarray
     cutoffs: list[Cutoffs]
-    _states: dict[tuple[int, float], State] = field(default_factory=dict, repr=False)
+    _states: dict[tuple[int, float | str], State] = field(default_factory=dict, repr=False)
 
     def state_of(self, effect: Effect, axis: int | None) -> State:
         """Return the training samples that the columns of an effect on one axis are made from: its instruments."""
         if axis is None:
             return self.problem.train_state
-        return self._limited_state(axis, self.cutoffs[axis].timing if effect.timing else self.cutoffs[axis].torque)
+        cutoffs = self.cutoffs[axis]
+        if effect.of_load and np.isfinite(cutoffs.timing) and self.problem.state.encoder_side == "link":
+            # Where positions may be those of the motor, a link that swings shakes all joints: that is no noise.
+            return self._fused_state(axis)
+        return self._limited_state(axis, cutoffs.timing if effect.timing else cutoffs.torque)
 
     def axis_state(self, axis: int) -> State:
         """Return the training samples without the noise of derived accelerations on one axis."""
@@ -53,6 +58,34 @@ class White:
             problem = self.problem
             self._states[axis, cutoff] = band_limited(problem.train_state, axis, cutoff, problem.measured.rate)
         return self._states[axis, cutoff]
+
+    def _fused_state(self, axis: int) -> State:
+        if (axis, "fused") not in self._states:
+            problem, cutoffs = self.problem, self.cutoffs[axis]
+            record, rate = np.asarray(problem.train_state.record), problem.measured.rate
+            state = self._limited_state(axis, cutoffs.timing)
+            residual = bridged(self._residual(axis), problem.usable[:, axis], record)
+            fused = fused_load(problem, axis, self.whiteners[axis], residual)
+            load = state.load.copy()
+            load[:, axis] = limit(fused[:, None], record, cutoffs.swing, rate)[:, 0]
+            self._states[axis, "fused"] = replace(state, load=load)
+        return self._states[axis, "fused"]
+
+    @cached_property
+    def _base_fit(self) -> Fit:
+        return self.fit()
+
+    def _residual(self, axis: int) -> np.ndarray:
+        """Return the discrepancy (N_train,) [N m] of one axis less drives and inertial parameters as fitted."""
+        problem, fit = self.problem, self._base_fit
+        left = np.array(problem.discrepancy[problem.train, axis])
+        friction, inertial = _base_columns(problem, axis, self.cutoffs[axis])
+        for term, where in zip(fit.terms, fit.slices, strict=True):
+            if term.drive == (axis,):
+                left -= friction @ fit.theta[where]
+            elif term.label == "inertial":
+                left -= inertial @ (self.directions @ fit.theta[where])
+        return left
 
     def limited(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Return columns (N_train, k) of torque on one axis, without the noise of derived accelerations."""
@@ -115,7 +148,6 @@ class White:
 
 def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
     """Whiten targets and base regression; inertial directions that the data cannot see are dropped."""
-    state = problem.train_state
     cutoffs = [Cutoffs() if w is None else axis_cutoffs(problem, axis, w) for axis, w in enumerate(whiteners)]
     targets, base, inertial, raw_inertial = [], [], {}, {}
     for axis in range(problem.robot.joints):
@@ -124,8 +156,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
             targets.append(np.zeros(0))
             continue
         targets.append(white(problem.discrepancy[problem.train, axis]))
-        friction = problem.friction_columns(state, axis)
-        friction[:, 3:] = _limited(problem, cutoffs[axis], friction[:, 3:])
+        friction, columns = _base_columns(problem, axis, cutoffs[axis])
         raw = _raw(problem, axis, cutoffs[axis], white, friction)
         base.append(
             Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}, (axis,))
@@ -138,7 +169,6 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
             base.append(Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], 3.0), {axis: nothing}))
         clock = clock_of(problem, axis, cutoffs[axis])
         base.append(Term(f"clock {axis}", {axis: white(clock)}, np.ones(1), {axis: np.zeros((len(white.rows), 1))}))
-        columns = _limited(problem, cutoffs[axis], problem.inertial[problem.train, axis])
         raw_inertial[axis], inertial[axis] = _raw(problem, axis, cutoffs[axis], white, columns), white(columns)
     rank = problem.factor.shape[1]
     gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
@@ -149,6 +179,13 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         raw = {axis: x @ directions for axis, x in raw_inertial.items()}
         base.append(Term("inertial", blocks, np.ones(directions.shape[1]), raw))
     return White(problem, whiteners, targets, base, directions, cutoffs)
+
+
+def _base_columns(problem: Problem, axis: int, cutoffs: Cutoffs) -> tuple[np.ndarray, np.ndarray]:
+    """Return the columns of the drive (N_train, 4) and of the inertial directions (N_train, r) of one axis."""
+    friction = problem.friction_columns(problem.train_state, axis)
+    friction[:, 3:] = _limited(problem, cutoffs, friction[:, 3:])
+    return friction, _limited(problem, cutoffs, problem.inertial[problem.train, axis])
 
 
 def _limited(problem: Problem, cutoffs: Cutoffs, columns: np.ndarray) -> np.ndarray:

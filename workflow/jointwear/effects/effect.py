@@ -81,6 +81,7 @@ class Effect:
     scaled : the one parameter in which the torque is nearly, not quite, linear: it is searched like a nonlinear one,
         with a coefficient of one, and the last fit's coefficient scales it.
     timing : made of rates of change of the torque, so that the noise of derived accelerations is part of the columns.
+    of_load : of these, made of the load alone, which the measured torque tells as well as the motion.
     vanishes_at : the parameter that says at which argument the torque is zero ("reference" of a temperature).
     floats : where the torque is zero is not known from the data, because a constant is a correction of the friction.
     widths : prior standard deviations of the coefficients, as multiples of what is usual; empty: all usual.
@@ -121,6 +122,7 @@ class Effect:
     alike: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     scaled: str = ""
     timing: bool = False
+    of_load: bool = False
     vanishes_at: str = ""
     floats: bool = False
     widths: tuple[float, ...] = ()

@@ -115,6 +115,7 @@ EFFECT = Effect(
     spreads=_spreads,
     spread=_spread,
     timing=True,
+    of_load=True,
     bend=timing_bend(),
     sequential=True,
 )
