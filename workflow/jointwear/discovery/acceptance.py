@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, possible, prior_std
+from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, possible, prior_std, raw_torques
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -144,18 +144,21 @@ def _cancels(white: White, trial: Named) -> float:
 
 
 def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
-    """Return the RMS torque of an effect, fitted beside others, over that of its axis.
+    """Return the RMS torque of an effect, fitted beside others, over that of its axis, or of the one it moves most.
 
     Timing changes nothing of a torque that stays: for effects of timing it counts about its mean in each record.
     """
-    problem, axis = white.problem, trial.candidate.axis
-    torque = fitted_torque(white, beside, trial.candidate, trial.term.blocks, trial.term.std)
-    used = problem.usable[:, axis]
-    whole = problem.train_state.torque[used, axis]
-    if get_effect(trial.candidate.effect).timing:
-        record = np.unique(np.asarray(problem.train_state.record)[used], return_inverse=True)[1]
-        whole = whole - (np.bincount(record, whole) / np.bincount(record))[record]
-    return float(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
+    problem, candidate = white.problem, trial.candidate
+    coefficients = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
+    shares = []
+    for axis, columns in raw_torques(white, candidate).items():
+        used = problem.usable[:, axis]
+        torque, whole = (columns @ coefficients)[used], problem.train_state.torque[used, axis]
+        if get_effect(candidate.effect).timing:
+            record = np.unique(np.asarray(problem.train_state.record)[used], return_inverse=True)[1]
+            whole = whole - (np.bincount(record, whole) / np.bincount(record))[record]
+        shares.append(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
+    return float(max(shares))
 
 
 def _step_lead(white: White, beside: Fit, trial: Named) -> float:
