@@ -68,11 +68,13 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
     settings = white.problem.settings
     if len(trial.term.blocks) > 1:
         white, before, trial = _by_misfit(white, before, trial)
-    found = cross_validate(white, before, [trial.term])
-    failed = missed(found, trial.evidence, settings)
     lasting = follows_time(trial.candidate)
+    # How much changed between two records is known of none that is left out: half of it tells of the other half.
+    parts_of = white.halves if lasting else white.parts
+    found = cross_validate(white, before, [trial.term], parts_of)
+    failed = missed(found, trial.evidence, settings)
     if trial.form is not None and not stiff(trial.candidate) and lasting == (not failed):
-        bent = cross_validate(white, before, trial.terms)
+        bent = cross_validate(white, before, trial.terms, parts_of)
         bent_failed = missed(bent, trial.evidence, settings)
         if not lasting or bent_failed:
             found, failed = bent, bent_failed

@@ -9,7 +9,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.special import ndtr
 
 from jointwear.discovery.linear import Term
-from jointwear.discovery.whitening import White
+from jointwear.discovery.whitening import Folds, White
 
 #: Columns (m, k) on every axis with the places of their coefficients.
 Designs = dict[int, tuple[np.ndarray, np.ndarray]]
@@ -40,13 +40,20 @@ class CrossValidated:
     elsewhere: float = np.inf
 
 
-def cross_validate(white: White, before: list[Term], extra: list[Term]) -> CrossValidated:
+def cross_validate(
+    white: White, before: list[Term], extra: list[Term], parts_of: Folds | None = None
+) -> CrossValidated:
     """Compare the base regression with `before` against the same with `extra` terms.
 
     The density of a record left out is p(record | rest) = p(all) / p(rest): where the rest does not say what a term
     does in the record, the prediction is wide rather than wrong. Only sums of products are kept of every record, so
     that leaving one out costs one factorisation.
+
+    Parameters
+    ----------
+    parts_of : axis -> part (m,) of each whitened row, left out in turn; default the records, at least four parts.
     """
+    parts_of = parts_of or white.parts
     terms = [*white.base, *before, *extra]
     sizes = [len(t.std) for t in terms]
     places = [np.arange(stop - size, stop) for size, stop in zip(sizes, np.cumsum(sizes), strict=True)]
@@ -68,7 +75,7 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
         if axis in axes:
             whitened[axis] = block[:, :-1], columns
             in_newton_metres[axis] = np.concatenate([terms[i].raw[axis] for i in active], axis=1), columns
-        label = white.parts(axis)
+        label = parts_of(axis)
         for record in np.unique(label):
             rows = block[label == record]
             gram = rows.T @ rows
@@ -96,10 +103,10 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
     share = float(np.clip(gained / max(errors[0] - count, gained, 1e-9), -1.0, 1.0))
     order = list(gains.values())
     everywhere = dict.fromkeys(parts, tuple(theta for theta, _ in fitted))
-    most = int(np.argmax(_drops(white, whitened, white.targets, everywhere, plain)))
+    most = int(np.argmax(_drops(white, parts_of, whitened, white.targets, everywhere, plain)))
     rest = whole - _of_block(white, whitened, most, total)
     without, extended = (_posterior(rest, std, size, total)[1] for size in (plain, total))
-    lowers, gain_share = _in_newton_metres(white, in_newton_metres, coefficients, plain)
+    lowers, gain_share = _in_newton_metres(white, parts_of, in_newton_metres, coefficients, plain)
     return CrossValidated(
         nats=sum(order),
         elsewhere=extended - without,
@@ -111,13 +118,15 @@ def cross_validate(white: White, before: list[Term], extra: list[Term]) -> Cross
     )
 
 
-def _in_newton_metres(white: White, designs: Designs, coefficients: Coefficients, plain: int) -> tuple[float, float]:
+def _in_newton_metres(
+    white: White, parts_of: Folds, designs: Designs, coefficients: Coefficients, plain: int
+) -> tuple[float, float]:
     """Return `lowers_error` and `gain_share` of :class:`CrossValidated`; arguments as of :func:`_drops`, unwhitened."""
     targets = white.raw_targets()
     blocks, shares = 0.0, []
     for axis, design in designs.items():
         variance = white.whiteners[axis].marginal ** 2
-        drops = _drops(white, {axis: design}, targets, coefficients, plain) / variance
+        drops = _drops(white, parts_of, {axis: design}, targets, coefficients, plain) / variance
         shares.append(float(drops.sum()) / max(len(targets[axis]), 1))
         blocks = blocks + drops
     # Blocks in which no axis can be judged say nothing.
@@ -125,7 +134,12 @@ def _in_newton_metres(white: White, designs: Designs, coefficients: Coefficients
 
 
 def _drops(
-    white: White, designs: Designs, targets: list[np.ndarray], coefficients: Coefficients, plain: int
+    white: White,
+    parts_of: Folds,
+    designs: Designs,
+    targets: list[np.ndarray],
+    coefficients: Coefficients,
+    plain: int,
 ) -> np.ndarray:
     """Return by how much extra terms lower the squared error of records left out in every block of time, (blocks,).
 
@@ -137,7 +151,7 @@ def _drops(
     drops = np.zeros(white.problem.block_of_sample.max(initial=-1) + 1)
     for axis, (design, places) in designs.items():
         first = places < plain
-        label, block = white.parts(axis), white.blocks(axis)
+        label, block = parts_of(axis), white.blocks(axis)
         for record, (without, extended) in coefficients.items():
             rows = label == record
             x, y = design[rows], targets[axis][rows]

@@ -6,7 +6,7 @@ seen. A robot file is used for motion to come: on no axis may it be worse than t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Term
 from jointwear.discovery.verdict import FallBack
-from jointwear.discovery.whitening import White
+from jointwear.discovery.whitening import Folds, White
 
 #: Words of the step that gives up all of a joint.
 EVERYTHING = "everything of this joint as given"
@@ -22,8 +22,6 @@ EVERYTHING = "everything of this joint as given"
 ASKED_ALONE = 5.0
 #: Share of its prior variance that is left of a coefficient that the data tell of, and of one that they do not.
 TOLD, UNTOLD = 0.1, 0.5
-#: Axis -> fold (m,) of each whitened row.
-Folds = Callable[[int], np.ndarray]
 
 
 @dataclass(frozen=True)

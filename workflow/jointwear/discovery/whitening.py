@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -15,6 +16,9 @@ from jointwear.discovery.problem import Problem
 from jointwear.effects import Effect, State
 from jointwear.measurement.motion import runs
 from jointwear.robots.inertia import mass_direction
+
+#: Axis -> fold (m,) of each whitened row.
+Folds = Callable[[int], np.ndarray]
 
 
 @dataclass(frozen=True)
