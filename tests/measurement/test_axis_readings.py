@@ -1,5 +1,7 @@
 """How a recording is read, which effects are believed, and how wide the interval of an effect's torque is."""
 
+import contextlib
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +15,7 @@ from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
+from jointwear.measurement import checks
 from jointwear.measurement.axis_readings import Reading, readings
 from jointwear.measurement.checks import Refused, check_recording, explained, explained_otherwise
 from jointwear.measurement.filtering import RINGING, low_pass
@@ -70,6 +73,20 @@ def test_swapped_wrist_joints_are_named(recording, puma, pair):
     mixed = replace(recording, position=recording.position[:, order], torque=recording.torque[:, order])
     with pytest.raises(Refused, match=f"joints {pair[0] + 1} and {pair[1] + 1} look swapped"):
         check_recording(mixed, puma)
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_an_exchange_of_axes_that_hardly_move_is_not_believed(recording, puma, monkeypatch, seen):
+    exchange = next(r for r in readings(puma) if r.kind == "swap" and set(r.axes) == {3, 4})
+    unknown = 0.2 if seen else np.nan
+    left, other = np.full(6, unknown), np.full(6, unknown)
+    left[5], other[5] = 1.07, 0.12
+    nats = itertools.count()
+    monkeypatch.setattr(checks, "explained", lambda *_: left)
+    monkeypatch.setattr(checks, "explained_otherwise", lambda *_: iter([(exchange, other)]))
+    monkeypatch.setattr(checks, "Likelihood", lambda *_: lambda *_: float(next(nats)))
+    with pytest.raises(Refused, match="joints 4 and 5 look swapped") if seen else contextlib.nullcontext():
+        check_recording(recording, puma)
 
 
 def test_every_reading_is_undone_by_itself_or_its_gear(puma):

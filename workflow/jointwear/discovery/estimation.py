@@ -65,7 +65,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     without : labels of base terms that are left as the robot file has them.
     """
     doubt = doubts(outcome)
-    white, in_doubt = tempered(outcome.white, doubt), [int(axis) for axis in np.flatnonzero(doubt > 1.0)]
+    white, nameless = tempered(outcome.white, doubt), open_axes(outcome)
     named = [_doubted(n, doubt) for n in outcome.named]
     effects = [n for n in named if n.candidate.effect != LINK_MASS]
     masses = [n for n in named if n.candidate.effect == LINK_MASS]
@@ -88,7 +88,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         base, refined = _whole_model(white, refined, forms, mass_terms)
         terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
         base = [t for t in base if t.label not in without]
-        kept, given_up = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented", in_doubt)
+        kept, given_up = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented", nameless)
         left = {id(t) for t in kept}
         everything = all(id(t) in left for _, _, t in refined)
         if not everything:
@@ -103,7 +103,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     base = [t for t in base if id(t) in left]
     final = _fitted(outcome, white, misfit, base, refined, forms, masses)
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
-    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned", in_doubt)
+    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned", nameless)
     friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
     return replace(
         final,
@@ -115,6 +115,11 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     )
 
 
+def open_axes(outcome: Outcome) -> list[int]:
+    """Return the 0-based axes on which structure is left and nothing has a name."""
+    return sorted({u.axis for u in outcome.unexplained} - {n.candidate.axis for n in outcome.named})
+
+
 def doubts(outcome: Outcome) -> np.ndarray:
     """Return by how much the noise of every axis (n,) is taken too small where nothing that was fitted helps much.
 
@@ -123,7 +128,7 @@ def doubts(outcome: Outcome) -> np.ndarray:
     share, to what the axis lacks. Elsewhere it is 1.
     """
     doubt = np.ones(outcome.problem.robot.joints)
-    where = sorted({u.axis for u in outcome.unexplained} - {n.candidate.axis for n in outcome.named})
+    where = open_axes(outcome)
     if where:
         doubt[where] = misfit_of(outcome.white, outcome.fit)[where]
         white = tempered(outcome.white, doubt)

@@ -128,8 +128,8 @@ def put_back(
     ----------
     steps : 0-based axis -> what can be given up for its sake, the least loss first.
     model : name of the model in the verdict.
-    open_axes : 0-based axes on which structure is left that nothing explains, and on which the model gains little: what
-        acts on such an axis alone is kept only where it gains clearly.
+    open_axes : 0-based axes on which structure is left that nothing explains: what acts on such an axis alone is kept
+        only where it gains clearly.
 
     Returns
     -------
