@@ -183,8 +183,11 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
     for reading, other in explained_otherwise(dynamics, parts, usable):
         floor = SAME_WRIST if reading.kind == "swap" else RIGHT
         gained = _score(left, floor) - _score(other, floor)
-        # Of an axis that hardly moves nothing can be told by what another reading does to its neighbours.
-        if gained < -CLEARLY or not np.all(other[list(reading.axes)] < WRONG):
+        concerned = other[list(reading.axes)]
+        if gained < -CLEARLY or not np.nanmax(concerned, initial=0.0) < WRONG:
+            continue
+        if reading.kind == "swap" and not np.isfinite(concerned).any():
+            # What an exchange of two axes does to the others does not tell of them where both hardly move.
             continue
         as_read = likelihood(parts, usable) if as_read is None else as_read
         nats = likelihood(*reading.read(parts, usable, robot)) - as_read
