@@ -179,8 +179,7 @@ def _step_lead(white: White, beside: Fit, trial: Named) -> float:
         return -np.inf
     columns = carrier[:, None] * (time[:, None] > np.array(steps))
     std = prior_std(white, candidate, columns)
-    b, cross = beside.projected({candidate.axis: (x := white.columns(candidate.axis, columns))})
-    left = np.sum(x**2, axis=0) - np.sum((cross @ beside.covariance) * cross, axis=1)
+    b, left = beside.gram_each({candidate.axis: white.columns(candidate.axis, columns)})
     scaled = 1.0 + std**2 * np.maximum(left, 0.0)
     gains = 0.5 * (std * b) ** 2 / scaled - 0.5 * np.log(scaled)
     b, gram = beside.gram(trial.term.blocks)

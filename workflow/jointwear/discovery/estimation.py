@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -81,7 +82,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
         forms.append(_form_if_kept(white, one, candidate, term, others))
     found = [t for _, _, t in refined] + [f[1] for f in forms if f is not None]
-    misfit = doubt * misfit_of(white, white.fit([*found, *mass_terms]))
+    misfit = misfit_of(white, white.fit([*found, *mass_terms]))
     unwritten: tuple[Estimate, ...] = ()
     fallbacks: tuple[FallBack, ...] = ()
     while True:
@@ -92,7 +93,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         left = {id(t) for t in kept}
         everything = all(id(t) in left for _, _, t in refined)
         if not everything:
-            unwritten += _named_all_the_same(outcome, white, misfit, base, refined, forms, masses, left)
+            unwritten += _named_all_the_same(outcome, white, doubt, misfit, base, refined, forms, masses, left)
             # Parameters of the drives were held where the effect made corrections needless: they are asked again.
             given_up = _of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
         fallbacks += given_up
@@ -101,7 +102,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         if everything:
             break
     base = [t for t in base if id(t) in left]
-    final = _fitted(outcome, white, misfit, base, refined, forms, masses)
+    final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
     alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned", nameless)
     friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
@@ -156,7 +157,7 @@ def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[
 
 
 def _named_all_the_same(
-    outcome: Outcome, white: White, misfit: np.ndarray, base, refined, forms, masses, left
+    outcome: Outcome, white: White, doubt: np.ndarray, misfit: np.ndarray, base, refined, forms, masses, left
 ) -> tuple[Estimate, ...]:
     """Return the effects that are there although the written model does without them.
 
@@ -168,15 +169,14 @@ def _named_all_the_same(
     lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
     if not lost:
         return ()
-    whole = _fitted(outcome, white, misfit, base, refined, forms, masses)
-    ratio = left_out_ratio(white, whole.fit.terms, each=False)
-    of_parts = left_out_ratio(white, whole.fit.terms, each=False, parts=True)
+    whole = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
+    ratio = cache(lambda parts: left_out_ratio(white, whole.fit.terms, each=False, parts=parts))
     still = {u.axis for u in outcome.unexplained}
     result = []
     for i in lost:
         one, candidate, _ = refined[i]
         axes = white.problem.judged if candidate.axis is None else (candidate.axis,)
-        if max((ratio if still.intersection(axes) else of_parts)[j] for j in axes) <= 1.0:
+        if max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0:
             result.append(whole.estimates[i])
         else:
             outcome.suspects.append((one, "with it the model predicts records left out worse than the given robot"))
@@ -213,11 +213,19 @@ def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Ste
 
 
 def _fitted(
-    outcome: Outcome, white: White, misfit: np.ndarray, base: list[Term], refined, forms, masses: list[Named]
+    outcome: Outcome,
+    white: White,
+    doubt: np.ndarray,
+    misfit: np.ndarray,
+    base: list[Term],
+    refined,
+    forms,
+    masses: list[Named],
 ) -> Final:
     """Fit a model as it will be written, and give every effect its numbers.
 
-    What is known of them is said by the axes for as much as their `misfit` leaves.
+    What is known of them is said by the axes for as much as their `misfit` leaves, beside the `doubt` by which those of
+    `white` have been divided already.
     """
     mass_terms = [t for n in masses for t in n.terms]
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
@@ -225,9 +233,7 @@ def _fitted(
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
     for _, candidate, term in refined:
         _make_sound(fit, candidate, places[id(term)])
-    # Axes in doubt have been divided already.
-    rest = misfit / doubts(outcome)
-    weak, less = tempered(white, rest), {id(t): divided(t, rest) for t in fit.terms}
+    weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
     known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
     known.theta = fit.theta
     weak_base = [less[id(t)] for t in base]
@@ -242,7 +248,7 @@ def _fitted(
         estimates.append(estimate_effect(weak, known, weak_base, one, candidate, bent, where, rng, others))
     friction, _, inertial = _base_of(white, fit, masses)
     std = _base_of(weak, known, [])[1]
-    return Final(outcome, weak, misfit, fit, tuple(estimates), friction, std, inertial, friction, inertial)
+    return Final(outcome, weak, doubt * misfit, fit, tuple(estimates), friction, std, inertial, friction, inertial)
 
 
 #: Standard deviations by which the first coefficient of an effect is moved until something like it may exist.

@@ -85,10 +85,15 @@ def _ratio(white: White, terms: list[Term], folds: Folds, each: bool) -> tuple[n
     middle: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
     told_alone = False
     of_effect = np.repeat([t.effect for t in terms], sizes) if terms else np.zeros(0, bool)
-    known = of_effect & (_left_open(whole[0], precision) < TOLD) if of_effect.any() else of_effect
+    known = of_effect
+    if of_effect.any():
+        known = of_effect & (_left_open(cho_factor(whole[0] + np.diag(precision)), precision) < TOLD)
     for record, (gram, right) in parts.items():
-        theta = cho_solve(cho_factor(whole[0] - gram + np.diag(precision)), whole[1] - right) if total else right
-        told_alone |= known.any() and bool(np.any(known & (_left_open(whole[0] - gram, precision) > UNTOLD)))
+        theta = right
+        if total:
+            factor = cho_factor(whole[0] - gram + np.diag(precision))
+            theta = cho_solve(factor, whole[1] - right)
+            told_alone |= known.any() and bool(np.any(known & (_left_open(factor, precision) > UNTOLD)))
         for axis, (seen, where, label) in raw.items():
             rows = label == record
             given = targets[axis][rows]
@@ -107,9 +112,9 @@ def _ratio(white: White, terms: list[Term], folds: Folds, each: bool) -> tuple[n
     return ratio, told_alone
 
 
-def _left_open(gram: np.ndarray, precision: np.ndarray) -> np.ndarray:
-    """Return the variance of each coefficient (k,) after the data, over that before them."""
-    return np.diag(cho_solve(cho_factor(gram + np.diag(precision)), np.eye(len(precision)))) * precision
+def _left_open(factor: tuple[np.ndarray, bool], precision: np.ndarray) -> np.ndarray:
+    """Return the variance of each coefficient (k,) after the data, of a Cholesky `factor`, over that before them."""
+    return np.diag(cho_solve(factor, np.eye(len(precision)))) * precision
 
 
 def mean_squares(label: np.ndarray, *errors: np.ndarray) -> np.ndarray:

@@ -51,9 +51,7 @@ def _gain(problem: Problem, axis: int, density: np.ndarray, frequency: np.ndarra
 def _shaped(values: np.ndarray, frequency: np.ndarray, gain: np.ndarray, rate: float) -> np.ndarray:
     """Return values (m,) with their spectrum multiplied by a gain (k,) at frequencies (k,) [Hz]."""
     more = min(len(values) - 1, CONTINUED)
-    before = 2 * values[0] - values[more:0:-1]
-    after = 2 * values[-1] - values[-2 : -more - 2 : -1]
-    whole = np.concatenate([before, values, after])
+    whole = np.pad(values, more, mode="reflect", reflect_type="odd")
     spectrum = np.fft.rfft(whole)
     spectrum *= np.interp(np.fft.rfftfreq(len(whole), 1 / rate), frequency, gain)
     return np.fft.irfft(spectrum, len(whole))[more : more + len(values)]

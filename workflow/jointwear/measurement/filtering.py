@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, sosfiltfilt
 
 #: Fewest samples that are filtered.
 SHORTEST = 24
@@ -19,10 +19,9 @@ RINGING = 30
 
 
 @lru_cache(maxsize=512)
-def _butterworth(cutoff: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Sections of a Butterworth filter of order 4, and their states after a long time at one."""
-    sections = butter(4, cutoff, fs=rate, output="sos")
-    return sections, sosfilt_zi(sections)
+def _butterworth(cutoff: float, rate: float) -> np.ndarray:
+    """Sections of a Butterworth filter of order 4."""
+    return butter(4, cutoff, fs=rate, output="sos")
 
 
 def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
@@ -31,14 +30,8 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
         return values
     # Rates that were found from stamps differ in their last digits from stretch to stretch.
     pad = min(len(values) - 1, max(int(3 * rate / cutoff + 1e-6), RINGING))
-    sections, settled = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
-    # As scipy.signal.sosfiltfilt, which works out the settled states at every call.
-    settled = settled.reshape(*settled.shape, *[1] * (values.ndim - 1))
-    before, after = 2 * values[0] - values[pad:0:-1], 2 * values[-1] - values[-2 : -pad - 2 : -1]
-    there = np.concatenate([before, values, after])
-    there = sosfilt(sections, there, axis=0, zi=settled * there[0])[0]
-    back = sosfilt(sections, there[::-1], axis=0, zi=settled * there[-1])[0]
-    return back[::-1][pad : pad + len(values)]
+    sections = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
+    return sosfiltfilt(sections, values, axis=0, padlen=pad)
 
 
 def zero_phase_gain(frequency: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
