@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.special import logsumexp
 
 from jointwear.discovery.instruments import limit
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
@@ -194,7 +193,8 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
             dictionary.spreading.append((spreading, _on_all_axes(white, spreading)))
         if unresolved and unresolved == len(grid):
             dictionary.not_tried.append((effect.identifier, axis, "its waves are faster than the sampling"))
-    dictionary.matrix[axis] = white.columns(axis, np.concatenate(rows, axis=1))
+    # A few columns at a time are taken out again.
+    dictionary.matrix[axis] = np.asfortranarray(white.columns(axis, np.concatenate(rows, axis=1)))
     dictionary.entries[axis] = found
 
 
@@ -206,7 +206,6 @@ def _on_all_axes(white: White, candidates: list[Candidate]) -> dict[int, np.ndar
         torque = get_effect(one.effect).spread(problem.train_state, one.axis, one.source, one.nonlinear)
         for a, columns in torques.items():
             columns[:, k] = torque[:, a]
-    # One by one they are taken out again.
     return {a: np.asfortranarray(white.columns(a, _ended(white, a, x))) for a, x in torques.items()}
 
 
@@ -298,7 +297,7 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
             forms.setdefault(frozenset(point[1].nonlinear), point)
         first, *rest = forms.values()
         others = tuple(Scored(c, float(value - cost), blocks, std) for value, c, blocks, std in rest)
-        found.append(Scored(first[1], float(logsumexp(values) - cost), first[2], first[3], others))
+        found.append(Scored(first[1], float(np.logaddexp.reduce(values) - cost), first[2], first[3], others))
     return sorted(found, key=lambda s: -s.evidence)
 
 

@@ -55,19 +55,16 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
         scale = np.concatenate([s for k in keys for s in [_std(dictionary, axis, families[k][1])]])
         full = full * scale[:, None] * scale
         starts = np.cumsum([0, *[len(families[k][1]) for k in keys]])
-        parts = [slice(a, b) for a, b in pairwise(starts)]
+        energies = np.add.reduceat(np.diag(full), starts[:-1])
+        # What each family (row) leaves of the energy of each other (column).
+        left = np.array([_left_by(full, slice(a, b), starts, energies) for a, b in pairwise(starts)])
+        names = np.array([key[0] for key in keys])
+        left[names[:, None] == names] = np.inf
         for i, key in enumerate(keys):
-            rival, left = "", families[key][0]
-            for k, other in enumerate(keys):
-                if other[0] == key[0]:
-                    continue
-                a, b = parts[i], parts[k]
-                inner = full[b, b] + np.eye(b.stop - b.start) * (1e-6 * np.trace(full[b, b]) + 1e-12)
-                rest = full[a, a] - full[a, b] @ np.linalg.solve(inner, full[b, a])
-                energy = float(max(np.trace(rest), 0.0)) / (a.stop - a.start)
-                if energy < left:
-                    rival, left = other[0], energy
-            found.append(Visible(key[0], axis, key[2], families[key][0], rival, left))
+            best = int(np.argmin(left[:, i]))
+            least = left[best, i] / len(families[key][1])
+            rival, least = (keys[best][0], least) if least < families[key][0] else ("", families[key][0])
+            found.append(Visible(key[0], axis, key[2], families[key][0], rival, float(least)))
     for candidate, blocks, std in dictionary.whole:
         if candidate.axis is not None:
             continue
@@ -77,6 +74,13 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
         energy = float(np.trace(scaled[:lead, :lead])) / lead
         found.append(Visible(candidate.effect, None, None, energy, "", energy))
     return found
+
+
+def _left_by(full: np.ndarray, rival: slice, starts: np.ndarray, energies: np.ndarray) -> np.ndarray:
+    """Return the energies (k,) of families, which start at `starts` (k + 1,) of a Gram matrix, less what one takes."""
+    inner = full[rival, rival] + np.eye(rival.stop - rival.start) * (1e-6 * np.trace(full[rival, rival]) + 1e-12)
+    taken = np.sum(full[rival] * np.linalg.solve(inner, full[rival]), axis=0)
+    return np.maximum(energies - np.add.reduceat(taken, starts[:-1]), 0.0)
 
 
 def _std(dictionary: Dictionary, axis: int, columns: np.ndarray) -> np.ndarray:

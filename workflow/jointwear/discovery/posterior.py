@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from scipy.special import logsumexp
+import numpy as np
 
 from jointwear.discovery.calibration import COARSE, calibrated
 from jointwear.discovery.candidates import Scored, contenders, scan
@@ -42,7 +42,7 @@ def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored]
     ]
     rivals = [v for key, v in scores.items() if key != one.candidate.key] + [0.0]
     evidence = white.fit([*others, *one.terms]).evidence - fit.evidence
-    score = (own - float(logsumexp(rivals))) / (1.0 + COARSE * max(own, 0.0))
+    score = (own - float(np.logaddexp.reduce(rivals))) / (1.0 + COARSE * max(own, 0.0))
     left = any(u.axis == one.candidate.axis for u in outcome.unexplained)
     probability = calibrated(score, one.cross_validated, left)
     return replace(

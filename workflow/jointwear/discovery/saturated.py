@@ -74,11 +74,12 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
         groups.append(_beside_reversals(raw, axis, label, rate))
         groups += _columns_of_neighbours(state, axis)
     columns = np.concatenate(groups, axis=1)
-    scale = np.sqrt(np.mean(columns[used] ** 2, axis=0))
+    squares = columns**2
+    scale = np.sqrt(used.astype(float) @ squares / used.sum())
     # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
-    seen = np.sum(columns[whitenable(used, label, HIGHEST_ORDER)] ** 2, axis=0)
+    seen = np.sum(squares[whitenable(used, label, HIGHEST_ORDER)], axis=0)
     keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
-    return columns[:, keep] / scale[keep]
+    return columns.compress(keep, axis=1) / scale[keep]
 
 
 def _beside_reversals(state: State, axis: int, label: np.ndarray, rate: float) -> np.ndarray:
