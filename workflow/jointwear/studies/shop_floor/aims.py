@@ -28,15 +28,15 @@ def aims(scores: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     middle = next((s for s in scores if s["rate"] == AT), scores[0])
     fast = middle["coulomb_in_two_weeks"]
     share, delay = fast["found"], fast["delay"]["median"]
-    words = f"{FOUND:.0%} of the axes with 20 % growth within two weeks are found within two weeks"
+    words = f"{100 * FOUND:.0f} % of the axes with 20 % growth within two weeks are found within two weeks"
     rows.append(_aim(words, share["share"], lambda x: x >= FOUND, f"{share['count']} of {share['of']}"))
     rows.append(_aim(f"their median delay is at most {DELAY:g} h", delay, lambda x: x <= DELAY, f"{delay or 0:.0f} h"))
     right = middle["coulomb"]["right"]
-    words = f"the axis is right in {RIGHT:.0%}"
+    words = f"the axis is right in {100 * RIGHT:.0f} %"
     rows.append(_aim(words, right["share"], lambda x: x >= RIGHT, f"{right['count']} of {right['of']}"))
     for key, when in (("forecast", "at the alarm"), ("forecast_later", "a day later")):
         held = middle[key]["held"]
-        words = f"80 % forecast intervals hold in {COVERAGE[0]:.0%} to {COVERAGE[1]:.0%}, {when}"
+        words = f"80 % forecast intervals hold in {100 * COVERAGE[0]:.0f} % to {100 * COVERAGE[1]:.0f} %, {when}"
         found = f"{held['count']} of {held['of']}, {middle[key]['open']} of them open ended"
         rows.append(_aim(words, held["share"], lambda x: COVERAGE[0] <= x <= COVERAGE[1], found))
     return rows
