@@ -13,6 +13,7 @@ from jointwear.monitor.backlash import BACKLASH, FEWEST_TURNS, backlash_series, 
 from jointwear.monitor.judge import CHANGED, judge
 from jointwear.monitor.model import ModelTorque
 from jointwear.monitor.reversals import SLOWEST, pulses, reach_of
+from jointwear.monitor.windows import merge
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.closed_loop import RATE, SAMPLES, Runs, at_phase
 from jointwear.studies.shop_floor.gear import NEW_GAP
@@ -77,7 +78,7 @@ def test_noise_ripple_and_scale_leave_the_ratio_as_it_is():
     residual = random.standard_normal((m, 1))
 
     def ratio(values):
-        found = pulses(values, model, used, np.zeros(m), 5)
+        found = pulses(values.T, model, used, np.zeros(m), 5)
         assert 0.1 < found.near.mean() < 0.9
         return (found.square * found.near).sum() / found.near.sum() / (found.square * found.far).sum() * found.far.sum()
 
@@ -85,8 +86,40 @@ def test_noise_ripple_and_scale_leave_the_ratio_as_it_is():
     assert ratio(7.0 * residual) == pytest.approx(ratio(residual))
     # What lies within reach of a gap in the samples is not known.
     stretch = (np.arange(m) >= 3000).astype(int)
-    whole = pulses(residual, model, used, stretch, 5)
+    whole = pulses(residual.T, model, used, stretch, 5)
     assert not (whole.near | whole.far)[:, 2995:3006].any()
+
+
+def windows_of(error, kept=slice(None)):
+    """Statistics of two windows of 30 s whose bodies turn round every second and are `error` of themselves wrong."""
+    m = 3000
+    random = np.random.default_rng(1)
+    time = np.arange(m) / 50.0
+    bodies = (8.0 * np.sign(np.sin(np.pi * time)) * np.abs(np.sin(np.pi * time)) ** 0.3)[:, None]
+    velocity = (1.0 + 0.5 * np.sin(0.7 * time))[:, None]
+    zeros = np.zeros((m, 1))
+    model = ModelTorque(bodies + 1.0, zeros, bodies)
+    torque = model.total + error * bodies + 0.1 * random.standard_normal((m, 1))
+    settings = WindowSettings(30.0, np.full(1, 0.02), np.full(1, 20.0), reach=reach_of(50.0))
+    return window_statistics(time, zeros, velocity, torque, model, settings, kept=kept)
+
+
+def test_bodies_that_are_wrong_show_no_pulses():
+    right, wrong = windows_of(0.0), windows_of(0.15)
+    assert right.turns.min() >= FEWEST_TURNS
+    for name in ("pulse_near", "pulse_far"):
+        np.testing.assert_allclose(getattr(wrong, name), getattr(right, name), rtol=1e-4)
+
+
+def test_pulses_of_a_window_hardly_depend_on_where_a_block_ends():
+    whole = windows_of(0.15)
+    parts = merge(
+        [windows_of(0.15, slice(0, 700)), windows_of(0.15, slice(700, 2000)), windows_of(0.15, slice(2000, 3000))]
+    )
+    for name in ("near_count", "far_count", "turns"):
+        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
+    for name in ("pulse_near", "pulse_far"):
+        np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), rtol=0.02)
 
 
 def with_pulses(growth, seed=0):

@@ -86,8 +86,7 @@ def window_statistics(
     used = moving(velocity, stretch, settings.dead_band, settings.guard) & np.isfinite(residual)
     if usable is not None:
         used &= usable
-    found = pulses(residual, model, used, stretch, settings.reach) if settings.reach else None
-    offset = kept.indices(len(residual))[0]
+    around = _Around(model, velocity, residual, used, stretch, kept.indices(len(residual))[0])
     time, position, velocity, torque, stretch = (x[kept] for x in (time, position, velocity, torque, stretch))
     used, residual, m, n = used[kept], residual[kept], len(time), velocity.shape[1]
     regressors = velocity, model.gravity[kept], model.inertial[kept]
@@ -103,14 +102,15 @@ def window_statistics(
     rows, place = np.unique(index, return_inverse=True)
     total = blank_statistics(rows * settings.length, settings.length, settings.torque_reference, dated)
     edges = [0, *(np.flatnonzero(np.diff(place)) + 1), m] if m else [0]
+    fits, left = [], []
     for a, b in itertools.pairwise(edges):
         piece, row = slice(a, b), int(place[a])
         moved = np.ascontiguousarray(used[piece].T)
         columns = _columns([x[piece] for x in regressors], residual[piece], moved, settings.torque_reference)
-        _add_regression(total, row, columns, moved, time[piece], stretch[piece], settings.block)
+        fit, error = _add_regression(total, row, columns, moved, time[piece], stretch[piece], settings.block)
+        fits.append(fit)
+        left.append(error)
         _add_torque(total, row, torque[piece], settings.torque_reference)
-        if found is not None:
-            _add_pulses(total, row, found, slice(offset + a, offset + b))
         if program is not None:
             add_labels(total.labels, [row], [label_text(program[piece])])
         same = (stretch[a + 1 : b] == stretch[a : b - 1])[:, None]
@@ -127,8 +127,46 @@ def window_statistics(
                 total.temperature[row] = np.where(
                     total.temperature_count[row] > 0, sums / total.temperature_count[row], np.nan
                 )
+    if settings.reach and m:
+        found = around.pulses(fits, left, settings)
+        for a, b in itertools.pairwise(edges):
+            _add_pulses(total, int(place[a]), found, slice(around.offset + a, around.offset + b))
     total.flags[total.count == 0] |= int(Flag.AT_REST)
     return total
+
+
+@dataclass(frozen=True)
+class _Around:
+    """Samples (m, n) with those around them that only show what is there, of which `offset` come before."""
+
+    model: ModelTorque
+    velocity: np.ndarray
+    residual: np.ndarray
+    used: np.ndarray
+    stretch: np.ndarray
+    offset: int
+
+    def pulses(self, fits: Sequence[np.ndarray], left: Sequence[np.ndarray], settings: WindowSettings) -> Pulses:
+        """Return the pulses in what the fits of the pieces leave.
+
+        Parameters
+        ----------
+        fits : (n, p) coefficients of each piece. left : (n, k) residual less the fit, 0 where it is not used.
+
+        Notes
+        -----
+        What lies around is taken less the fit of the piece next to it, so that no step comes between them.
+        """
+        stop = self.offset + sum(error.shape[1] for error in left)
+        before = self._less(fits[0], slice(0, self.offset), settings.torque_reference)
+        after = self._less(fits[-1], slice(stop, None), settings.torque_reference)
+        whole = np.concatenate([before, *left, after], axis=1)
+        return pulses(whole, self.model, self.used, self.stretch, settings.reach)
+
+    def _less(self, fit: np.ndarray, rows: slice, reference: np.ndarray) -> np.ndarray:
+        regressors = self.velocity[rows], self.model.gravity[rows], self.model.inertial[rows]
+        columns = _columns(regressors, self.residual[rows], np.ascontiguousarray(self.used[rows].T), reference)
+        return columns[:, _P] - (fit[:, None] @ columns[:, :_P])[:, 0]
 
 
 def _columns(
@@ -160,8 +198,11 @@ def _add_regression(
     time: np.ndarray,
     stretch: np.ndarray,
     block: float,
-) -> None:
-    """Add one piece of a window; columns (n, p + 1, k) with zeros where `used` (n, k) is False."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Add one piece of a window; columns (n, p + 1, k) with zeros where `used` (n, k) is False.
+
+    Returns the coefficients (n, p) and what they leave of the residual (n, k), 0 where it is not used.
+    """
     products = columns @ columns.transpose(0, 2, 1)
     gram, moment = products[:, :_P, :_P], products[:, :_P, _P]
     count = used.sum(axis=1)
@@ -176,7 +217,8 @@ def _add_regression(
     freedom = count - rank
     # A piece with hardly more samples than columns says nothing about the noise.
     enough = freedom > rank
-    error = (columns[:, _P] - (fit[:, None] @ columns[:, :_P])[:, 0]) * (used & enough[:, None])
+    left = columns[:, _P] - (fit[:, None] @ columns[:, :_P])[:, 0]
+    error = left * (used & enough[:, None])
     total.residual_square[row] += np.einsum("jk,jk->j", error, error)
     total.freedom[row] += np.where(enough, freedom, 0)
     pair = used[:, 1:] & used[:, :-1] & (stretch[1:] == stretch[:-1])
@@ -189,6 +231,7 @@ def _add_regression(
     total.score[row] += (scores @ scores.transpose(0, 2, 1)) * inflation[:, None, None]
     occupied = np.add.reduceat(used, cuts, axis=1, dtype=np.int64) > 0
     total.blocks[row] += np.where(enough, occupied.sum(axis=1), 0)
+    return fit, left
 
 
 def _add_pulses(total: WindowStatistics, row: int, found: Pulses, piece: slice) -> None:

@@ -5,7 +5,9 @@ gap without the load and then catches it: within a tenth of a second the torque 
 asked for, then has too much. Friction, which follows the speed, changes slowly there, because loads mostly reverse in
 the middle of a move, when it begins to brake.
 
-The residual less its mean over two times :data:`REACH` shows this pulse. Its mean square near reversals of the load is
+What the regression of the window leaves of the residual, less its mean over two times :data:`REACH`, shows this pulse.
+Before the regression it would not: where the bodies of the model are a few percent wrong, the error is quick too
+wherever an axis is accelerated, and it follows speed, load and program. The mean square near reversals of the load is
 held against that of the rest of the motion, so that noise, ripple and the scale of the torque cancel
 (:mod:`jointwear.monitor.backlash`). How much friction acts behind the gap is not known: near means from where the
 torque of the bodies alone changes sign to where body torque and friction together do, and :data:`NEAR` around.
@@ -32,7 +34,7 @@ MOST_SAMPLES = 390
 
 @dataclass(frozen=True)
 class Pulses:
-    """Squares of the quick part of the residual [N2 m2], (n, m), 0 where it is not known; `near`, `far`: where it is,
+    """Squares of the quick part of what is left [N2 m2], (n, m), 0 where it is not known; `near`, `far`: where it is,
     close to a reversal of the load and away from all; `turns`: at the samples at which the load reverses."""
 
     square: np.ndarray
@@ -48,17 +50,18 @@ def reach_of(rate: float) -> int:
     return min(round(REACH * rate), int(MOST_SAMPLES * REACH / (REACH + NEAR)))
 
 
-def pulses(residual: np.ndarray, model: ModelTorque, used: np.ndarray, stretch: np.ndarray, reach: int) -> Pulses:
+def pulses(left: np.ndarray, model: ModelTorque, used: np.ndarray, stretch: np.ndarray, reach: int) -> Pulses:
     """Return the pulses of samples in order.
 
     Parameters
     ----------
-    residual : (m, n) [N m]. used : (m, n) moving samples that count. stretch : (m,). reach : :func:`reach_of`.
+    left : (n, m) what the regression leaves of the residual [N m], 0 where not used. used : (m, n) moving samples that
+        count. stretch : (m,). reach : :func:`reach_of`.
     """
     known = used.T.copy()
     known[:, 1:] &= (stretch[1:] == stretch[:-1])[None]
     inside = _spread(known, reach) == 2 * reach + 1
-    values = np.where(known, residual.T, 0.0)
+    values = np.where(known, left, 0.0)
     quick = values - _spread(values, reach) / (2 * reach + 1)
     square = np.where(inside, quick * quick, 0.0)
     bodies = (model.gravity + model.inertial).T

@@ -61,7 +61,7 @@ class WindowStatistics:
     temperature, temperature_count : (w, n) mean [degC] (NaN if unknown) and the samples that it is the mean of.
     torque_histogram : (w, n, HISTOGRAM_BINS) number of finite torque samples in equal bins from -HISTOGRAM_SPAN to
         HISTOGRAM_SPAN times `torque_reference` (n,) [N m]; what lies beyond counts in the outer bins.
-    pulse_near, pulse_far : (w, n) sums of the squares of the quick part of the residual [N2 m2] near reversals of the
+    pulse_near, pulse_far : (w, n) sums of the squares of the quick part of e [N2 m2] near reversals of the
         load and away from them, `near_count`, `far_count` their numbers of samples, `turns` the reversals
         (:mod:`jointwear.monitor.reversals`).
     labels : (w,) samples of each program that the log names, as text (:mod:`jointwear.monitor.program_labels`);
