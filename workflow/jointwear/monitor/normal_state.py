@@ -10,6 +10,7 @@ posterior stays wide, and a window beyond what the baseline showed is predicted 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,12 +100,15 @@ def fit_normal_state(
         size = (pulled / total) ** 2 / (noise.between + 1 / total)
         shift_weight = (FREEDOM + 1) / (FREEDOM + size)
     # What each shift told, to be taken away from the whole.
-    grams = sums(weighted[:, :, None] * x[:, None, :]) - share[:, None, None] * wx[:, :, None] * wx[:, None, :]
+    runs = [slice(a, b) for a, b in itertools.pairwise([*first, len(y)])]
+    grams = np.stack([weighted[run].T @ x[run] for run in runs])
+    grams -= share[:, None, None] * wx[:, :, None] * wx[:, None, :]
     moments = sums(weighted * y[:, None]) - (share * wy)[:, None] * wx
     left_covariance = _inverse(precision - grams)
     left_mean = np.einsum("spq,sq->sp", left_covariance, information - moments)
     left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
-    left_variance[used] = ((x[:, None] @ left_covariance[place])[:, 0] * x).sum(axis=1)
+    spread = [(x[run] @ shown) * x[run] for run, shown in zip(runs, left_covariance, strict=True)]
+    left_variance[used] = np.concatenate(spread).sum(axis=1)
     return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
 
 
