@@ -2,6 +2,8 @@
 
 import json
 import os
+import shutil
+from pathlib import Path
 
 import pytest
 from monitor_logs import ROBOT, START, columns, make_log, write_csv, write_parquet
@@ -26,7 +28,7 @@ def logs(tmp_path):
 
 
 def watched(logs, folder, **more):
-    return watch_robot("arm", more.pop("entry", ENTRY), logs, folder / "robots", page=False, **more)
+    return watch_robot("arm", more.pop("entry", ENTRY), logs, folder / "robots", **{"page": False, **more})
 
 
 def test_each_log_is_read_once(logs, tmp_path):
@@ -92,6 +94,15 @@ def test_a_log_that_cannot_be_read_is_counted_and_stops_nothing(logs, tmp_path):
     found = watched(logs, tmp_path)
     assert (found["result"], found["logs"], found["refused_logs"]) == ("judged", 6, 2)
     assert any("bad.csv" in told for told in found["refusals"])
+
+
+def test_copies_of_logs_count_once_and_are_told_apart_from_refused_ones(logs, tmp_path):
+    plain = watched(logs, tmp_path)
+    copies = [shutil.copy(log, Path(log).with_name(f"copy_{Path(log).name}")) for log in logs]
+    found = watched([*logs, *map(str, copies)], tmp_path, page=True)
+    assert (found["logs"], found["copied_logs"], found["refused_logs"]) == (8, 4, 0)
+    assert found["windows"] == plain["windows"]
+    assert "4 logs with the same samples as another" in (tmp_path / "robots/arm/monitor.html").read_text()
 
 
 def test_robots_of_one_name_and_different_logs_do_not_mix(logs, tmp_path):

@@ -46,7 +46,7 @@ FLEET = [
     robot("sooner", axis(3, CHANGED, growth=9.0, hours=[80.0, 40.0, 400.0])),
     robot("done", axis(1, CHANGED, growth=23.0, hours=[0.0, 0.0, 0.0], reached=True)),
     robot("broken", result="refused", reason="degrees <b>", axes=[], refused_logs=10),
-    robot("odd", axis(2, UNRESOLVED)),
+    robot("odd", axis(2, UNRESOLVED), copied_logs=3),
     robot("silent", last_sample=NOW - 5 * DAY),
     robot("still", axis(1, UNJUDGED), unjudged_logs=10, unjudged_windows=240),
 ]
@@ -67,6 +67,7 @@ def built(tmp_path_factory):
 
 def test_the_most_urgent_robot_comes_first(built):
     text = (built / "index.html").read_text()
+    assert "3 of 10 logs with the samples of another, which count once" in text
     order = re.findall(r"<h3>(?:<a [^>]*>)?(\w+)", text)
     assert order == ["done", "sooner", "worn", "broken", "odd", "silent", "still"]
     assert "7 of 8 robots to look at" in text
@@ -100,6 +101,7 @@ def test_the_table_counts_what_was_refused_stale_or_not_judged(built):
         rows = {row["robot"]: row for row in csv.DictReader(file)}
     assert list(rows) == ["done", "sooner", "worn", "broken", "odd", "silent", "still", "calm"]
     assert (rows["broken"]["urgency"], rows["broken"]["refused_logs"]) == ("refused", "10")
+    assert (rows["odd"]["copied_logs"], rows["odd"]["refused_logs"]) == ("3", "0")
     assert (rows["silent"]["stale_logs"], rows["silent"]["stale_windows"]) == ("5", "120")
     assert (rows["still"]["unjudged_logs"], rows["still"]["unjudged_windows"]) == ("10", "240")
     assert (rows["still"]["urgency"], rows["still"]["axes_unjudged"]) == (UNJUDGED, "1")

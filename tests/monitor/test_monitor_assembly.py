@@ -19,7 +19,8 @@ def test_a_log_that_is_there_twice_counts_once_and_says_so():
     history = assemble([piece("a.csv", 0), piece("b.csv", 2), replace(piece("a.csv", 0), log="copy/a.parquet")])
     assert history.statistics.windows == 4
     assert (history.statistics.samples == 60).all()
-    assert history.pieces[2].refused == ("copy/a.parquet: holds the same samples as a.csv; it counts once",)
+    assert [p.copy_of for p in history.pieces] == ["", "", "a.csv"]
+    assert not history.pieces[2].refused
 
 
 def test_logs_of_one_hour_that_differ_add_up():

@@ -12,13 +12,17 @@ from jointwear.monitor.windows import WindowStatistics, merge
 
 @dataclass(frozen=True)
 class Piece:
-    """Statistics of one log: time of its first and last sample [s] (NaN if none), and what was refused, in words."""
+    """Statistics of one log: time of its first and last sample [s] (NaN if none), and what was refused, in words.
+
+    `copy_of`: the log before it that holds the same samples, empty if none does; a copy has no windows.
+    """
 
     log: str
     statistics: WindowStatistics
     first: float
     last: float
     refused: tuple[str, ...] = ()
+    copy_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -43,8 +47,8 @@ def assemble(pieces: Sequence[Piece]) -> History:
         piece, statistics = given, given.statistics
         key = _fingerprint(piece)
         if key in seen:
-            told = f"{piece.log}: holds the same samples as {seen[key]}; it counts once"
-            placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(*piece.refused, told)))
+            # What was refused in it was refused in the log that it is a copy of, and is told there.
+            placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(), copy_of=seen[key]))
             continue
         if key is not None:
             seen[key] = piece.log

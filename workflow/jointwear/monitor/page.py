@@ -85,15 +85,18 @@ def temperature_rows(state: RobotState) -> list[dict[str, Any]]:
 
 
 def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
-    """Return every log with its first and last sample in words, and why it was refused."""
+    """Return every log with its first and last sample in words, why it was refused, and whose copy it is."""
     return [
         {
             "name": log,
             "first": when(state, a, zone) if np.isfinite(a) else None,
             "last": when(state, b, zone) if np.isfinite(a) else None,
             "refused": told,
+            "copy_of": other,
         }
-        for log, a, b, told in zip(state.logs, state.first, state.last, state.refused, strict=True)
+        for log, a, b, told, other in zip(
+            state.logs, state.first, state.last, state.refused, state.copy_of, strict=True
+        )
     ]
 
 

@@ -18,9 +18,9 @@ from jointwear.monitor.state import RobotState
 
 #: What a robot without a judgement has.
 NOTHING: dict[str, Any] = {
-    "alarms": 0, "axes_changed": "", "reason": "", "logs": 0, "refused_logs": 0, "unjudged_logs": 0, "windows": 0,
-    "refused_windows": 0, "unjudged_windows": 0, "kept_logs": 0, "last_sample": None, "rhythm_hours": None,
-    "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
+    "alarms": 0, "axes_changed": "", "reason": "", "logs": 0, "refused_logs": 0, "copied_logs": 0, "unjudged_logs": 0,
+    "windows": 0, "refused_windows": 0, "unjudged_windows": 0, "kept_logs": 0, "last_sample": None,
+    "rhythm_hours": None, "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
 }  # fmt: skip
 #: Time [s] before the newest log that its rhythm is read from: four weeks, so that weekends count with their weight.
 RHYTHM = 28 * 86400.0
@@ -64,6 +64,7 @@ def standing(state: RobotState) -> dict[str, Any]:
         "axes_changed": " ".join(str(j + 1) for j in range(state.axes) if state.status[-1, j] == CHANGED),
         "logs": len(state.logs),
         "refused_logs": sum(bool(told) for told in state.refused),
+        "copied_logs": sum(bool(name) for name in state.copy_of),
         "unjudged_logs": _unjudged_logs(state, unjudged.all(axis=1)),
         "windows": len(state.start),
         "refused_windows": int(np.sum((state.flags & int(Flag.REFUSED)).any(axis=1))),

@@ -105,6 +105,7 @@ def write_state(
     text = {
         "log": ([p.log for p in pieces], "log"),
         "log_refused": (["; ".join(p.refused) for p in pieces], "what was refused in the log, empty if nothing"),
+        "log_copy_of": ([p.copy_of for p in pieces], "log with the same samples, which count once; empty if none"),
     }
     for key, (values, meaning) in text.items():
         variables[key] = Variable(("log",), np.array(values, dtype=object), meaning)
@@ -159,6 +160,7 @@ class RobotState:
     hours_to_limit: np.ndarray
     logs: tuple[str, ...]
     refused: tuple[str, ...]
+    copy_of: tuple[str, ...]
     first: np.ndarray
     last: np.ndarray
     entry: dict[str, Any]
@@ -207,6 +209,7 @@ def read_state(path: str | Path) -> RobotState:
             hours_to_limit=np.stack([get(f"hours_to_limit{end}") for end in ("", "_low", "_high")], axis=1),
             logs=tuple(str(x) for x in get("log")),
             refused=tuple(str(x) for x in get("log_refused")),
+            copy_of=tuple(str(x) for x in get("log_copy_of")),
             first=get("log_first"),
             last=get("log_last"),
             entry=parse_json(read_attribute(dataset, path, "config"), path),

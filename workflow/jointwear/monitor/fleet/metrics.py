@@ -17,6 +17,7 @@ LEVELS = (HEALTHY, UNRESOLVED, CHANGED, UNJUDGED)
 COUNTS = {
     "logs": "Logs that were read",
     "refused_logs": "Logs that were refused, at least in part",
+    "copied_logs": "Logs with the samples of another, which count once",
     "stale_logs": "Logs that are overdue",
     "unjudged_logs": "Logs in which no axis could be judged",
     "windows": "Windows",

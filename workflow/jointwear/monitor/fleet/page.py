@@ -106,8 +106,8 @@ def write_fleet_page(
         "total": {
             key: sum(row[key] for row in rows)
             for key in (
-                "logs", "refused_logs", "stale_logs", "unjudged_logs", "windows", "refused_windows", "stale_windows",
-                "unjudged_windows",
+                "logs", "refused_logs", "copied_logs", "stale_logs", "unjudged_logs", "windows", "refused_windows",
+                "stale_windows", "unjudged_windows",
             )
         },
     }  # fmt: skip

@@ -16,8 +16,8 @@ from jointwear.monitor.state import stamp
 COLUMNS = (
     "robot", "result", "alarms", "axes_changed", "reason", "urgency", "axis_to_check", "what_to_check",
     "growth_percent", "limit_percent", "hours_to_limit", "hours_to_limit_low", "hours_to_limit_high",
-    "alarms_unresolved", "axes_unresolved", "axes_unjudged", "logs", "refused_logs", "stale_logs", "unjudged_logs",
-    "kept_logs", "windows", "refused_windows", "stale_windows", "unjudged_windows", "last_sample",
+    "alarms_unresolved", "axes_unresolved", "axes_unjudged", "logs", "refused_logs", "copied_logs", "stale_logs",
+    "unjudged_logs", "kept_logs", "windows", "refused_windows", "stale_windows", "unjudged_windows", "last_sample",
 )  # fmt: skip
 
 
