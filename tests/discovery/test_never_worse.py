@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import left_out_ratio, mean_squares
+from jointwear.discovery.fallback import DRIVE, Step, left_out, left_out_ratio, mean_squares, put_back
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Unexplained
@@ -164,6 +164,33 @@ def test_evidence_is_asked_without_the_block_of_time_that_gives_most_of_it(found
         targets[axis] += (0.4 if everywhere else 2.0) * column * shown
         held = cross_validate(replace(white, targets=targets), [], [term])
         assert (held.elsewhere > 0.8 * held.nats > 20.0) if everywhere else (held.elsewhere < 4.5)
+
+
+@pytest.mark.parametrize("dragging", [0.5, 1.0])
+def test_friction_of_half_of_the_time_is_no_number_of_a_drive(found, dragging):
+    """What a brake adds now and then is a mean of two states, right in neither: its next share of the time is open."""
+    white = found.final.outcome.white
+    axis = 0
+    label, sign = white.blocks(axis) // 8, np.sign(white.problem.train_state.velocity[white.whiteners[axis].rows, axis])
+    drags = label % 2 < 2 * dragging
+    sigma = white.whiteners[axis].marginal
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    rows = np.flatnonzero(white.problem.train)[white.whiteners[axis].rows]
+    odd.discrepancy[rows, axis] = 20.0 * sigma * sign * drags
+    targets = [np.zeros_like(y) for y in white.targets]
+    targets[axis] = 20.0 * sign * drags
+    trial = replace(white, problem=odd, targets=targets)
+    blocks, raw = {axis: sign[:, None] * 1.0}, {axis: sigma * sign[:, None]}
+    term = Term("friction", blocks, np.array([1e3]), raw, (axis, 0))
+    step = Step(DRIVE, (term,))
+    asked = left_out(trial, [term])
+    assert (asked.gained[axis] > 0.99) == (dragging == 1.0)
+    assert asked.ratio[axis] < 0.9
+    for open_axes in ([], [axis]):
+        kept, given_up = put_back(trial, [term], {axis: [step]}, "augmented", open_axes)
+        assert len(kept) == int(dragging == 1.0)
+        # It is told where structure is left.
+        assert [f.step for f in given_up] == ([] if kept or not open_axes else [DRIVE])
 
 
 @given(st.lists(st.integers(0, 5), min_size=1, max_size=50), st.floats(0.1, 10.0))

@@ -16,7 +16,7 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import EVERYTHING, Step, left_out_ratio, put_back
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, Step, left_out_ratio, put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -201,7 +201,7 @@ def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Ste
     for axis in white.problem.judged:
         own = tuple(t for t in base if t.drive[:1] == (axis,))
         steps[axis] = [
-            Step("friction and motor inertia as given", own),
+            Step(DRIVE, own),
             Step("inertia of the links as given", inertial),
         ]
         for (_, candidate, term), form in zip(refined, forms, strict=True):

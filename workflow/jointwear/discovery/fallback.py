@@ -16,6 +16,8 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import Folds, White
 
+#: Words of the step that gives up what was fitted to the drive of a joint.
+DRIVE = "friction and motor inertia as given"
 #: Words of the step that gives up all of a joint.
 EVERYTHING = "everything of this joint as given"
 #: Time in motion [s] from which a record is asked by itself.
@@ -36,6 +38,23 @@ class Step:
         return [t for t in terms if not any(t is own for own in self.terms)]
 
 
+@dataclass(frozen=True)
+class LeftOut:
+    """How a model predicts records left out in turn, every axis (n,) against the given robot.
+
+    Attributes
+    ----------
+    ratio : RMS error [N m] over that of the given robot, as :func:`left_out_ratio` says.
+    gained : share of what is gained in all that the model changes of the squared errors of blocks of time: 1 where no
+        block is worse, 0.5 where the model gains nothing.
+    told_alone : one fold alone tells of an effect.
+    """
+
+    ratio: np.ndarray
+    gained: np.ndarray
+    told_alone: bool
+
+
 def left_out_ratio(white: White, terms: list[Term], each: bool = True, parts: bool = False) -> np.ndarray:
     """Return the RMS error [N m] of a model on records left out in turn over that of the given robot, (n,).
 
@@ -50,14 +69,17 @@ def left_out_ratio(white: White, terms: list[Term], each: bool = True, parts: bo
     each : ask for the worst record and the middle block too, not only for all of them together.
     parts : leave out the parts that a name has to predict: fewer than four records are cut into blocks.
     """
-    if parts:
-        return _ratio(white, terms, white.parts, each)[0]
-    ratio, told_alone = _ratio(white, terms, white.folds, each)
-    return _ratio(white, terms, white.halves, each)[0] if told_alone else ratio
+    return _of_folds(white, terms, white.parts, each).ratio if parts else left_out(white, terms, each).ratio
 
 
-def _ratio(white: White, terms: list[Term], folds: Folds, each: bool) -> tuple[np.ndarray, bool]:
-    """Return the ratio of :func:`left_out_ratio` over some folds, and whether one alone tells of an effect."""
+def left_out(white: White, terms: list[Term], each: bool = True) -> LeftOut:
+    """Return how a model predicts records left out in turn, or halves of them; see :func:`left_out_ratio`."""
+    found = _of_folds(white, terms, white.folds, each)
+    return _of_folds(white, terms, white.halves, each) if found.told_alone else found
+
+
+def _of_folds(white: White, terms: list[Term], folds: Folds, each: bool) -> LeftOut:
+    """Return how a model predicts some folds left out in turn; without `each` nothing is said of blocks of time."""
     sizes = [len(t.std) for t in terms]
     edges = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
     total = int(edges[-1])
@@ -83,6 +105,7 @@ def _ratio(white: White, terms: list[Term], folds: Folds, each: bool) -> tuple[n
     square: dict[int, list[tuple[float, float, bool]]] = {axis: [] for axis in raw}
     blocks = {axis: white.blocks(axis) for axis in raw} if each else {}
     middle: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
+    count: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
     told_alone = False
     of_effect = np.repeat([t.effect for t in terms], sizes) if terms else np.zeros(0, bool)
     known = of_effect
@@ -102,14 +125,18 @@ def _ratio(white: White, terms: list[Term], folds: Folds, each: bool) -> tuple[n
             square[axis].append((float(left @ left), float(given @ given), alone))
             if each:
                 middle[axis].append(mean_squares(blocks[axis][rows], left, given))
-    ratio = np.zeros(len(white.targets))
+                count[axis].append(np.unique(blocks[axis][rows], return_counts=True)[1])
+    ratio, gained = np.zeros(len(white.targets)), np.ones(len(white.targets))
     for axis, found in square.items():
         if found:
             both = [*(record[:2] for record in found if record[2]), tuple(np.sum(found, axis=0)[:2])]
             if each:
-                both.append(tuple(np.median(np.concatenate(middle[axis], axis=1), axis=1)))
+                means = np.concatenate(middle[axis], axis=1)
+                both.append(tuple(np.median(means, axis=1)))
+                drop = (means[1] - means[0]) * np.concatenate(count[axis])
+                gained[axis] = np.sum(np.maximum(drop, 0.0)) / np.sum(np.abs(drop)) if drop.any() else 1.0
             ratio[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in both)
-    return ratio, told_alone
+    return LeftOut(ratio, gained, bool(told_alone))
 
 
 def _left_open(factor: tuple[np.ndarray, bool], precision: np.ndarray) -> np.ndarray:
@@ -142,33 +169,38 @@ def put_back(
     """
     limit = white.problem.settings.not_worse
     kept, given_up = list(terms), []
-    ratio = left_out_ratio(white, kept)
+    asked = left_out(white, kept)
     while True:
+        ratio = asked.ratio
         bad = [j for j in np.argsort(-ratio) if ratio[j] > limit]
         chosen = next(((int(j), s) for j in bad if (s := _best_step(white, kept, steps, int(j), ratio[j]))), None)
-        chosen = chosen or _little_gained(white, kept, steps, open_axes, ratio)
+        chosen = chosen or _little_gained(white, kept, steps, open_axes, asked)
         if chosen is None:
             return kept, tuple(given_up)
         axis, step = chosen
-        given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
+        if ratio[axis] > limit or axis in open_axes:
+            # Elsewhere the numbers of the model follow noise alone: that they stay is no loss to tell of.
+            given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
         kept = step.taken_off(kept)
-        ratio = left_out_ratio(white, kept)
+        asked = left_out(white, kept)
 
 
 def _little_gained(
-    white: White, kept: list[Term], steps: dict[int, list[Step]], axes: Collection[int], ratio: np.ndarray
+    white: White, kept: list[Term], steps: dict[int, list[Step]], open_axes: Collection[int], asked: LeftOut
 ) -> tuple[int, Step] | None:
-    """Return one of `axes` on which the model gains little, and what acts on it alone; None if there is none.
+    """Return an axis on which the model gains little or not nearly always, and what acts on it alone; None if none.
 
-    Parameters
-    ----------
-    ratio : error of the model as it is over that of the given robot, (n,).
+    A number of a drive is the same at all times. One that is better in some stretches and worse in others is a mean
+    over what comes and goes, or follows noise: the next recording may hold more of the others.
     """
     settings = white.problem.settings
-    for axis in sorted(axes):
-        if ratio[axis] <= settings.nearly_all:
+    nearly_all = settings.nearly_all
+    for axis in white.problem.judged:
+        is_open = axis in open_axes
+        if asked.gained[axis] >= nearly_all and not (is_open and asked.ratio[axis] > nearly_all):
             continue
-        own = [s for s in steps.get(axis, []) if all(set(t.blocks) == {axis} for t in s.terms)]
+        own = [s for s in steps.get(axis, []) if s.terms and all(set(t.blocks) == {axis} for t in s.terms)]
+        own = [s for s in own if is_open or s.words == DRIVE]
         own = [s for s in own if len(s.taken_off(kept)) < len(kept)]
         together = Step(", ".join(s.words for s in own), tuple(t for s in own for t in s.terms))
         if own and np.all(left_out_ratio(white, together.taken_off(kept)) <= settings.not_worse):

@@ -65,7 +65,9 @@ class Settings:
     cancelled : squared torque of an effect over the squared discrepancy of its axis from which it only cancels others.
     nearly_all : share of the squared error beyond the noise of an axis that makes a name stand beside any structure
         that is left there; and the error on left-out training records, over that of the given robot, above which what
-        was fitted to an axis with such structure alone is not written.
+        was fitted to an axis with such structure alone is not written; and the share of what is gained in all that a
+        model changes of the squared errors of blocks of time there, below which what was fitted to the drive of the
+        axis is not written: it costs a quarter of what it gains.
     likely : probability from which an effect is named: nothing else is as likely.
     not_worse : error on left-out training records, over that of the given robot, up to which a model is written: on all
         of them, on the worst one, and in the middle block of time.
