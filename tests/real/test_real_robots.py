@@ -33,7 +33,9 @@ def test_staubli_wrist_is_coupled(name):
     assert {("drive_coupling", 5, 6), ("drive_coupling", 6, 5)} <= found
     gap = verdict.data["gap"]
     assert gap["retuned"][4] > 3.0 * gap["augmented"][4]
-    assert gap["retuned"][5] > 2.5 * gap["augmented"][5]
+    # Retuned alone leaves what the given robot leaves.
+    assert gap["retuned"][5] <= 1.05 * gap["nominal"][5]
+    assert gap["retuned"][5] > 1.9 * gap["augmented"][5]
 
 
 def test_kinova_says_that_temperature_and_recordings_coincide():
