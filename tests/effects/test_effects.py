@@ -244,6 +244,26 @@ def test_bristle_settles_after_many_distances():
     assert -1 < z[51] < 1
 
 
+@pytest.mark.parametrize("spring", [0, 1])
+def test_a_record_may_begin_at_ease_or_moved_back(spring):
+    """The state of the first sample is as told, and is forgotten beyond a reversal or a long travel."""
+    position = np.concatenate([np.linspace(0, 0.3, 60), np.linspace(0.298, 0, 60)])
+    direction = np.sign(np.gradient(position))
+    settled, ease, back = (bristle(position, direction, 0.02, spring, start) for start in (1, 0, -1))
+    assert (settled[0], ease[0], back[0]) == (1.0, 0.0, -1.0)
+    assert np.all(np.diff(back[:20]) >= 0)
+    assert np.allclose(settled[50:], ease[50:], atol=1e-5)
+    assert np.allclose(settled[50:], back[50:], atol=1e-5)
+
+
+def test_noise_of_a_joint_at_rest_does_not_say_how_a_record_begins():
+    rest = 1e-5 * (-1.0) ** np.arange(20)
+    position = np.concatenate([rest, np.linspace(0, 0.3, 60)])
+    for first in (0, 1):
+        z = bristle(position[first:], np.sign(np.diff(position[first:], prepend=0.0)), 0.02)
+        assert np.all(z[20 - first :] > 0.95)
+
+
 def test_effect_torque_adds_entries_and_tables(robot, state):
     from dataclasses import replace
 

@@ -64,13 +64,15 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     """Move the nonlinear parameters of a candidate to the largest evidence, one after the other, twice.
 
     Parameters keep their sign and are searched on a logarithmic scale, with steps that shrink. Where the effect names
-    alternatives these are tried too; `other_form` says that this has been seen to.
+    alternatives, or states in which records may begin, these are tried too; `other_form` says that this has been seen
+    to.
     """
     free = free_parameters(candidate)
     if not free:
         return candidate
     effect = get_effect(candidate.effect)
-    others = [] if other_form else effect.alternatives(candidate.nonlinear)
+    forms = [candidate.nonlinear, *effect.alternatives(candidate.nonlinear)]
+    others = [] if other_form else [*forms[1:], *(p for form in forms for p in effect.begins(form))]
     if others:
         trials = [candidate, *(replace(candidate, nonlinear=dict(p)) for p in others)]
         found = [refine(white, fit, c, other_form=True) for c in trials]

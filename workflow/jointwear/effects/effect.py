@@ -76,6 +76,7 @@ class Effect:
     bend : how the form may differ from the textbook's, or None where it is exact.
     plain : nonlinear parameters of the simplest forms, simplest first, taken where the data do not decide.
     alternatives : other nonlinear parameters of the same size that the search of a continuous one cannot reach.
+    begins : the same with the other states in which records may begin, which is no part of the form.
     alike : nonlinear parameters that look alike on a short travel; the one of the smallest coefficients is taken
         where the data do not decide.
     scaled : the one parameter in which the torque is nearly, not quite, linear: it is searched like a nonlinear one,
@@ -119,6 +120,7 @@ class Effect:
     bend: Bend | None = None
     plain: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
     alternatives: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
+    begins: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     alike: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     scaled: str = ""
     timing: bool = False

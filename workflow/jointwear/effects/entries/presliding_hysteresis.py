@@ -8,14 +8,16 @@ from jointwear.effects.state import record_slices
 
 #: Travels [rad] over which friction may build up.
 DISTANCES = (4e-3, 1.0)
+#: States in which records may begin: settled in the sense of the first motion, at ease, settled in the other sense.
+STARTS = (1, 0, -1)
 
 
-def bristle(position, direction, distance, spring=0):
+def bristle(position, direction, distance, spring=0, start=1):
     """Return the state z in [-1, 1] of the friction along one record, shape (m,).
 
     Dahl's dz/dq = (1 - s z)/x0 has the exact solution z = s + (z_r - s) exp(-|q - q_r|/x0) between reversals r; with
-    `spring` dz/dq = 1/x0 until the spring slips at z = s. A joint at rest holds z; a record starts settled because its
-    past is unknown.
+    `spring` dz/dq = 1/x0 until the spring slips at z = s. A joint at rest holds z. A record starts with `start` times
+    the sense of its first motion over more than `distance`: its past is unknown, and at rest the sense is noise.
     """
     moving = np.flatnonzero(direction)
     z = np.zeros(len(position))
@@ -23,7 +25,8 @@ def bristle(position, direction, distance, spring=0):
         return z
     sense = direction[moving]
     edges = np.flatnonzero(np.diff(sense)) + 1
-    value = sense[0]
+    beyond = np.flatnonzero(np.abs(position - position[0]) > distance)
+    value = start * (np.sign(position[beyond[0]] - position[0]) if len(beyond) else sense[0])
     starts = np.concatenate([[0], edges])
     stops = np.concatenate([edges, [len(moving)]])
     for a, b in zip(starts, stops, strict=True):
@@ -45,9 +48,10 @@ def bristle(position, direction, distance, spring=0):
 def _columns(state, axis, source, p):
     column = np.zeros(np.shape(state.position)[:-1])
     if state.record is not None:
+        spring, start = p.get("spring", 0), p.get("start", 1)
         for part in record_slices(state):
             direction = state.direction[part, axis]
-            column[part] = bristle(state.position[part, axis], direction, p["distance"], p.get("spring", 0)) - direction
+            column[part] = bristle(state.position[part, axis], direction, p["distance"], spring, start) - direction
     return column[..., None]
 
 
@@ -87,6 +91,9 @@ EFFECT = Effect(
         Parameter("level", "N m", 0.0, 1e4, "Fc, friction that builds up"),
         Parameter("distance", "rad", *DISTANCES, "x0, travel over which it builds up", 0.03),
         Parameter("spring", "1", 0, 1, "0: Dahl's model, 1: a spring that slips", 0, fixed=True),
+        Parameter(
+            "start", "1", -1, 1, "state of a record's start: 1 settled, 0 at ease, -1 as moved back", 1, fixed=True
+        ),
     ),
     confused_with=("actuation_delay", "stribeck_friction"),
     excitation="many reversals at different accelerations",
@@ -96,8 +103,9 @@ EFFECT = Effect(
     torque=lambda state, axis, source, p: p["level"] * _columns(state, axis, source, p)[..., 0],
     columns=_columns,
     parameters_of=lambda p, c: {**p, "level": float(c[0])},
-    grid=lambda state, axis: [{"distance": float(x), "spring": 0} for x in np.geomspace(0.005, 0.16, 7)],
+    grid=lambda state, axis: [{"distance": float(x), "spring": 0, "start": 1} for x in np.geomspace(0.005, 0.16, 7)],
     alternatives=lambda p: [{**p, "spring": 1 - p.get("spring", 0)}],
+    begins=lambda p: [{**p, "start": start} for start in STARTS if start != p.get("start", 1)],
     needs=("order", "friction"),
     bend=Bend(_bent, None, _written),
     sequential=True,
