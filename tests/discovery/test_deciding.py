@@ -9,9 +9,9 @@ from discovery_cases import make_case
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.discovery import Settings, decide, discover, pipeline
-from jointwear.discovery.acceptance import missed, predictive
-from jointwear.discovery.candidates import build_dictionary, raw_blocks, scan
+from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
+from jointwear.discovery.acceptance import explained, missed, predictive
+from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks, scan
 from jointwear.discovery.crossval import CrossValidated, cross_validate, positive
 from jointwear.discovery.fallback import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
@@ -128,6 +128,39 @@ def test_a_load_is_not_refused_for_what_one_joint_lacks(found):
     plain = missed(cross_validate(white, before, [term]), 1000.0, problem.settings)
     assert any("gains least" in gate for gate, _, _ in plain)
     assert not any("gains least" in r.gate for r in predictive(white, before, trial)[1])
+
+
+def delay_with_form(found):
+    """Return the problem and a delay of joint 3, with a term that stands for its bend."""
+    white, (one,) = found.final.outcome.white, found.final.outcome.named
+    late = Candidate("actuation_delay", 2, None, {"delay": 0.004, "lag": 0})
+    return white, replace(one, candidate=late, form=replace(one.term, label="form"))
+
+
+@pytest.mark.parametrize("worst", ["bent", "plain"])
+def test_one_record_may_ask_for_the_bend_that_no_robot_file_holds(found, monkeypatch, worst):
+    """All records together are asked of the textbook form: that is what is written."""
+    white, trial = delay_with_form(found)
+    plain = CrossValidated(nats=110.0, share=0.4, worst=-50.0, last=30.0)
+    bent = CrossValidated(nats=350.0, share=0.8, worst=35.0, last=120.0)
+    if worst == "plain":
+        plain = replace(plain, nats=10.0)
+    monkeypatch.setattr(acceptance, "cross_validate", lambda w, b, terms, p: plain if len(terms) == 1 else bent)
+    result, failed = predictive(white, [], trial)
+    assert result is plain
+    assert bool(failed) == (worst == "plain")
+
+
+def test_what_a_bend_takes_up_is_the_effects_own(found, monkeypatch):
+    """A drift has to predict in its textbook form, and yet explains what its bend explains; a bend may lose too."""
+    white, (one,) = found.final.outcome.white, found.final.outcome.named
+    drift = replace(one, candidate=Candidate("torque_offset_drift", 2, None), form=one.term)
+    plain = CrossValidated(nats=3000.0, share=0.6)
+    for share in (0.88, 0.3):
+        monkeypatch.setattr(acceptance, "cross_validate", lambda *_, s=share: replace(plain, share=s))
+        assert explained(white, [], drift, plain) == max(share, 0.6)
+    late = delay_with_form(found)[1]
+    assert explained(white, [], late, plain) == 0.6
 
 
 def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):

@@ -18,6 +18,9 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
+#: The gate that asks every record alone.
+ONE_RECORD = "nats gained on the record left out that gains least"
+
 
 def follows_time(candidate: Candidate) -> bool:
     """Return whether an effect changes with time."""
@@ -46,7 +49,7 @@ def missed(found: CrossValidated, evidence: float, settings: Settings) -> list[t
     worst = min(settings.worst_record, -settings.form_error * found.nats)
     gates = (
         ("nats gained on records left out", found.nats, nats),
-        ("nats gained on the record left out that gains least", found.worst, worst),
+        (ONE_RECORD, found.worst, worst),
         ("nats without the block of time that gains most", found.elsewhere, 0.5 * settings.accept),
         ("probability of a smaller error on records left out", found.lowers_error, settings.certainty),
         ("drop of the squared error over the noise variance", found.gain_share, settings.smallest_share),
@@ -61,8 +64,9 @@ def _refused(trial: Named, gate: str, reached: float, needed: float) -> Refusal:
 def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossValidated, list[Refusal]]:
     """Return how an effect predicts records left out, with the gates that it misses.
 
-    The textbook form may fail where the effect itself does not: then its form may bend, unless a robot file cannot
-    hold the bend. What changes with time is wanted for the time to come: it has to predict either way. What acts on
+    The textbook form may fail where the effect itself does not: then its form may bend. Where a robot file cannot hold
+    the bend the textbook form has to predict all records together; what it costs one of them is asked of the bent
+    form. What changes with time is wanted for the time to come: it has to predict either way. What acts on
     several axes may be there while one of them lacks something else: each counts by its misfit beside the effect.
     """
     settings = white.problem.settings
@@ -73,12 +77,30 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
     parts_of = white.halves if lasting else white.parts
     found = cross_validate(white, before, [trial.term], parts_of)
     failed = missed(found, trial.evidence, settings)
-    if trial.form is not None and not stiff(trial.candidate) and lasting == (not failed):
+    if trial.form is not None and stiff(trial.candidate):
+        if [gate for gate, *_ in failed] == [ONE_RECORD]:
+            bent = cross_validate(white, before, trial.terms, parts_of)
+            failed = missed(bent, trial.evidence, settings) and failed
+    elif trial.form is not None and lasting == (not failed):
         bent = cross_validate(white, before, trial.terms, parts_of)
         bent_failed = missed(bent, trial.evidence, settings)
         if not lasting or bent_failed:
             found, failed = bent, bent_failed
     return found, [_refused(trial, *gate) for gate in failed]
+
+
+def explained(white: White, before: list[Term], trial: Named, found: CrossValidated) -> float:
+    """Return the share of what its axes lack that an effect explains on records left out, where its form may bend.
+
+    Parameters
+    ----------
+    found : what the effect predicts in the form in which it passes the gates. No form is known exactly: what a bend of
+        it takes up is the effect's own, not structure beside it.
+    """
+    if trial.form is None or stiff(trial.candidate):
+        return found.share
+    parts_of = white.halves if follows_time(trial.candidate) else white.parts
+    return max(found.share, cross_validate(white, before, trial.terms, parts_of).share)
 
 
 def _by_misfit(white: White, before: list[Term], trial: Named) -> tuple[White, list[Term], Named]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import gammaincc
 
-from jointwear.discovery.acceptance import predictive
+from jointwear.discovery.acceptance import explained, predictive
 from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
@@ -163,11 +163,12 @@ def stand_alone(outcome: Outcome) -> None:
         where = f"joint{'s' if len(axes) > 1 else ''} {', '.join(str(a + 1) for a in axes)}"
         others = [t for n in outcome.named if n is not one for t in n.terms]
         found, failed = predictive(outcome.white, others, one)
+        share = found.share if failed else explained(outcome.white, others, one, found)
         if failed:
             reason = f"{failed[0].gate}: {failed[0].reached:.3g}, needed {failed[0].needed:.3g}"
-        elif found.share <= MOST:
-            reason = f"explains {100 * found.share:.0f} % of what {where} lacks, and structure is left there"
-        elif (found.share > outcome.problem.settings.nearly_all and not _shaken(one)) or not predictive(
+        elif share <= MOST:
+            reason = f"explains {100 * share:.0f} % of what {where} lacks, and structure is left there"
+        elif (share > outcome.problem.settings.nearly_all and not _shaken(one)) or not predictive(
             outcome.white, [*others, *_structures(outcome, one, axes)], one
         )[1]:
             kept.append(one)
