@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
 from jointwear.discovery.acceptance import explained, missed, predictive
 from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks, scan
-from jointwear.discovery.crossval import CrossValidated, cross_validate, positive
+from jointwear.discovery.crossval import CrossValidated, cross_validate, lowered, positive
 from jointwear.discovery.fallback import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.linear import Term
@@ -69,6 +69,22 @@ def test_signed_ranks_see_what_is_strong_in_few_blocks():
     blocks[:3] = 50.0
     assert positive(blocks) > 0.99
     assert positive(rng.normal(0.0, 1.0, 40)) < 0.99
+
+
+def test_what_acts_in_few_blocks_is_asked_by_its_drop_for_each_change():
+    """Five reversals that gain as much as they change, among fifty blocks in which nothing happens."""
+    rng = np.random.default_rng(3)
+    changes = rng.uniform(0.0, 1.0, 55)
+    drops = 2.0 * rng.standard_normal(55) * np.sqrt(changes) - changes
+    drops[:5], changes[:5] = (60.0, 300.0, 196.0, 260.0, 222.0), (240.0, 150.0, 145.0, 124.0, 123.0)
+    assert positive(drops) < 0.99
+    assert lowered(drops, changes) > 0.99
+    assert lowered(3.0 * drops, 3.0 * changes) == pytest.approx(lowered(drops, changes))
+    # One of them that loses is doubt enough, and a single block is no proof.
+    drops[1] = -300.0
+    assert lowered(drops, changes) < 0.99
+    assert lowered(drops[:1], changes[:1]) < 0.99
+    assert lowered(np.zeros(0), np.zeros(0)) == 0.5
 
 
 def test_a_name_says_how_sure_it_is(found):

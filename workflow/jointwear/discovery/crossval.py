@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.special import ndtr
+from scipy.special import ndtr, stdtr
 
 from jointwear.discovery.linear import Term
 from jointwear.discovery.whitening import Folds, White
@@ -27,7 +27,7 @@ class CrossValidated:
         that gains least, `last` that of the last record.
     elsewhere : evidence [nats] of the terms without the block of time that gains most from them.
     share : part of the squared error beyond the noise that they explain on their axes, whitened, at most 1.
-    lowers_error : probability that they lower the squared error [N m^2], by signed ranks over blocks of time.
+    lowers_error : probability that they lower the squared error [N m^2], by blocks of time (:func:`lowered`).
     gain_share : drop of the mean squared error [N m^2] over the noise variance, on the axis where it drops most.
     """
 
@@ -103,7 +103,7 @@ def cross_validate(
     share = float(np.clip(gained / max(errors[0] - count, gained, 1e-9), -1.0, 1.0))
     order = list(gains.values())
     everywhere = dict.fromkeys(parts, tuple(theta for theta, _ in fitted))
-    most = int(np.argmax(_drops(white, parts_of, whitened, white.targets, everywhere, plain)))
+    most = int(np.argmax(_drops(white, parts_of, whitened, white.targets, everywhere, plain)[0]))
     rest = whole - _of_block(white, whitened, most, total)
     without, extended = (_posterior(rest, std, size, total)[1] for size in (plain, total))
     lowers, gain_share = _in_newton_metres(white, parts_of, in_newton_metres, coefficients, plain)
@@ -126,11 +126,12 @@ def _in_newton_metres(
     blocks, shares = 0.0, []
     for axis, design in designs.items():
         variance = white.whiteners[axis].marginal ** 2
-        drops = _drops(white, parts_of, {axis: design}, targets, coefficients, plain) / variance
-        shares.append(float(drops.sum()) / max(len(targets[axis]), 1))
-        blocks = blocks + drops
+        found = _drops(white, parts_of, {axis: design}, targets, coefficients, plain) / variance
+        shares.append(float(found[0].sum()) / max(len(targets[axis]), 1))
+        blocks = blocks + found
     # Blocks in which no axis can be judged say nothing.
-    return positive(blocks[blocks != 0.0]), max(shares)
+    drops, changes = blocks[:, blocks[0] != 0.0]
+    return lowered(drops, changes), max(shares)
 
 
 def _drops(
@@ -141,22 +142,25 @@ def _drops(
     coefficients: Coefficients,
     plain: int,
 ) -> np.ndarray:
-    """Return by how much extra terms lower the squared error of records left out in every block of time, (blocks,).
+    """Return what extra terms do to records left out in every block of time, (2, blocks).
+
+    By how much they lower the squared error, and the squared change of what is predicted.
 
     Parameters
     ----------
     designs : axis -> columns (m, k) and their places. targets : (m,) of every axis. coefficients : record -> without
         and with the extra terms, fitted on the other records; the first `plain` places are those without.
     """
-    drops = np.zeros(white.problem.block_of_sample.max(initial=-1) + 1)
+    drops = np.zeros((2, white.problem.block_of_sample.max(initial=-1) + 1))
     for axis, (design, places) in designs.items():
         first = places < plain
         label, block = parts_of(axis), white.blocks(axis)
         for record, (without, extended) in coefficients.items():
             rows = label == record
             x, y = design[rows], targets[axis][rows]
-            square = (y - x[:, first] @ without[places[first]]) ** 2 - (y - x @ extended[places]) ** 2
-            drops += np.bincount(block[rows], square, minlength=len(drops))
+            plain_torque, torque = x[:, first] @ without[places[first]], x @ extended[places]
+            both = (y - plain_torque) ** 2 - (y - torque) ** 2, (torque - plain_torque) ** 2
+            drops += [np.bincount(block[rows], square, minlength=drops.shape[1]) for square in both]
     return drops
 
 
@@ -169,6 +173,27 @@ def _of_block(white: White, designs: Designs, block: int, total: int) -> np.ndar
         where = np.append(places, total)
         sums[np.ix_(where, where)] += joint.T @ joint
     return sums
+
+
+def lowered(drops: np.ndarray, changes: np.ndarray) -> float:
+    """Return the probability that an effect lowers the squared error, from its drop in blocks of time (k,).
+
+    Ranks over all blocks see that many of them gain. What acts in few, after reversals above all, is lost among those
+    in which it changes nothing. A drop grows with the squared change of the prediction and scatters as its root, so the
+    drop for each unit of change is asked too, with the scatter of all blocks. Student's t has the freedom of as many
+    blocks as hold the change.
+
+    Parameters
+    ----------
+    changes : (k,) squared change of the prediction; it does not know the errors.
+    """
+    d, c = drops[changes > 0], changes[changes > 0]
+    acting = float(c.sum() ** 2 / np.sum(c**2)) if len(c) else 0.0
+    if acting < 2.0:
+        return positive(drops)
+    rate = float(d.sum() / c.sum())
+    scatter = float(np.sum((d - rate * c) ** 2 / c)) / (len(c) - 1)
+    return max(positive(drops), float(stdtr(acting - 1.0, rate * np.sqrt(c.sum() / max(scatter, 1e-300)))))
 
 
 def positive(values: np.ndarray) -> float:
