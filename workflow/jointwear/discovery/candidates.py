@@ -9,6 +9,7 @@ import numpy as np
 
 from jointwear.discovery.instruments import limit
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
+from jointwear.discovery.motor_lines import in_band
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import Effect, get_effect, library
@@ -134,14 +135,7 @@ def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.nda
 
 def resolved(white: White, axis: int, order: float) -> bool:
     """Return whether a line of `order` over the motor angle lies in the band of the torque for half of the samples."""
-    return _in_band(white, axis, order * abs(white.problem.robot.gear_ratio[axis]))
-
-
-def _in_band(white: White, axis: int, waves: float) -> bool:
-    """Return whether a wave that repeats `waves` times in a radian lies in the band of the torque half of the time."""
-    problem = white.problem
-    speed = np.median(np.abs(problem.train_state.velocity[problem.usable[:, axis], axis]))
-    return bool(waves * speed / (2 * np.pi) < problem.measured.band)
+    return in_band(white.problem, axis, order * abs(white.problem.robot.gear_ratio[axis]))
 
 
 def sources_of(axis: int, joints: int) -> list[int]:
@@ -175,7 +169,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
             if source is not None and np.ptp(state.position[:, source]) < STILL:
                 continue
             for nonlinear in grid:
-                if effect.waves is not None and not _in_band(white, axis, effect.waves(state, axis, nonlinear)):
+                if effect.waves is not None and not in_band(problem, axis, effect.waves(state, axis, nonlinear)):
                     unresolved += 1
                     continue
                 candidate = Candidate(effect.identifier, axis, source, dict(nonlinear))

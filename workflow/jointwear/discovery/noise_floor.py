@@ -12,8 +12,8 @@ from jointwear.discovery.saturated import axis_noise
 def floor_with_names(final: Final) -> list[float | None]:
     """Return the standard deviation of the torque noise of every axis [N m], None where it cannot be judged.
 
-    The fit behind the noise holds bases over every argument, but no wave over the motor angle at its own order: a
-    cogging torque was noise to it. With the columns of what was named it is asked again, and the smaller one counts.
+    The fit behind the noise holds bases over every argument, but of waves over the motor angle only those that are
+    plain, and no wave that bends. With the columns of what was named it is asked again, and the smaller one counts.
     """
     outcome = final.outcome
     floor = outcome.noise_floor

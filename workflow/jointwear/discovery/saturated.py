@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit
+from jointwear.discovery.motor_lines import shown_waves
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
 from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.problem import Problem
@@ -54,6 +55,12 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         columns = _columns(problem, axis, extra, cutoffs)
         white = estimate(_remover(columns, used, None)(y), used, label, highest)
     take_off = _remover(columns, used, white)
+    state = band_limited(problem.train_state, axis, cutoffs.torque, problem.measured.rate)
+    waves = shown_waves(problem, axis, state, white, take_off)
+    if waves.shape[1]:
+        columns = np.concatenate([columns, _scaled(waves, used)], axis=1)
+        white = estimate(_remover(columns, used, white)(y), used, label, highest)
+        take_off = _remover(columns, used, white)
     left = take_off(y)
     white = estimate(left, used, label, START)
     return corrected(white, left, take_off, used, label, problem.measured.rate, highest)
@@ -80,6 +87,11 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     seen = np.sum(squares[whitenable(used, label, HIGHEST_ORDER)], axis=0)
     keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
     return columns.compress(keep, axis=1) / scale[keep]
+
+
+def _scaled(columns: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Return columns (N, k) of unit RMS over the samples that are used."""
+    return columns / np.maximum(np.sqrt(np.mean(columns[used] ** 2, axis=0)), 1e-12)
 
 
 def _beside_reversals(state: State, axis: int, label: np.ndarray, rate: float) -> np.ndarray:

@@ -13,6 +13,7 @@ from jointwear.effects.state import State
 from jointwear.effects.tables import hats, knots_of
 
 Shape = Callable[[State, int, Parameters], tuple[np.ndarray, np.ndarray]]
+BendColumns = Callable[[State, int, int | None, Parameters, Any], np.ndarray]
 
 
 def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "order") -> Bend:
@@ -44,11 +45,19 @@ def written_as_table(parameters: Parameters, knots: np.ndarray, coefficients: np
     return [{**parameters, "correction": {"knots": knots, "values": coefficients}}]
 
 
-def harmonics_bend(columns: AxisFunction, orders: tuple[int, ...] = (2, 3), samples: int = 97) -> Bend:
-    """Return the bend of a wave over the motor angle: its harmonics; a robot file holds them as a table of one turn."""
+def harmonics_bend(
+    columns: AxisFunction, beside: BendColumns, orders: tuple[int, ...] = (2, 3), samples: int = 97
+) -> Bend:
+    """Return the bend of a wave over the motor angle: its harmonics; a robot file holds them as a table of one turn.
+
+    Parameters
+    ----------
+    beside : further columns, of a recording and not of the robot: no file holds them.
+    """
 
     def bent(state, axis, source, p, knots):
-        return np.concatenate([columns(state, axis, source, {**p, "order": k * p["order"]}) for k in orders], axis=1)
+        waves = [columns(state, axis, source, {**p, "order": k * p["order"]}) for k in orders]
+        return np.concatenate([*waves, beside(state, axis, source, p, knots)], axis=1)
 
     def written(parameters, knots, coefficients):
         angle = np.linspace(0, 2 * np.pi, samples)

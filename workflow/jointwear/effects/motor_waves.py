@@ -44,6 +44,11 @@ def motor_wave(
         turn = angle(state, axis, p)
         return np.stack([np.sin(turn), np.cos(turn)], axis=-1) * tall(state, axis, p)[..., None]
 
+    def answered(state: State, axis: int, source: int | None, p: Mapping[str, float], knots: None) -> np.ndarray:
+        turn = angle(state, axis, p)
+        missing = height(state, axis) * (state.passed(axis, waves_per_turn(state, axis, p)) - share(state, axis, p))
+        return np.stack([np.sin(turn), np.cos(turn)], axis=-1) * missing[..., None]
+
     return {
         "torque": lambda state, axis, source, p: (
             p["amplitude"] * tall(state, axis, p) * np.sin(angle(state, axis, p) + p["phase"])
@@ -55,7 +60,9 @@ def motor_wave(
             "phase": float(np.arctan2(c[1], c[0])),
         },
         "grid": lambda state, axis: [{"order": float(k)} for k in ORDERS],
-        "bend": harmonics_bend(columns),
+        # A wave that shakes the joint is answered by its controller, at a phase of its own: where filters take the
+        # shaking off the acceleration, this answer alone is in the torque.
+        "bend": harmonics_bend(columns, beside=answered),
         "waves": waves_per_turn,
         "left": share,
         "shape": lambda state, axis, p: (tall(state, axis, p), np.mod(angle(state, axis, p), 2 * np.pi)),

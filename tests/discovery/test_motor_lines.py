@@ -1,0 +1,56 @@
+"""Waves over the motor angle in the noise: plain ones are held by the fit behind it, others are not."""
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import axis_noise
+from jointwear.discovery.settings import Settings
+from jointwear.effects import get_effect, make_state
+from jointwear.measurement.recording import split
+from jointwear.robots.robot import load_robot
+
+AXIS = 2
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+def cogging(robot, size):
+    gear = robot.gear_ratio[AXIS]
+
+    def hidden(q, v, *_):
+        full = np.zeros_like(q)
+        full[:, AXIS] = size * np.sin(gear * q[:, AXIS] + 0.3)
+        return full
+
+    return hidden
+
+
+def noise_of(robot, size):
+    problem = build_problem(split(make_case(robot, 5, cogging(robot, size))), robot, Settings())
+    return axis_noise(problem, AXIS)
+
+
+def test_a_plain_cogging_torque_is_no_noise(robot):
+    quiet = noise_of(robot, 0.0).marginal
+    assert noise_of(robot, 20.0 * quiet).marginal == pytest.approx(quiet, rel=0.3)
+
+
+def test_the_answer_of_a_controller_is_seen_where_filters_take_the_shaking(robot):
+    """Bends of cogging hold the wave above the band of the accelerations, those of a ripple of the constant nothing."""
+    time = np.linspace(0.0, 1.0, 200)
+    q = np.zeros((200, robot.joints))
+    q[:, AXIS] = 1.5 * time**2
+    v = np.gradient(q, time, axis=0)
+    state = make_state(robot, q, v, np.zeros_like(q), v + 1.0, time=time)
+    object.__setattr__(state, "derives", lambda axis, frequency: (frequency < 10.0).astype(float))
+    fast = np.abs(robot.gear_ratio[AXIS] * v[:, AXIS]) / (2 * np.pi) >= 10.0
+    answered = get_effect("cogging_torque").bend.columns(state, AXIS, None, {"order": 1.0}, None)[:, -2:]
+    assert not np.any(answered[~fast])
+    assert np.allclose(np.sum(answered[fast] ** 2, axis=1), 1.0)
+    ripple = get_effect("torque_constant_ripple").bend.columns(state, AXIS, None, {"order": 1.0}, None)[:, -2:]
+    assert not np.any(ripple)

@@ -1,0 +1,60 @@
+"""Waves over the angle of the motor, for the fit behind the noise: no basis of structure follows them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery.linear import chi_square
+from jointwear.discovery.noise import Whitener
+from jointwear.discovery.problem import Problem
+from jointwear.effects import State, library
+
+
+def shown_waves(
+    problem: Problem, axis: int, state: State, white: Whitener, take_off: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Return the columns (N_train, k) of the waves over the motor angle that a residual plainly shows, k = 0 for none.
+
+    Left in the residual a cogging torque is taken for noise, and loud noise at its own frequencies hides it. Held
+    always, waves that are not there would take a part of the noise: each has to be worth what a name is.
+
+    Parameters
+    ----------
+    state : training samples that the columns are made from. white : a noise model of the residual. take_off : what the
+        fit so far leaves of series (N_train, k).
+    """
+    accept = problem.settings.accept
+    target = white(take_off(problem.discrepancy[problem.train, axis]))
+    # How much of a fast wave shakes the joint, and how much its controller answers, is up to the controller.
+    states = (state, replace(state, derives=None))
+    waves = [
+        np.concatenate([effect.columns(s, axis, None, nonlinear) for s in states], axis=1)
+        for effect in library().values()
+        if effect.waves is not None and not effect.unmet(state, axis)
+        for nonlinear in effect.grid(state, axis)
+        if in_band(problem, axis, effect.waves(state, axis, nonlinear))
+    ]
+    shown = [np.zeros((len(state.velocity), 0))]
+    for columns in waves:
+        # What columns share with the fit makes them look larger, not better: few have to be held against it.
+        if _gain(white(columns), target) <= 0.5 * accept:
+            continue
+        if _gain(white(take_off(columns)), target) - np.log(len(waves)) > accept:
+            shown.append(columns)
+    return np.concatenate(shown, axis=1)
+
+
+def _gain(columns: np.ndarray, target: np.ndarray) -> float:
+    """Return the nats beyond chance that columns (m, k) explain of a target (m,), both whitened."""
+    gram = columns.T @ columns
+    statistic, freedom = chi_square(columns.T @ target, gram, gram)
+    return 0.5 * (statistic - freedom)
+
+
+def in_band(problem: Problem, axis: int, waves: float) -> bool:
+    """Return whether a wave that repeats `waves` times in a radian lies in the band of the torque half of the time."""
+    speed = np.median(np.abs(problem.train_state.velocity[problem.usable[:, axis], axis]))
+    return bool(waves * speed / (2 * np.pi) < problem.measured.band)
