@@ -124,8 +124,10 @@ def _block_statistics(
     frozen = _frozen(chunk.torque, motion.velocity, np.array(survey.dead_band))
     flags[:, frozen] |= int(Flag.TORQUE_FROZEN)
     if usable.any():
+        # Only samples of axes that move are held against their gravity torque.
+        moved = (np.abs(motion.velocity) > settings.dead_band).any(axis=1)
         torque = model(
-            motion.position, motion.velocity, motion.acceleration, chunk.time, motion.temperature, around.stretch
+            motion.position, motion.velocity, motion.acceleration, chunk.time, motion.temperature, around.stretch, moved
         )
     else:
         zeros = np.zeros_like(chunk.position)

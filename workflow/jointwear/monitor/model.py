@@ -14,7 +14,8 @@ from jointwear.robots.robot import Robot
 
 @dataclass(frozen=True)
 class ModelTorque:
-    """Torques [N m], (m, n): `total` with friction and effects; `gravity`; `inertial`, what moves the rigid bodies."""
+    """Torques [N m], (m, n): `total` with friction and effects; `gravity`; `inertial`, what moves the rigid bodies, and
+    gravity too where nobody asked for it apart."""
 
     total: np.ndarray
     gravity: np.ndarray
@@ -42,6 +43,7 @@ class TorqueModel:
         time: np.ndarray | None = None,
         temperature: np.ndarray | None = None,
         record: np.ndarray | None = None,
+        apart: np.ndarray | None = None,
     ) -> ModelTorque:
         """Return the torques along a motion (m, n).
 
@@ -49,9 +51,13 @@ class TorqueModel:
         ----------
         time : (m,) [s]. temperature : (m, n) [degC], NaN where unknown.
         record : (m,) label of the uninterrupted stretch that a sample belongs to, for effects that remember.
+        apart : (m,) bool, samples whose gravity is told apart from what moves the bodies; default all. It takes as long
+            as all the rest.
         """
         rigid = self.dynamics.rigid_body_torque(position, velocity, acceleration)
-        gravity = self.dynamics.gravity_torque(position)
+        gravity = np.zeros_like(rigid)
+        asked = slice(None) if apart is None else apart
+        gravity[asked] = self.dynamics.gravity_torque(position[asked])
         if self.robot.effects:
             state = make_state(
                 self.robot,
