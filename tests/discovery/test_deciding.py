@@ -269,6 +269,16 @@ def test_one_sample_that_jumps_is_no_structure(found):
     assert [(u.axis, u.argument) for u in lasting(jumped)] == [(u.axis, u.argument) for u in before]
 
 
+def test_of_a_torque_constant_only_counts_what_drives_cannot_take_over(found):
+    problem = found.final.outcome.white.problem
+    used = problem.usable[:, 1]
+    drives = problem.friction_columns(problem.train_state, 1)[used] @ [3.0, -3.0, 2.0, 0.5]
+    load = problem.train_state.load[used, 1]
+    left = acceptance._without_drives(problem, 1, drives)
+    assert np.abs(left).max() < 1e-9 * np.abs(drives).max()
+    assert np.std(acceptance._without_drives(problem, 1, load)) > 0.1 * np.std(load)
+
+
 def test_of_two_that_are_as_likely_one_is_named(found, monkeypatch):
     outcome = replace(found.final.outcome, refusals=[])
     (one,) = outcome.named

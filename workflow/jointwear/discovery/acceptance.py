@@ -14,10 +14,13 @@ from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
+from jointwear.discovery.problem import Problem
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
+#: The effect that is a factor of all that a drive gives.
+TORQUE_CONSTANT = "torque_constant_error"
 #: The gate that asks every record alone.
 ONE_RECORD = "nats gained on the record left out that gains least"
 
@@ -161,16 +164,23 @@ def _cancels(white: White, trial: Named) -> float:
     problem, axis = white.problem, trial.candidate.axis
     used = problem.usable[:, axis]
     torque = fitted_torque(white, white.fit(), trial.candidate, trial.term.blocks, trial.term.std)
-    friction = problem.friction_columns(problem.train_state, axis)[used]
-    torque = torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
+    torque = _without_drives(problem, axis, torque)
     discrepancy = problem.discrepancy[problem.train, axis][used]
     return float(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300))
+
+
+def _without_drives(problem: Problem, axis: int, torque: np.ndarray) -> np.ndarray:
+    """Return torque (N_usable,) [N m] of one axis without what friction and motor inertia could take over of it."""
+    friction = problem.friction_columns(problem.train_state, axis)[problem.usable[:, axis]]
+    return torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
 
 
 def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
     """Return the RMS torque of an effect, fitted beside others, over that of its axis, or of the one it moves most.
 
     Timing changes nothing of a torque that stays: for effects of timing it counts about its mean in each record.
+    Where an axis carries hardly any load its torque constant is a factor of friction and of motor inertia, and drives
+    that are retuned say the same: of a torque constant only what they cannot take over counts.
     """
     problem, candidate = white.problem, trial.candidate
     coefficients = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
@@ -181,6 +191,8 @@ def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
         if get_effect(candidate.effect).timing:
             record = np.unique(np.asarray(problem.train_state.record)[used], return_inverse=True)[1]
             whole = whole - (np.bincount(record, whole) / np.bincount(record))[record]
+        if candidate.effect == TORQUE_CONSTANT:
+            torque = _without_drives(problem, axis, torque)
         shares.append(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
     return float(max(shares))
 

@@ -40,7 +40,8 @@ class Settings:
         Without the block that gives most of it the evidence of an effect has to be half of `accept`.
     smallest_share : below this an effect does not matter to a simulation: the drop of the mean squared error on records
         left out, over the noise variance of the axis, and the RMS torque of anything, named or not, over that of its
-        axis, to which any rigid-body model with its clock and its kinematics is exact.
+        axis, to which any rigid-body model with its clock and its kinematics is exact. Of a torque constant only what
+        friction and motor inertia cannot take over counts.
     predicted : share of the evidence of an effect that must show as nats gained on records left out, of at least
         `accept` and up to twice as many nats as `accept`.
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
