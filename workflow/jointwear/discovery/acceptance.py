@@ -19,8 +19,6 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
-#: The effect that is a factor of all that a drive gives.
-TORQUE_CONSTANT = "torque_constant_error"
 #: The gate that asks every record alone.
 ONE_RECORD = "nats gained on the record left out that gains least"
 
@@ -191,7 +189,7 @@ def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
         if get_effect(candidate.effect).timing:
             record = np.unique(np.asarray(problem.train_state.record)[used], return_inverse=True)[1]
             whole = whole - (np.bincount(record, whole) / np.bincount(record))[record]
-        if candidate.effect == TORQUE_CONSTANT:
+        if get_effect(candidate.effect).of_drive:
             torque = _without_drives(problem, axis, torque)
         shares.append(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
     return float(max(shares))

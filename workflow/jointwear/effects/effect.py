@@ -83,6 +83,7 @@ class Effect:
         with a coefficient of one, and the last fit's coefficient scales it.
     timing : made of rates of change of the torque, so that the noise of derived accelerations is part of the columns.
     of_load : of these, made of the load alone, which the measured torque tells as well as the motion.
+    of_drive : a share of all that a drive gives: without a load on the axis, friction and motor inertia say the same.
     vanishes_at : the parameter that says at which argument the torque is zero ("reference" of a temperature).
     floats : where the torque is zero is not known from the data, because a constant is a correction of the friction.
     widths : prior standard deviations of the coefficients, as multiples of what is usual; empty: all usual.
@@ -125,6 +126,7 @@ class Effect:
     scaled: str = ""
     timing: bool = False
     of_load: bool = False
+    of_drive: bool = False
     vanishes_at: str = ""
     floats: bool = False
     widths: tuple[float, ...] = ()

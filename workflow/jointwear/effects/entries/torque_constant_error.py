@@ -16,5 +16,6 @@ EFFECT = Effect(
     columns=lambda state, axis, source, p: state.torque[..., axis, None],
     parameters_of=lambda p, c: {**p, "share": float(c[0])},
     grid=lambda state, axis: [{}],
+    of_drive=True,
     regime=lambda state, axis, source, p: state.torque[..., axis],
 )
