@@ -16,7 +16,7 @@ from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.whitening import White
+from jointwear.discovery.whitening import Folds, White
 from jointwear.effects import get_effect
 
 #: The gate that asks every record alone.
@@ -73,9 +73,7 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
     settings = white.problem.settings
     if len(trial.term.blocks) > 1:
         white, before, trial = _by_misfit(white, before, trial)
-    lasting = follows_time(trial.candidate)
-    # How much changed between two records is known of none that is left out: half of it tells of the other half.
-    parts_of = white.halves if lasting else white.parts
+    lasting, parts_of = follows_time(trial.candidate), _left_out_of(white, trial.candidate)
     found = cross_validate(white, before, [trial.term], parts_of)
     failed = missed(found, trial.evidence, settings)
     if trial.form is not None and stiff(trial.candidate):
@@ -100,8 +98,15 @@ def explained(white: White, before: list[Term], trial: Named, found: CrossValida
     """
     if trial.form is None or stiff(trial.candidate):
         return found.share
-    parts_of = white.halves if follows_time(trial.candidate) else white.parts
-    return max(found.share, cross_validate(white, before, trial.terms, parts_of).share)
+    return max(found.share, cross_validate(white, before, trial.terms, _left_out_of(white, trial.candidate)).share)
+
+
+def _left_out_of(white: White, candidate: Candidate) -> Folds:
+    """Return what is left out in turn to ask an effect.
+
+    How much changed between two records is known of none that is left out: half of it tells of the other half.
+    """
+    return white.halves if follows_time(candidate) else white.parts
 
 
 def _by_misfit(white: White, before: list[Term], trial: Named) -> tuple[White, list[Term], Named]:

@@ -56,5 +56,4 @@ def _gain(columns: np.ndarray, target: np.ndarray) -> float:
 
 def in_band(problem: Problem, axis: int, waves: float) -> bool:
     """Return whether a wave that repeats `waves` times in a radian lies in the band of the torque half of the time."""
-    speed = np.median(np.abs(problem.train_state.velocity[problem.usable[:, axis], axis]))
-    return bool(waves * speed / (2 * np.pi) < problem.measured.band)
+    return bool(waves * problem.middle_speed[axis] / (2 * np.pi) < problem.measured.band)

@@ -69,6 +69,12 @@ class Problem:
         return self.state.part(self.train)
 
     @cached_property
+    def middle_speed(self) -> dict[int, float]:
+        """Median speed [rad/s] of the usable training samples of every judged axis."""
+        speed = np.abs(self.train_state.velocity)
+        return {axis: float(np.median(speed[self.usable[:, axis], axis])) for axis in self.judged}
+
+    @cached_property
     def fold_of_sample(self) -> np.ndarray:
         """(N_train,) fold of each training sample: its record, or one of four blocks of time if records are few."""
         return self._folds(fewest=3)

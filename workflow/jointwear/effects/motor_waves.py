@@ -40,14 +40,16 @@ def motor_wave(
     def tall(state: State, axis: int, p: Mapping[str, float]) -> np.ndarray:
         return height(state, axis) * share(state, axis, p)
 
-    def columns(state: State, axis: int, source: int | None, p: Mapping[str, float]) -> np.ndarray:
+    def wave(state: State, axis: int, p: Mapping[str, float], high: np.ndarray) -> np.ndarray:
         turn = angle(state, axis, p)
-        return np.stack([np.sin(turn), np.cos(turn)], axis=-1) * tall(state, axis, p)[..., None]
+        return np.stack([np.sin(turn), np.cos(turn)], axis=-1) * high[..., None]
+
+    def columns(state: State, axis: int, source: int | None, p: Mapping[str, float]) -> np.ndarray:
+        return wave(state, axis, p, tall(state, axis, p))
 
     def answered(state: State, axis: int, source: int | None, p: Mapping[str, float], knots: None) -> np.ndarray:
-        turn = angle(state, axis, p)
-        missing = height(state, axis) * (state.passed(axis, waves_per_turn(state, axis, p)) - share(state, axis, p))
-        return np.stack([np.sin(turn), np.cos(turn)], axis=-1) * missing[..., None]
+        passed = state.passed(axis, waves_per_turn(state, axis, p))
+        return wave(state, axis, p, height(state, axis) * (passed - share(state, axis, p)))
 
     return {
         "torque": lambda state, axis, source, p: (

@@ -158,15 +158,15 @@ class _Around:
         What lies around is taken less the fit of the piece next to it, so that no step comes between them.
         """
         stop = self.offset + sum(error.shape[1] for error in left)
-        before = self._less(fits[0], slice(0, self.offset), settings.torque_reference)
-        after = self._less(fits[-1], slice(stop, None), settings.torque_reference)
+        before = self._beside(fits[0], slice(0, self.offset), settings.torque_reference)
+        after = self._beside(fits[-1], slice(stop, None), settings.torque_reference)
         whole = np.concatenate([before, *left, after], axis=1)
         return pulses(whole, self.model, self.used, self.stretch, settings.reach)
 
-    def _less(self, fit: np.ndarray, rows: slice, reference: np.ndarray) -> np.ndarray:
+    def _beside(self, fit: np.ndarray, rows: slice, reference: np.ndarray) -> np.ndarray:
         regressors = self.velocity[rows], self.model.gravity[rows], self.model.inertial[rows]
         columns = _columns(regressors, self.residual[rows], np.ascontiguousarray(self.used[rows].T), reference)
-        return columns[:, _P] - (fit[:, None] @ columns[:, :_P])[:, 0]
+        return _less(columns, fit)
 
 
 def _columns(
@@ -217,7 +217,7 @@ def _add_regression(
     freedom = count - rank
     # A piece with hardly more samples than columns says nothing about the noise.
     enough = freedom > rank
-    left = columns[:, _P] - (fit[:, None] @ columns[:, :_P])[:, 0]
+    left = _less(columns, fit)
     error = left * (used & enough[:, None])
     total.residual_square[row] += np.einsum("jk,jk->j", error, error)
     total.freedom[row] += np.where(enough, freedom, 0)
@@ -232,6 +232,11 @@ def _add_regression(
     occupied = np.add.reduceat(used, cuts, axis=1, dtype=np.int64) > 0
     total.blocks[row] += np.where(enough, occupied.sum(axis=1), 0)
     return fit, left
+
+
+def _less(columns: np.ndarray, fit: np.ndarray) -> np.ndarray:
+    """Return what coefficients (n, p) leave of the last (n, k) of columns (n, p + 1, k)."""
+    return columns[:, _P] - (fit[:, None] @ columns[:, :_P])[:, 0]
 
 
 def _add_pulses(total: WindowStatistics, row: int, found: Pulses, piece: slice) -> None:

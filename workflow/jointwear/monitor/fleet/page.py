@@ -11,6 +11,7 @@ from jointwear.files.text_files import replace_text
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.findings import COARSE
+from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_time, log_time
 from jointwear.monitor.summaries import name_axes
@@ -103,12 +104,6 @@ def write_fleet_page(
         "waiting": [item for item in items if item["urgency"] != HEALTHY],
         "healthy": [item for item in items if item["urgency"] == HEALTHY],
         "items": items,
-        "total": {
-            key: sum(row[key] for row in rows)
-            for key in (
-                "logs", "refused_logs", "copied_logs", "stale_logs", "unjudged_logs", "windows", "refused_windows",
-                "stale_windows", "unjudged_windows",
-            )
-        },
-    }  # fmt: skip
+        "total": {key: sum(row[key] for row in rows) for key in COUNTS},
+    }
     replace_text(output, render_page("fleet.html.j2", context))
