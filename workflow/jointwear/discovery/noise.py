@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import lfilter
 
 HIGHEST_ORDER = 6
 #: The same where the noise of derived accelerations shows: it rises with the fourth power of the frequency up to the
@@ -28,14 +29,10 @@ class Whitener:
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N, k) or (N,) into (m, k) or (m,)."""
-        order, count = len(self.lags), len(columns)
-        # Slices of all samples are faster than rows picked lag by lag.
-        whole = np.array(columns[order:], dtype=float)
-        for lag, weight in enumerate(self.lags, start=1):
-            whole -= weight * columns[order - lag : count - lag]
-        result = whole[self.rows - order]
-        result /= self.sigma
-        return result
+        if not columns.size:
+            return columns[self.rows]
+        kernel = np.concatenate([[1.0], -self.lags]) / self.sigma
+        return lfilter(kernel, [1.0], columns, axis=0)[self.rows]
 
     def density(self, frequency: np.ndarray, rate: float) -> np.ndarray:
         """Return the density (k,) [(N m)^2/Hz, one-sided] of the noise at frequencies (k,) [Hz]."""
@@ -98,8 +95,6 @@ def regress(series: np.ndarray, rows: np.ndarray, order: int) -> tuple[np.ndarra
 
 def simulate(white: Whitener, trajectory: np.ndarray, draws: int, rng: np.random.Generator) -> np.ndarray:
     """Draw noise of the model, (N, draws), independent between trajectories."""
-    from scipy.signal import lfilter
-
     settle = 200
     edges = np.flatnonzero(np.diff(trajectory)) + 1
     pieces = []

@@ -22,15 +22,13 @@ class Basis:
 
 def time_bins(state: State, width: float) -> np.ndarray:
     """Return columns of ones over bins of `width` [s] of each record, (N, k)."""
-    label = np.asarray(state.record)
-    start = np.zeros(len(label))
-    for one in np.unique(label):
-        chosen = label == one
-        start[chosen] = state.time[chosen].min()
-    number = np.floor((state.time - start) / width).astype(int)
-    _, index = np.unique(np.stack([label, number]), axis=1, return_inverse=True)
-    columns = np.zeros((len(label), index.max() + 1))
-    columns[np.arange(len(label)), index.ravel()] = 1.0
+    _, record = np.unique(np.asarray(state.record), return_inverse=True)
+    start = np.full(record.max() + 1, np.inf)
+    np.minimum.at(start, record, state.time)
+    number = np.floor((state.time - start[record]) / width).astype(int)
+    _, index = np.unique(record * (number.max() + 1) + number, return_inverse=True)
+    columns = np.zeros((len(index), index.max() + 1))
+    columns[np.arange(len(index)), index] = 1.0
     return columns
 
 
