@@ -71,7 +71,8 @@ def test_a_fleet_says_what_single_robots_say(log, root, tmp_path):
 
     survey_logs(log, entry["robot"], {"window": "1h"}, tmp_path / "survey.json")
     accumulate_windows([log], tmp_path / "survey.json", entry["robot"], {"window": "1h"}, tmp_path / "windows.nc")
-    judge_windows([tmp_path / "windows.nc"], entry["robot"], entry, tmp_path / "state.nc", tmp_path / "alarms.csv")
+    outputs = (tmp_path / name for name in ("state.nc", "alarms.csv", "recall.json"))
+    judge_windows([tmp_path / "windows.nc"], entry["robot"], entry, *outputs)
     assert (tmp_path / "alarms.csv").read_bytes() == (tmp_path / "robots/one/alarms.csv").read_bytes()
 
     names = ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json")

@@ -53,7 +53,7 @@ def built(tmp_path_factory):
     windows = [str(folder / f"{k}.nc") for k in range(2)]
     for path, log in zip(windows, logs, strict=True):
         accumulate_windows([log], folder / "survey.json", ROBOT, entry, path)
-    judge_windows(windows, ROBOT, entry, folder / "state.nc", folder / "alarms.csv", "cell_3")
+    judge_windows(windows, ROBOT, entry, folder / "state.nc", folder / "alarms.csv", folder / "recall.json", "cell_3")
     write_page(read_state(folder / "state.nc"), folder / "monitor.html", folder / "figures")
     return folder, windows, entry
 
@@ -250,7 +250,7 @@ def test_logs_without_dates_that_start_anew_are_laid_end_to_end(built):
 def test_no_usable_log_ends_in_one_line(tmp_path, built):
     _, windows, entry = built
     with pytest.raises(InputError, match=r"no log could be used: .*truncated"):
-        judge_windows([windows[1]], ROBOT, entry, tmp_path / "s.nc", tmp_path / "a.csv")
+        judge_windows([windows[1]], ROBOT, entry, tmp_path / "s.nc", tmp_path / "a.csv", tmp_path / "r.json")
 
 
 def test_times_as_text():

@@ -76,7 +76,8 @@ def test_the_rule_of_one_robot_learns_nothing_again(monkeypatch, days_of_an_arm,
     def judged(name):
         (tmp_path / name).mkdir(exist_ok=True)
         state, alarms = tmp_path / name / "state.nc", tmp_path / name / "alarms.csv"
-        stages.judge_windows([windows], entry["robot"], entry, state, alarms, "arm")
+        recall = tmp_path / name / "recall.json"
+        stages.judge_windows([windows], entry["robot"], entry, state, alarms, recall, "arm")
         return state.read_bytes(), alarms.read_bytes()
 
     first = judged("kept")

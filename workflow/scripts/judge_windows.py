@@ -11,5 +11,6 @@ if __name__ == "__main__":
             snakemake.params.entry,
             snakemake.output.state,
             snakemake.output.alarms,
+            snakemake.output.recall,
             snakemake.wildcards.monitored,
         )

@@ -75,26 +75,26 @@ def judge_windows(
     entry: Mapping[str, Any],
     state: str | Path,
     alarms: str | Path,
+    recall: str | Path,
     name: str | None = None,
 ) -> None:
     """Judge all windows of a robot; write the state of every axis and the alarms.
 
-    What the baseline told is kept beside the state (`recall.json`) for the next call.
-
     Parameters
     ----------
     windows : files of :func:`accumulate_windows`, in the order of their logs.
-    entry : the robot's entry of the config. name : of that entry, for the page; default the robot's own.
+    entry : the robot's entry of the config. recall : what the baseline told, read if it is there and written for the
+        next call. name : of that entry, for the page; default the robot's own.
 
     Raises
     ------
     InputError : if no log could be used, or the baseline is too short.
     """
     pieces = [piece for path in windows for piece in read_pieces(path)]
-    kept, code = Path(state).parent / "recall.json", code_of("judge_windows")
-    recall = read_recall(kept, code)
-    judge_pieces(pieces, robot, entry, state, alarms, name, recall)
-    write_recall(kept, recall, code)
+    code = code_of("judge_windows")
+    told = read_recall(recall, code)
+    judge_pieces(pieces, robot, entry, state, alarms, name, told)
+    write_recall(recall, told, code)
 
 
 def made_with(robot: str | Path, entry: Mapping[str, Any]) -> str:
