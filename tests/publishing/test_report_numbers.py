@@ -15,6 +15,7 @@ from jointwear.files.storage import Variable, read_variables, write_dataset
 from jointwear.publishing.report import detection_rates, drivers
 from jointwear.publishing.report.assembly import assumptions, paper_facts
 from jointwear.publishing.report.figure_scores import score_components
+from jointwear.publishing.report.numbers import with_std
 from jointwear.publishing.report.result_tables import lag_verdict, score_detection, score_values
 from jointwear.publishing.report.torque_limits import limit_use
 from jointwear.reproduction.published import load_published
@@ -187,6 +188,22 @@ def test_what_the_paper_says_about_itself(root):
     assert (facts["detected_total"], facts["within_three_days"]) == (19, 6)
     assert facts["axis_1_torque_change"]["T1"] == pytest.approx(1.204)
     assert facts["axis_1_torque_change"]["T2"] == pytest.approx(-0.230)
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "said"),
+    [
+        (0.00788, 0.0131, "+0.008 ± 0.013"),
+        (5.33e-4, 0.0022, "+0.0005 ± 0.0022"),
+        (-166.2, 3.04, "−166.2 ± 3.0"),
+        (1234.0, 55.0, "+1234 ± 55"),
+        (2.5, None, "+2.5"),
+        (2.5, 0.0, "+2.5"),
+        (None, 1.0, "–"),
+    ],
+)
+def test_a_number_has_as_many_decimals_as_its_deviation(value, std, said):
+    assert with_std(value, std, plus=True) == said
 
 
 def test_assumptions_tell_what_was_chosen(default_reading):

@@ -12,7 +12,7 @@ from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report.inline import inline_svg
-from jointwear.publishing.report.numbers import number, percent
+from jointwear.publishing.report.numbers import number, percent, with_std
 from jointwear.publishing.report.rendering import render_page
 
 _WORDS = {
@@ -102,9 +102,8 @@ def body_in_words(effect: Mapping[str, Any]) -> str:
     square = sum(x * x for x in com)
     moments = [value[k] - value["mass"] * (square - x * x) for k, x in zip(("xx", "yy", "zz"), com, strict=True)]
     std = effect["parameters"]["mass"].get("std")
-    give = f" ± {number(std, 2)}" if std is not None else ""
     return (
-        f"{number(value['mass'])}{give} kg with its centre of mass at "
+        f"{with_std(value['mass'], std)} kg with its centre of mass at "
         f"({', '.join(number(1e3 * x) for x in com)}) mm in the frame of the last link, "
         f"moments of inertia about it {', '.join(number(x) for x in moments)} kg m2."
     )

@@ -6,6 +6,8 @@ import math
 from typing import Any
 
 MISSING = "–"
+#: Below this a deviation would need more decimals than a table holds.
+SMALLEST_STD = 1e-6
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _THIN = "\u202f"  # narrow space that does not break
 
@@ -44,6 +46,14 @@ def fixed(value: float | None, decimals: int, plus: bool = False) -> str:
     if float(text) == 0:
         text = text.lstrip("+-")
     return text.replace("-", "−")
+
+
+def with_std(value: float | None, std: float | None, plus: bool = False) -> str:
+    """Return a number ± its standard deviation, two digits of it, with as many decimals for the number (GUM 7.2.6)."""
+    if is_missing(value) or is_missing(std) or not SMALLEST_STD <= std < math.inf:
+        return number(value, plus=plus)
+    decimals = max(1 - math.floor(math.log10(std)), 0)
+    return f"{fixed(value, decimals, plus)} ± {fixed(std, decimals)}"
 
 
 def percent(share: float | None, decimals: int = 0, plus: bool = False) -> str:

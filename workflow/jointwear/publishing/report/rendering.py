@@ -46,7 +46,7 @@ def _environment(templates: Path) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    env.filters.update(number=numbers.number, fixed=numbers.fixed, percent=numbers.percent)
+    env.filters.update(number=numbers.number, with_std=numbers.with_std, fixed=numbers.fixed, percent=numbers.percent)
     env.globals.update(span=numbers.span, span_percent=numbers.span_percent, count=numbers.count)
     env.filters.update(run_name=numbers.run_name)
     return env
