@@ -3,8 +3,8 @@
 Growth limit (exp(B x) - 1) / (exp(B) - 1) with x = (t - t0) / T: it begins at t0 and is at the limit T later, bent on
 all the way: saturating for negative B, straight for 0, accelerating for positive; or it comes to rest below the limit.
 A grid over B, t0, T and the size that the limit has in what is told, with a broad prior; each is as likely as the
-means of the shifts make it, under their own error, one error that all share (the normal state), growth that is uneven
-by :data:`UNEVEN`, and a slow wander. The times to the limit so weighted give the median and the interval; where the
+means of the shifts make it, under their own error, one error that all share (the normal state), and growth that is
+uneven by :data:`UNEVEN`. The times to the limit so weighted give the median and the interval; where the
 upper end stays open the limit may never be reached.
 """
 
@@ -30,8 +30,9 @@ LENGTHS, HASTE = np.geomspace(0.25, 100.0, 45), 0.5
 #: and its size under the conditions of the day are known no better. Points and weights of the normal law for it.
 SCALE = 0.25
 _POINTS = ((-1.35, 0.25), (0.0, 0.5), (1.35, 0.25))
-#: Relative standard deviation of growth about its law; wander of the level, per root of a day.
-UNEVEN, WANDER = 0.15, 0.003
+#: Relative standard deviation of growth about its law. The level of a healthy axis has no wander beside it: what its
+#: shifts leave does not grow with the days since the baseline.
+UNEVEN = 0.15
 #: A limit farther away than this many times the history may never be reached.
 FARTHEST = 30.0
 
@@ -60,9 +61,7 @@ def forecast_shifts(
     if len(t) < 2 or limit <= 0 or now <= start:
         return Forecast(np.nan, np.nan, np.nan)
     size = np.maximum(np.minimum(y, 3 * limit), 0.0)
-    days = np.maximum(t - start, 0.0) / 24
     covariance = np.diag(v + (UNEVEN * size) ** 2) + shared**2
-    covariance += WANDER**2 * np.minimum(days[:, None], days)
     precision = np.linalg.inv(covariance)
     onset = start + ONSETS * (now - start)
     length = (now - onset)[:, None] * LENGTHS
