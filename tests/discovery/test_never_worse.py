@@ -11,7 +11,17 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import DRIVE, Step, left_out, left_out_ratio, mean_squares, put_back
+from jointwear.discovery.fallback import (
+    DRIVE,
+    INERTIAL,
+    OF_LINKS,
+    Step,
+    left_out,
+    left_out_ratio,
+    mean_squares,
+    put_back,
+    surely_worse,
+)
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Unexplained
@@ -191,6 +201,37 @@ def test_friction_of_half_of_the_time_is_no_number_of_a_drive(found, dragging):
         assert len(kept) == int(dragging == 1.0)
         # It is told where structure is left.
         assert [f.step for f in given_up] == ([] if kept or not open_axes else [DRIVE])
+
+
+def test_links_are_given_up_by_halves_and_never_widened():
+    links = Term(INERTIAL, {0: np.ones((4, 2)), 1: np.ones((3, 2))}, np.array([1.0, 0.1]))
+    kept, own = [links], Term("friction 0", {0: np.ones((4, 1))}, np.ones(1), drive=(0, 0))
+    widths = []
+    for step in OF_LINKS:
+        assert step.touches(kept)
+        assert not step.touches([own])
+        kept = step.taken_off(kept)
+        assert not step.touches(kept)
+        widths.append([t.std.tolist() for t in kept])
+    assert widths[0] == [[0.5, 0.1]]
+    assert widths[-2] == [[0.03125, 0.03125]]
+    assert widths[-1] == []
+    (deaf,) = Step(DRIVE, (own,), deaf=1).taken_off([links, own])
+    assert not deaf.blocks[1].any()
+    assert deaf.blocks[0].all()
+    assert links.blocks[1].all()
+
+
+def test_a_record_that_is_worse_by_chance_costs_nothing():
+    """The error of a slow record is nearly all noise; what a right correction adds to it comes out either way."""
+    rng, block = np.random.default_rng(2), np.repeat(np.arange(30), 50)
+    noise = np.repeat(rng.standard_normal(30 * 5), 10)
+    for size, sure in ((0.25, False), (1.5, True)):
+        left = noise + size * np.sign(np.sin(np.arange(len(block)) / 40))
+        if not sure:
+            left *= 1.04 * np.sqrt(np.mean(noise**2) / np.mean(left**2))
+        assert np.mean(left**2) > Settings().not_worse ** 2 * np.mean(noise**2)
+        assert surely_worse(block, left, noise, Settings()) == sure
 
 
 @given(st.lists(st.integers(0, 5), min_size=1, max_size=50), st.floats(0.1, 10.0))

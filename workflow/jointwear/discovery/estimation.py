@@ -16,7 +16,7 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, Step, left_out_ratio, put_back
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, INERTIAL, OF_LINKS, Step, left_out_ratio, put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -101,7 +101,8 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         refined = [r for r in refined if id(r[2]) in left]
         if everything:
             break
-    base = [t for t in base if id(t) in left]
+    ours = {id(t) for t in terms}
+    base = [t for t in kept if id(t) not in ours]
     final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
     alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned", nameless)
@@ -196,13 +197,12 @@ def _whole_model(white, refined, forms, mass_terms):
 
 def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Step]]:
     """Return what can be given up for the sake of each axis."""
-    inertial = tuple(t for t in base if t.label == "inertial")
     steps = {}
     for axis in white.problem.judged:
         own = tuple(t for t in base if t.drive[:1] == (axis,))
         steps[axis] = [
             Step(DRIVE, own),
-            Step("inertia of the links as given", inertial),
+            *OF_LINKS,
         ]
         for (_, candidate, term), form in zip(refined, forms, strict=True):
             if candidate.axis in (axis, None):
@@ -285,7 +285,7 @@ def _base_of(white: White, fit: Fit, masses: list[Named]):
             axis, k = term.drive
             friction[axis, k] = fit.theta[where][0]
             std[axis, k] = np.sqrt(np.diag(fit.covariance)[where][0])
-        elif term.label == "inertial":
+        elif term.label == INERTIAL:
             inertial += problem.factor @ (white.directions @ fit.theta[where])
         for one, own in zip(masses, mass_terms, strict=True):
             if term is own:

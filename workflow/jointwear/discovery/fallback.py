@@ -7,12 +7,14 @@ seen. A robot file is used for motion to come: on no axis may it be worse than t
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from scipy.stats import norm
 
 from jointwear.discovery.linear import Term
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import Folds, White
 
@@ -20,6 +22,10 @@ from jointwear.discovery.whitening import Folds, White
 DRIVE = "friction and motor inertia as given"
 #: Words of the step that gives up all of a joint.
 EVERYTHING = "everything of this joint as given"
+#: Words of the steps that take corrections of the links back, in part and all of them.
+CLOSER, LINKS = "inertia of the links closer to as given", "inertia of the links as given"
+#: Label of the term of the links, and the widths of its prior, over its own, that are tried before it is given up.
+INERTIAL, HALVINGS = "inertial", (0.5, 0.25, 0.125, 0.0625, 0.03125)
 #: Time in motion [s] from which a record is asked by itself.
 ASKED_ALONE = 5.0
 #: Share of its prior variance that is left of a coefficient that the data tell of, and of one that they do not.
@@ -28,14 +34,41 @@ TOLD, UNTOLD = 0.1, 0.5
 
 @dataclass(frozen=True)
 class Step:
-    """Something that can be given up: what it is in words, and its terms."""
+    """Something that can be given up: what it is in words, its terms, and the width that is left to the links.
+
+    `links` is the largest standard deviation, over that of their prior, that corrections of the links keep; at 0 they
+    are given up. The links are shared by all axes: for the sake of one they are given up as little as it needs.
+    `deaf` is a 0-based axis that says nothing of the links from here on, though they act on it: without parameters of
+    its own, what it lacks would bend them.
+    """
 
     words: str
-    terms: tuple[Term, ...]
+    terms: tuple[Term, ...] = ()
+    links: float = np.inf
+    deaf: int | None = None
 
     def taken_off(self, terms: list[Term]) -> list[Term]:
-        """Return `terms` without those of this step."""
-        return [t for t in terms if not any(t is own for own in self.terms)]
+        """Return `terms` without what this step gives up."""
+        left = [t for t in terms if not any(t is own for own in self.terms)]
+        return [self._of_links(t) if t.label == INERTIAL else t for t in left if t.label != INERTIAL or self.links > 0]
+
+    def touches(self, terms: list[Term]) -> bool:
+        """Return whether this step gives up anything of `terms`."""
+        return any(
+            any(t is own for own in self.terms) or (t.label == INERTIAL and np.any(t.std > self.links)) for t in terms
+        )
+
+    def _of_links(self, links: Term) -> Term:
+        if np.any(links.std > self.links):
+            links = replace(links, std=np.minimum(links.std, self.links))
+        if self.deaf in links.blocks:
+            silent = {self.deaf: np.zeros_like(links.blocks[self.deaf])}
+            links = replace(links, blocks=links.blocks | silent)
+        return links
+
+
+#: What can be given up of the links, the least first.
+OF_LINKS = (*(Step(CLOSER, links=width) for width in HALVINGS), Step(LINKS, links=0.0))
 
 
 @dataclass(frozen=True)
@@ -45,12 +78,14 @@ class LeftOut:
     Attributes
     ----------
     ratio : RMS error [N m] over that of the given robot, as :func:`left_out_ratio` says.
+    surely : the same, where a record alone counts only if it is worse beyond what its blocks of time scatter.
     gained : share of what is gained in all that the model changes of the squared errors of blocks of time: 1 where no
         block is worse, 0.5 where the model gains nothing.
     told_alone : one fold alone tells of an effect.
     """
 
     ratio: np.ndarray
+    surely: np.ndarray
     gained: np.ndarray
     told_alone: bool
 
@@ -102,7 +137,7 @@ def _of_folds(white: White, terms: list[Term], folds: Folds, each: bool) -> Left
             gram[np.ix_(where, where)] += design[rows].T @ design[rows]
             right[where] += design[rows].T @ y[rows]
     whole = sum(g for g, _ in parts.values()), sum(r for _, r in parts.values())
-    square: dict[int, list[tuple[float, float, bool]]] = {axis: [] for axis in raw}
+    square: dict[int, list[tuple[float, float, bool, bool]]] = {axis: [] for axis in raw}
     blocks = {axis: white.blocks(axis) for axis in raw} if each else {}
     middle: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
     count: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
@@ -122,21 +157,37 @@ def _of_folds(white: White, terms: list[Term], folds: Folds, each: bool) -> Left
             given = targets[axis][rows]
             left = given - seen[rows] @ theta[where]
             alone = each and rows.sum() >= ASKED_ALONE * white.problem.measured.rate
-            square[axis].append((float(left @ left), float(given @ given), alone))
+            sure = alone and surely_worse(blocks[axis][rows], left, given, white.problem.settings)
+            square[axis].append((float(left @ left), float(given @ given), alone, sure))
             if each:
                 middle[axis].append(mean_squares(blocks[axis][rows], left, given))
                 count[axis].append(np.unique(blocks[axis][rows], return_counts=True)[1])
-    ratio, gained = np.zeros(len(white.targets)), np.ones(len(white.targets))
+    ratio, surely, gained = np.zeros(len(white.targets)), np.zeros(len(white.targets)), np.ones(len(white.targets))
     for axis, found in square.items():
         if found:
-            both = [*(record[:2] for record in found if record[2]), tuple(np.sum(found, axis=0)[:2])]
+            both = [tuple(np.sum(found, axis=0)[:2])]
             if each:
                 means = np.concatenate(middle[axis], axis=1)
                 both.append(tuple(np.median(means, axis=1)))
                 drop = (means[1] - means[0]) * np.concatenate(count[axis])
                 gained[axis] = np.sum(np.maximum(drop, 0.0)) / np.sum(np.abs(drop)) if drop.any() else 1.0
-            ratio[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in both)
-    return LeftOut(ratio, gained, bool(told_alone))
+            for to, place in ((ratio, 2), (surely, 3)):
+                asked = both + [record[:2] for record in found if record[place]]
+                to[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in asked)
+    return LeftOut(ratio, surely, gained, bool(told_alone))
+
+
+def surely_worse(label: np.ndarray, left: np.ndarray, given: np.ndarray, settings: Settings) -> bool:
+    """Return whether errors `left` (m,) [N m] of a record are worse than `given` beyond what blocks of time scatter.
+
+    Parameters
+    ----------
+    label : block of time of each sample. What is given up for the sake of a record that comes out 1.04 times as bad
+        by chance is lost to all others, and of the links to all axes.
+    """
+    squares = mean_squares(label, left, given) * np.unique(label, return_counts=True)[1]
+    lost = squares[0] - settings.not_worse**2 * squares[1]
+    return bool(lost.sum() > norm.ppf(settings.certainty) * np.sqrt(len(lost)) * np.std(lost))
 
 
 def _left_open(factor: tuple[np.ndarray, bool], precision: np.ndarray) -> np.ndarray:
@@ -171,7 +222,7 @@ def put_back(
     kept, given_up = list(terms), []
     asked = left_out(white, kept)
     while True:
-        ratio = asked.ratio
+        ratio = asked.surely
         bad = [j for j in np.argsort(-ratio) if ratio[j] > limit]
         chosen = next(((int(j), s) for j in bad if (s := _best_step(white, kept, steps, int(j), ratio[j]))), None)
         chosen = chosen or _little_gained(white, kept, steps, open_axes, asked)
@@ -200,11 +251,12 @@ def _little_gained(
         if asked.gained[axis] >= nearly_all and not (is_open and asked.ratio[axis] > nearly_all):
             continue
         own = [s for s in steps.get(axis, []) if s.terms and all(set(t.blocks) == {axis} for t in s.terms)]
-        own = [s for s in own if is_open or s.words == DRIVE]
-        own = [s for s in own if len(s.taken_off(kept)) < len(kept)]
-        together = Step(", ".join(s.words for s in own), tuple(t for s in own for t in s.terms))
-        if own and np.all(left_out_ratio(white, together.taken_off(kept)) <= settings.not_worse):
-            return axis, together
+        own = [s for s in own if (is_open or s.words == DRIVE) and s.touches(kept)]
+        words, terms = ", ".join(s.words for s in own), tuple(t for s in own for t in s.terms)
+        for together in [Step(words, terms)] + [Step(words, terms, deaf=axis)] * is_open:
+            rest = together.taken_off(kept)
+            if own and np.all(left_out_ratio(white, rest) <= settings.not_worse):
+                return axis, together
     return None
 
 
@@ -215,13 +267,13 @@ def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axi
     ----------
     ratio : error of the model as it is over that of the given robot.
     """
-    everything = Step(EVERYTHING, tuple(t for s in steps.get(axis, []) for t in s.terms))
+    every = steps.get(axis, [])
+    everything = Step(EVERYTHING, tuple(t for s in every for t in s.terms), min((s.links for s in every), default=0.0))
     best: tuple[float, Step] | None = None
-    for step in steps.get(axis, []):
-        rest = step.taken_off(kept)
-        if len(rest) == len(kept):
+    for step in every:
+        if not step.touches(kept):
             continue
-        after = float(left_out_ratio(white, rest)[axis])
+        after = float(left_out(white, step.taken_off(kept)).surely[axis])
         if after <= white.problem.settings.not_worse:
             return step
         if best is None or after < best[0]:
