@@ -144,6 +144,19 @@ def test_a_limited_state_keeps_steps_of_friction(white):
     assert band_limited(state, axis, np.inf, RATE) is state
 
 
+def test_a_dead_time_ends_higher_than_a_filter_and_a_bend(rough):
+    delay = effects.get_effect("actuation_delay")
+    for axis in rough.problem.judged:
+        cutoffs = rough.cutoffs[axis]
+        assert cutoffs.late >= cutoffs.timing
+        dead, lag, bend = (
+            rough.state_of(delay, axis, p) for p in ({"delay": 0.01, "lag": 0}, {"delay": 0.01, "lag": 1}, None)
+        )
+        assert lag is bend
+        assert (dead is lag) == (cutoffs.late == cutoffs.timing)
+    assert any(c.late > c.timing for c in rough.cutoffs)
+
+
 @pytest.mark.parametrize("side", ["motor", "link"])
 def test_behind_the_gear_its_twist_shows_in_the_positions_of_the_motor_alone(white, side):
     gear = effects.get_effect("joint_flexibility")
@@ -308,7 +321,7 @@ def test_what_cannot_be_judged_does_not_reach_its_neighbours(rough):
 def test_a_delay_above_the_band_of_its_columns_is_no_structure(rough):
     """What the band limit of an instrument takes off is part of the tolerance of the effect."""
     axis = rough.problem.judged[0]
-    cutoffs = [Cutoffs(timing=0.4, torque=8.0, judged=8.0)] * len(rough.cutoffs)
+    cutoffs = [Cutoffs(timing=0.4, torque=8.0, judged=8.0, late=0.4)] * len(rough.cutoffs)
     asked = replace(rough, base=[], cutoffs=cutoffs, _states={})
     candidate = Candidate("actuation_delay", axis, None, {"delay": 0.02, "lag": 0})
     columns = raw_columns(asked, candidate)

@@ -15,6 +15,7 @@ from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.recorded_in_time import nats_of_time
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import Folds, White
 from jointwear.effects import get_effect
@@ -137,6 +138,11 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
         gates.append(("its parameters within their bounds", float(within_bounds(white, beside, trial)), 1.0))
+        effect = get_effect(trial.candidate.effect)
+        if effect.a_time:
+            delay = float(trial.candidate.nonlinear[effect.scaled])
+            nats = nats_of_time(white, beside, trial.candidate.axis, delay)
+            gates.append(("nats of the recorded torque put forward in time", nats, half))
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == "inertial" else t for t in white.base]

@@ -56,7 +56,8 @@ class Dictionary:
 def raw_columns(white: White, candidate: Candidate) -> np.ndarray:
     """Return the columns (N_train, k) of a single-axis candidate before whitening."""
     effect = get_effect(candidate.effect)
-    return effect.columns(white.state_of(effect, candidate.axis), candidate.axis, candidate.source, candidate.nonlinear)
+    state = white.state_of(effect, candidate.axis, candidate.nonlinear)
+    return effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
 
 
 def on_all_axes(candidate: Candidate) -> bool:

@@ -19,7 +19,7 @@ import numpy as np
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.effects import State
-from jointwear.effects.order import first_derivative, second_derivative
+from jointwear.effects.order import first_derivative, late_torque, second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise
 from jointwear.measurement.filtering import HIGHEST, low_pass, zero_phase_gain
 from jointwear.measurement.motion import runs
@@ -30,6 +30,8 @@ FEIGNED = 0.5
 #: How much higher the columns of a link that swings may end than columns of timing. What they share with the residual
 #: speaks against them below the swing, and at the swing their size is known.
 SWING = 2.0
+#: Dead time [s] up to which the noise of a late torque is asked for: the longest one that a search starts from.
+LATE = 0.02
 #: Frequencies at which spectra are compared, and cut-offs that are tried.
 FREQUENCIES, CUTOFFS = 512, 80
 #: Share of a sampling period to which the samples of position and torque of a recording are simultaneous.
@@ -47,6 +49,7 @@ class Cutoffs:
     timing, torque : of columns of timing, and of columns of torque itself. swing : of columns of a link that swings,
         which are rates of torque below the swing alone: :data:`SWING` times as high as of timing.
     structure : of arguments of structure: columns over them may hold noise alone.
+    late : of columns of a torque at another time.
     judged : where the noise of derived accelerations becomes most of the residual: errors in N m are compared below.
     """
 
@@ -55,6 +58,7 @@ class Cutoffs:
     judged: float = np.inf
     structure: float = np.inf
     swing: float = np.inf
+    late: float = np.inf
 
 
 def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
@@ -71,14 +75,48 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     if np.isfinite(timing):
         timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
     structure = cutoff_of(white, density, frequency, rate, 0)
-    judged = _judged(density / white.density(frequency, rate), frequency)
-    return Cutoffs(timing, torque, judged, structure, SWING * timing)
+    share = density / white.density(frequency, rate)
+    judged = _judged(share, frequency)
+    late = _late(problem, axis, white, timing, share / max(1.0, float(np.max(share))), frequency)
+    return Cutoffs(timing, torque, judged, structure, SWING * timing, late)
+
+
+def _late(
+    problem: Problem, axis: int, white: Whitener, cutoff: float, share: np.ndarray, frequency: np.ndarray
+) -> float:
+    """Return the cut-off of columns of late torque, at least `cutoff`: that of rates of torque.
+
+    A torque that is late by d turns its noise by w d: of that 1 - cos(w d) lies along the noise of the residual, a
+    second-order quantity, where all of a second derivative does. So far higher frequencies tell of a delay. A filter
+    takes noise off instead, which gains at every frequency: its columns end where rates of torque do.
+
+    Parameters
+    ----------
+    share : (k,) density of the noise of derived accelerations over that of the residual, at most 1: the residual holds
+        all of it, but the floor of positions is motion where friction shakes an arm up to half the rate.
+    """
+    rate = problem.measured.rate
+    along = 1.0 - np.cos(np.minimum(2 * np.pi * frequency * LATE, np.pi))
+    if not np.isfinite(cutoff):
+        return cutoff
+    # What is motion is seen where noise does no harm, as for columns of timing.
+    limited = band_limited(problem.train_state, axis, cutoff, rate)
+    column = white(late_torque(limited, axis, LATE) - limited.torque[:, axis])
+    energy = _beside_base(problem, axis, white, limited, cutoff, column)
+    return max(cutoff, _highest(len(white.rows), along, 2.0 * along, share, frequency, rate, energy))
 
 
 def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:
     """Return the mean square of the whitened second derivative of the load below `cutoff`, without the base part."""
     limited = band_limited(problem.train_state, axis, cutoff, problem.measured.rate)
     column = white(second_derivative(limited, limited.load[:, axis]))
+    return _beside_base(problem, axis, white, limited, cutoff, column)
+
+
+def _beside_base(
+    problem: Problem, axis: int, white: Whitener, limited: State, cutoff: float, column: np.ndarray
+) -> float:
+    """Return the mean square of a whitened column (m,) without what the base regression below `cutoff` explains."""
     inertial = problem.inertial[problem.train, axis]
     inertial = limit(inertial, np.asarray(limited.record), cutoff, problem.measured.rate)
     base = white(np.concatenate([problem.friction_columns(limited, axis), inertial], axis=1))
@@ -119,12 +157,30 @@ def cutoff_of(
     noise of the torque and S_r that of the residual. The cut-off is the highest one at which that is :data:`FEIGNED`;
     without `energy` it holds for columns of noise alone.
     """
-    share = density / white.density(frequency, rate)
     power = (2 * np.pi * frequency) ** order
+    share = density / white.density(frequency, rate)
+    return _highest(len(white.rows), power, power**2, share, frequency, rate, energy)
+
+
+def _highest(
+    count: int,
+    along: np.ndarray,
+    power: np.ndarray,
+    share: np.ndarray,
+    frequency: np.ndarray,
+    rate: float,
+    energy: float,
+) -> float:
+    """Return the highest cut-off [Hz] at which noise feigns no more than :data:`FEIGNED`, infinite for no filter.
+
+    Parameters
+    ----------
+    along : (k,) gain of the noise in the column along that of the residual. power : (k,) its squared size.
+    """
     for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
         gain = zero_phase_gain(frequency, cutoff, rate)
-        product, whole = np.mean(power * gain * share), energy + np.mean((power * gain) ** 2 * share)
-        if 0.5 * len(white.rows) * product**2 <= FEIGNED * whole or whole == 0:
+        product, whole = np.mean(along * gain * share), energy + np.mean(power * gain**2 * share)
+        if 0.5 * count * product**2 <= FEIGNED * whole or whole == 0:
             return float(cutoff) if cutoff < HIGHEST * rate else np.inf
     return float(cutoff)
 

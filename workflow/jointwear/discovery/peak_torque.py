@@ -99,7 +99,7 @@ def _zeros(state: State, candidate: Candidate, used: np.ndarray) -> list[np.ndar
 def shapes(white: White, candidate: Candidate, spreads: dict[str, float]) -> Iterator[Shape]:
     """Yield the possibilities that the data may leave for the columns of an effect."""
     problem, effect = white.problem, get_effect(candidate.effect)
-    state = white.state_of(effect, candidate.axis)
+    state = white.state_of(effect, candidate.axis, candidate.nonlinear)
     if effect.needs_source:
         for nonlinear in effect.grid(state, candidate.axis):
             one = replace(candidate, nonlinear=dict(nonlinear))

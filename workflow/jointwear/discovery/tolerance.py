@@ -65,7 +65,7 @@ def _beyond_its_band(white: White, one: Named, coefficients: np.ndarray, axis: i
         whole = effect.spread(state, candidate.axis, candidate.source, candidate.nonlinear)[:, axis]
         within = raw_torques(white, candidate)[axis][:, 0]
         return ((whole - within) * coefficients[0])[:, None]
-    bands = (white.state_of(effect, candidate.axis), white.axis_state(candidate.axis), state)
+    bands = (white.state_of(effect, candidate.axis, candidate.nonlinear), white.axis_state(candidate.axis), state)
     torques = [effect.columns(s, candidate.axis, candidate.source, candidate.nonlinear) @ coefficients for s in bands]
     steps = np.diff(np.stack(torques, axis=1), axis=1)
     return steps[:, np.any(steps != 0.0, axis=0)]

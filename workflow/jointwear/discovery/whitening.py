@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -36,14 +37,21 @@ class White:
     cutoffs: list[Cutoffs]
     _states: dict[tuple[int, float | str], State] = field(default_factory=dict, repr=False)
 
-    def state_of(self, effect: Effect, axis: int | None) -> State:
-        """Return the training samples that the columns of an effect on one axis are made from: its instruments."""
+    def state_of(self, effect: Effect, axis: int | None, nonlinear: Mapping[str, Any] | None = None) -> State:
+        """Return the training samples that the columns of an effect on one axis are made from: its instruments.
+
+        Parameters
+        ----------
+        nonlinear : of the effect; None for a bend of its form, which is of rates of torque whatever the effect is.
+        """
         if axis is None:
             return self.problem.train_state
         cutoffs = self.cutoffs[axis]
         if effect.of_load and np.isfinite(cutoffs.timing) and self.problem.state.encoder_side == "link":
             # Where positions may be those of the motor, a link that swings shakes all joints: that is no noise.
             return self._fused_state(axis)
+        if nonlinear is not None and effect.shifts(nonlinear):
+            return self._limited_state(axis, cutoffs.late)
         return self._limited_state(axis, cutoffs.timing if effect.timing else cutoffs.torque)
 
     def axis_state(self, axis: int) -> State:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 from scipy.signal import lfilter
 
 from jointwear.effects.rests import SLOW
 from jointwear.effects.state import State, record_slices
+
+#: Order of the splines between samples.
+ORDER = 5
 
 
 def first_derivative(state: State, values: np.ndarray) -> np.ndarray:
@@ -35,13 +39,21 @@ def second_derivative(state: State, values: np.ndarray) -> np.ndarray:
 
 
 def delayed(state: State, values: np.ndarray, delay: float) -> np.ndarray:
-    """Return `values` (m,) as they were `delay` [s] earlier in the same record; unchanged without an order."""
+    """Return `values` (m,) as they were `delay` [s] earlier in the same record; unchanged without an order.
+
+    Splines go through the samples: straight lines would take off what changes fast, noise above all. Beyond the ends
+    of a record its end values hold.
+    """
     if state.record is None:
         return values
     result = np.empty(np.shape(values))
     for part in record_slices(state):
         t = state.time[part]
-        result[part] = np.interp(t - delay, t, values[part])
+        if part.stop - part.start <= ORDER:
+            result[part] = np.interp(t - delay, t, values[part])
+            continue
+        spline = make_interp_spline(t, values[part], k=ORDER)
+        result[part] = spline(np.clip(t - delay, t[0], t[-1]))
     return result
 
 

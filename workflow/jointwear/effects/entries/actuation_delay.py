@@ -43,6 +43,8 @@ EFFECT = Effect(
     alternatives=lambda p: [{**p, "lag": 1 - p.get("lag", 0)}],
     scaled="delay",
     timing=True,
+    shifts=lambda p: not p.get("lag"),
+    a_time=True,
     bend=timing_bend(),
     sequential=True,
 )

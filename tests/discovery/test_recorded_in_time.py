@@ -1,0 +1,50 @@
+"""The recorded torque put forward in time: exact on waves, and it tells a delay from none."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from test_instruments import RATE, coarse
+
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.recorded_in_time import nats_of_time, put_forward
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.whitening import whiten
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import split
+from jointwear.robots.robot import load_robot
+
+
+@given(st.floats(0.5, 30.0), st.floats(-0.03, 0.03), st.floats(-3.0, 3.0), st.floats(0.0, 6.0))
+def test_a_wave_on_a_slope_is_put_forward_exactly(frequency, delay, slope, phase):
+    time = np.arange(400) / RATE
+
+    def torque(t):
+        return np.sin(2 * np.pi * frequency * t + phase) + slope * t
+
+    middle = slice(100, 300)
+    np.testing.assert_allclose(put_forward(torque(time), delay, RATE)[middle], torque(time + delay)[middle], atol=0.03)
+
+
+@given(st.floats(-0.03, 0.03))
+def test_noise_keeps_its_size_at_another_time(delay):
+    noise = np.random.default_rng(0).standard_normal(2000)
+    middle = slice(100, 1900)
+    assert np.std(put_forward(noise, delay, RATE)[middle]) > 0.97 * np.std(noise[middle])
+
+
+def whitened(robot, **told):
+    recording = split(coarse(robot, **told))
+    problem = build_problem(recording, robot, Settings(), measure(recording))
+    return whiten(problem, estimate_noise(problem))
+
+
+def test_the_recorded_torque_tells_a_delay_and_its_sign_and_none():
+    robot = load_robot("config/robots/puma560.yaml")
+    late, right = whitened(robot, seed=6, late=0.02), whitened(robot, seed=5)
+    fit, plain = late.fit(), right.fit()
+    half = 0.5 * Settings().accept
+    for axis in (0, 1, 2):
+        assert nats_of_time(late, fit, axis, 0.02) > half
+        assert nats_of_time(late, fit, axis, -0.02) < 0
+        assert max(nats_of_time(right, plain, axis, d) for d in (-0.01, 0.01)) < half

@@ -1,0 +1,54 @@
+"""Whether the recorded torque, put where it would be without a delay, fits the model better.
+
+A column of late torque is made of the model, and where positions do not resolve what follows a reversal the model is
+wrong there in a way that a delay may follow. The recorded torque needs neither friction nor accelerations: put forward
+by d it is compared with the model as it is. Its noise keeps its density at another time, so that the likelihood of the
+whole is that of d, in closed loop too (Ljung 1999, direct prediction-error method), as long as its size is not fitted:
+of noise alone half would fit best.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.ndimage import fourier_shift
+
+from jointwear.measurement.motion import runs
+
+if TYPE_CHECKING:
+    from jointwear.discovery.linear import Fit
+    from jointwear.discovery.whitening import White
+
+#: Samples by which a record is continued, turned about its ends, before it is shifted.
+CONTINUED = 64
+#: Shares of a delay that are tried: a lag is nearly a dead time of its own length, less where torque changes fast.
+SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)
+
+
+def put_forward(values: np.ndarray, delay: float, rate: float) -> np.ndarray:
+    """Return values (m,), evenly sampled at `rate` [Hz], as they are `delay` [s] later."""
+    more = min(len(values) - 1, CONTINUED)
+    whole = np.pad(values, more, mode="reflect", reflect_type="odd")
+    # A line is shifted exactly: what is left ends as it begins, as a Fourier series does.
+    time = np.arange(len(whole))
+    slope = (whole[-1] - whole[0]) / max(len(whole) - 1, 1)
+    spectrum = fourier_shift(np.fft.rfft(whole - slope * time), -delay * rate, n=len(whole))
+    shifted = np.fft.irfft(spectrum, len(whole)) + slope * (time + delay * rate)
+    return shifted[more : more + len(values)]
+
+
+def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:
+    """Return the nats that a fit gains if the recorded torque of one axis is `delay` [s] late; negative: early.
+
+    The largest of :data:`SHARES` of it counts.
+    """
+    problem = white.problem
+    torque, record = problem.measured.torque[problem.train, axis], np.asarray(problem.train_state.record)
+    gains = []
+    for share in SHARES:
+        parts = [put_forward(torque[piece], share * delay, problem.measured.rate) for piece in runs(record)]
+        column = white.columns(axis, (torque - np.concatenate(parts))[:, None])
+        b, gram = fit.gram({axis: column})
+        gains.append(float(b[0] - 0.5 * gram[0, 0]))
+    return max(gains)
