@@ -19,8 +19,10 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.page import body_in_words, lead, write_page
 from jointwear.discovery.preflight import check_data, write_check
+from jointwear.discovery.retuned import unlikely_masses
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
+from jointwear.discovery.verdict import Retuned
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import get_effect
 from jointwear.files.errors import InputError
@@ -146,6 +148,22 @@ def test_a_load_is_not_refused_for_what_one_joint_lacks(found):
     assert not any("gains least" in r.gate for r in predictive(white, before, trial)[1])
 
 
+@pytest.mark.parametrize(("mass", "may_be"), [(0.5, True), (-0.9, False)])
+def test_a_robot_cannot_lose_more_than_it_has(found, mass, may_be):
+    """A hose that lifts the flange looks like a load of negative mass; the last link of a PUMA weighs 0.09 kg."""
+    outcome = found.final.outcome
+    problem = outcome.problem
+    columns = get_effect("payload").columns(problem.train_state, 0, None, {})
+    coefficients = np.zeros(columns.shape[-1])
+    coefficients[[0, 3]] = mass, 0.05 * mass
+    discrepancy = problem.discrepancy.copy()
+    discrepancy[problem.train] += columns @ coefficients
+    white = whiten(replace(problem, discrepancy=discrepancy), outcome.white.whiteners)
+    candidate, blocks, std = next(x for x in build_dictionary(white).whole if x[0].effect == "payload")
+    trial = Named(candidate, Term("payload", blocks, std, raw_blocks(white, candidate)), None, 1000.0)
+    assert acceptance.within_bounds(white, white.fit(), trial) == may_be
+
+
 def delay_with_form(found):
     """Return the problem and a delay of joint 3, with a term that stands for its bend."""
     white, (one,) = found.final.outcome.white, found.final.outcome.named
@@ -177,6 +195,17 @@ def test_what_a_bend_takes_up_is_the_effects_own(found, monkeypatch):
         assert explained(white, [], drift, plain) == max(share, 0.6)
     late = delay_with_form(found)[1]
     assert explained(white, [], late, plain) == 0.6
+
+
+@pytest.mark.parametrize(
+    ("value", "words"), [(3.0, "a body of 1 kg that moves with it"), (1.2, "0.8 kg that the robot file")]
+)
+def test_an_unlikely_mass_is_told_as_a_body_that_may_exist(value, words):
+    one = Retuned("link_mass", 2, 2.0, value, 0.01, "kg")
+    (told,) = unlikely_masses([one], Settings())
+    assert words in told
+    assert "-" not in told
+    assert not unlikely_masses([replace(one, value=2.1)], Settings())
 
 
 def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):
@@ -218,6 +247,7 @@ def test_a_failed_search_leaves_a_verdict_and_a_page(case, tmp_path, monkeypatch
     pages = [tmp_path / name for name in ("verdict.json", "where.nc", "models.nc", "page.html")]
     write_page(*pages, tmp_path / "figures")
     assert "The search ended in an error".lower() in pages[-1].read_text().lower()
+    assert "No effect of the library is needed" not in pages[-1].read_text()
 
 
 def test_the_check_says_what_the_motion_shows(case, robot, tmp_path):

@@ -128,16 +128,15 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
     if trial.candidate.effect == LINK_MASS:
         return failed + _mass_refusals(white, before, trial)
     half = 0.5 * settings.accept
-    gates = []
+    beside = white.fit(before)
+    gates = [("its parameters within their bounds", float(within_bounds(white, beside, trial)), 1.0)]
     if trial.candidate.axis is not None:
-        beside = white.fit(before)
         if follows_time(trial.candidate):
             gates.append(("nats gained on the last record left out", found.last, settings.worst_record))
             gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
         gates.append(
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
-        gates.append(("its parameters within their bounds", float(within_bounds(white, beside, trial)), 1.0))
         effect = get_effect(trial.candidate.effect)
         if effect.a_time:
             delay = float(trial.candidate.nonlinear[effect.scaled])
@@ -230,11 +229,28 @@ def _step_lead(white: White, beside: Fit, trial: Named) -> float:
 
 
 def within_bounds(white: White, beside: Fit, trial: Named) -> bool:
-    """Return whether the parameters of an effect of one unknown, fitted beside a fit, are those of such an effect."""
-    if len(trial.term.std) > 1 or trial.candidate.effect == LINK_MASS:
+    """Return whether the parameters of an effect, fitted beside a fit, are those of such an effect.
+
+    Asked of effects of one unknown, and of what a robot cannot lose because it has no more of it.
+    """
+    if trial.candidate.effect == LINK_MASS:
+        return True
+    effect = get_effect(trial.candidate.effect)
+    if effect.least is not None:
+        return _may_be_lost(white, beside, trial)
+    if len(trial.term.std) > 1:
         return True
     size = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
     off = white.problem.settings.off_scale
-    if get_effect(trial.candidate.effect).scaled and not 1 / off < size[0] < off:
+    if effect.scaled and not 1 / off < size[0] < off:
         return False
-    return possible(get_effect(trial.candidate.effect), trial.candidate.nonlinear, size)
+    return possible(effect, trial.candidate.nonlinear, size)
+
+
+def _may_be_lost(white: White, beside: Fit, trial: Named) -> bool:
+    """Return whether no coefficient lies further below its lowest value than a link mass may be off by chance."""
+    b, gram = beside.gram(trial.term.blocks)
+    precision = gram + np.diag(1 / trial.term.std**2)
+    spread = np.sqrt(np.diag(np.linalg.inv(precision)))
+    least = get_effect(trial.candidate.effect).least(white.problem.robot)
+    return bool(np.all(np.linalg.solve(precision, b) >= least - white.problem.settings.mass_sigmas * spread))

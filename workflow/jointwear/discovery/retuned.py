@@ -93,8 +93,14 @@ def unlikely_masses(retuned: list[Retuned], settings: Settings) -> list[str]:
             continue
         sigmas = abs(one.value / one.nominal - 1.0) / settings.inertial_prior
         if sigmas > settings.mass_sigmas:
+            more = one.value - one.nominal
+            body = (
+                f"a body of {more:.3g} kg that moves with it, as a payload does,"
+                if more > 0
+                else f"a body of {-more:.3g} kg that the robot file has there and the robot has not"
+            )
             told.append(
-                f"the mass of link {one.axis} is {sigmas:.2g} standard deviations of its prior off; a body of "
-                f"{one.value - one.nominal:+.3g} kg that moves with it, as a payload does, would explain the same"
+                f"the mass of link {one.axis} is {sigmas:.2g} standard deviations of its prior off; {body} "
+                "would explain the same"
             )
     return told

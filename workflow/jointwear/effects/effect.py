@@ -98,6 +98,8 @@ class Effect:
         Its one coefficient is one: its size is in its parameters.
     prior : robot -> prior standard deviations (k,) of the coefficients of an effect on the whole arm.
     sound : parameters -> whether something with these parameters may exist at all, as a body; None: any may.
+    least : robot -> the lowest values (k,) of the coefficients of an effect on the whole arm: a robot can lack no more
+        than it has; None: no coefficient has one.
     leading : how many of the first coefficients an effect on the whole arm is known by; 0: all.
     writes : (content of a robot file, parameters) -> content in which the effect is part of the robot itself, for an
         effect that is no entry of `effects`.
@@ -143,6 +145,7 @@ class Effect:
     spread: AxisFunction | None = None
     prior: Callable[[Robot], np.ndarray] | None = None
     sound: Callable[[Parameters], bool] | None = None
+    least: Callable[[Robot], np.ndarray] | None = None
     leading: int = 0
     writes: Callable[[dict[str, Any], Parameters], dict[str, Any]] | None = None
     sequential: bool = False

@@ -28,6 +28,12 @@ def _prior(robot):
     return np.array([mass, *[mass * _LEVER] * 3, *[mass * _LEVER**2] * 6])
 
 
+def _least(robot):
+    """Return the lowest coefficients: no more is missing than the last link and what the robot file hangs on it."""
+    carried = robot.payload.mass if robot.payload is not None else 0.0
+    return np.array([-(bodies(robot)[-1][0] + carried), *[-np.inf] * 9])
+
+
 def _numbers(parameters):
     return np.array([parameters.get(name, 0.0) for name in _NAMES])
 
@@ -92,6 +98,7 @@ EFFECT = Effect(
     needs=("tip",),
     whole_arm=True,
     prior=_prior,
+    least=_least,
     # Mass and first moments; the inertia of what a hand holds is hardly ever seen.
     leading=4,
     sound=_sound,
