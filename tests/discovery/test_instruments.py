@@ -14,7 +14,7 @@ from jointwear import effects
 from jointwear.discovery import Recording, discover
 from jointwear.discovery.candidates import Candidate, raw_columns
 from jointwear.discovery.fused_load import fused_load
-from jointwear.discovery.instruments import Cutoffs, band_limited, cutoff_of, limit, torque_noise
+from jointwear.discovery.instruments import LATE, Cutoffs, band_limited, cutoff_of, limit, torque_noise
 from jointwear.discovery.linear import Term
 from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.outcome import Named
@@ -155,6 +155,9 @@ def test_a_dead_time_ends_higher_than_a_filter_and_a_bend(rough):
         assert lag is bend
         assert (dead is lag) == (cutoffs.late == cutoffs.timing)
     assert any(c.late > c.timing for c in rough.cutoffs)
+    # The noise is asked for up to the longest dead time that a search starts from.
+    starts = delay.grid(rough.problem.train_state, rough.problem.judged[0])
+    assert max(abs(p["delay"]) for p in starts if delay.shifts(p)) == LATE
 
 
 @pytest.mark.parametrize("side", ["motor", "link"])

@@ -17,7 +17,7 @@ from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.recorded_in_time import nats_of_time
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.whitening import Folds, White
+from jointwear.discovery.whitening import INERTIAL, Folds, White
 from jointwear.effects import get_effect
 
 #: The gate that asks every record alone.
@@ -138,13 +138,13 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
         effect = get_effect(trial.candidate.effect)
-        if effect.a_time:
+        if effect.late:
             delay = float(trial.candidate.nonlinear[effect.scaled])
             nats = nats_of_time(white, beside, trial.candidate.axis, delay)
             gates.append(("nats of the recorded torque put forward in time", nats, half))
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
-    wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == "inertial" else t for t in white.base]
+    wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == INERTIAL else t for t in white.base]
     b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
     gates.append(("nats with inertial parameters known less", gain(b, gram, trial.term.std), half))
     return failed + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
@@ -153,7 +153,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
 def _mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refusal]:
     """Refuse a link mass that stays within what the prior says of it: a wrong parameter, not one that stands out."""
     settings = white.problem.settings
-    free = [t for t in white.base if t.label != "inertial"]
+    free = [t for t in white.base if t.label != INERTIAL]
     b, gram = Fit(white.targets, [*free, *before]).gram(trial.term.blocks)
     precision = float(gram[0, 0] + 1 / trial.term.std[0] ** 2)
     sigmas = abs(float(b[0])) / precision / settings.inertial_prior
@@ -237,7 +237,7 @@ def within_bounds(white: White, beside: Fit, trial: Named) -> bool:
         return True
     effect = get_effect(trial.candidate.effect)
     if effect.least is not None:
-        return _may_be_lost(white, beside, trial)
+        return _above_least(white, beside, trial)
     if len(trial.term.std) > 1:
         return True
     size = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
@@ -247,10 +247,9 @@ def within_bounds(white: White, beside: Fit, trial: Named) -> bool:
     return possible(effect, trial.candidate.nonlinear, size)
 
 
-def _may_be_lost(white: White, beside: Fit, trial: Named) -> bool:
+def _above_least(white: White, beside: Fit, trial: Named) -> bool:
     """Return whether no coefficient lies further below its lowest value than a link mass may be off by chance."""
-    b, gram = beside.gram(trial.term.blocks)
-    precision = gram + np.diag(1 / trial.term.std**2)
-    spread = np.sqrt(np.diag(np.linalg.inv(precision)))
+    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    spread = np.sqrt(np.diag(np.linalg.inv(gram + np.diag(1 / std**2))))
     least = get_effect(trial.candidate.effect).least(white.problem.robot)
-    return bool(np.all(np.linalg.solve(precision, b) >= least - white.problem.settings.mass_sigmas * spread))
+    return bool(np.all(posterior_mean(b, gram, std) >= least - white.problem.settings.mass_sigmas * spread))

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.whitening import White
+from jointwear.discovery.whitening import INERTIAL, White
 
 #: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free. The
 #: first stands for none: 1e-4 of the Coulomb friction of a large axis is already more than all of a small effect.
@@ -53,7 +53,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
     fit = Fit(white.targets, [*base, *extra])
     data = fit.normal - np.diag(fit.std**-2.0)
     places = {t.drive: w for t, w in zip(fit.terms, fit.slices, strict=True) if t.drive}
-    inertial = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == "inertial"), None)
+    inertial = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == INERTIAL), None)
     drives = np.array([w.start for w in places.values()], dtype=int)
     size = np.array([abs(nominal[place]) for place in places])
     wide = fit.std[drives]

@@ -13,7 +13,7 @@ from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height, spread
 from jointwear.discovery.refine import free_parameters
-from jointwear.discovery.whitening import White
+from jointwear.discovery.whitening import INERTIAL, White
 from jointwear.effects import State, get_effect
 
 #: Relative distance within which a parameter lies on a bound.
@@ -79,7 +79,7 @@ def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
     It is the size of what the fit corrects of the links, over the load; 0 for columns that do not follow the load.
     """
     effect, problem = get_effect(candidate.effect), white.problem
-    where = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == "inertial"), None)
+    where = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == INERTIAL), None)
     if where is None:
         return 0.0
     state = problem.train_state

@@ -16,7 +16,7 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, INERTIAL, OF_LINKS, Step, left_out_ratio, put_back
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, OF_LINKS, Step, left_out_ratio, put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -24,7 +24,7 @@ from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.references import effect_term, reference_of, with_references
 from jointwear.discovery.refine import refine, simplest
 from jointwear.discovery.verdict import FallBack
-from jointwear.discovery.whitening import White
+from jointwear.discovery.whitening import INERTIAL, White
 from jointwear.effects import get_effect
 from jointwear.robots.inertia import mass_direction
 
@@ -200,10 +200,7 @@ def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Ste
     steps = {}
     for axis in white.problem.judged:
         own = tuple(t for t in base if t.drive[:1] == (axis,))
-        steps[axis] = [
-            Step(DRIVE, own),
-            *OF_LINKS,
-        ]
+        steps[axis] = [Step(DRIVE, own, of_drive=True), *OF_LINKS]
         for (_, candidate, term), form in zip(refined, forms, strict=True):
             if candidate.axis in (axis, None):
                 steps[axis].append(

@@ -16,16 +16,16 @@ from scipy.stats import norm
 from jointwear.discovery.linear import Term
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import FallBack
-from jointwear.discovery.whitening import Folds, White
+from jointwear.discovery.whitening import INERTIAL, Folds, White
 
 #: Words of the step that gives up what was fitted to the drive of a joint.
 DRIVE = "friction and motor inertia as given"
 #: Words of the step that gives up all of a joint.
 EVERYTHING = "everything of this joint as given"
 #: Words of the steps that take corrections of the links back, in part and all of them.
-CLOSER, LINKS = "inertia of the links closer to as given", "inertia of the links as given"
-#: Label of the term of the links, and the widths of its prior, over its own, that are tried before it is given up.
-INERTIAL, HALVINGS = "inertial", (0.5, 0.25, 0.125, 0.0625, 0.03125)
+CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
+#: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
+HALVINGS = (0.5, 0.25, 0.125, 0.0625, 0.03125)
 #: Time in motion [s] from which a record is asked by itself.
 ASKED_ALONE = 5.0
 #: Share of its prior variance that is left of a coefficient that the data tell of, and of one that they do not.
@@ -34,18 +34,23 @@ TOLD, UNTOLD = 0.1, 0.5
 
 @dataclass(frozen=True)
 class Step:
-    """Something that can be given up: what it is in words, its terms, and the width that is left to the links.
+    """Something that can be given up for the sake of an axis.
 
-    `links` is the largest standard deviation, over that of their prior, that corrections of the links keep; at 0 they
-    are given up. The links are shared by all axes: for the sake of one they are given up as little as it needs.
-    `deaf` is a 0-based axis that says nothing of the links from here on, though they act on it: without parameters of
-    its own, what it lacks would bend them.
+    Attributes
+    ----------
+    words, terms : what it is in words, and the terms that go.
+    links : largest standard deviation, over that of their prior, that corrections of the links keep; at 0 they are
+        given up. All axes share the links: for the sake of one they are given up as little as it needs.
+    deaf : 0-based axis that says nothing of the links from here on, though they act on it: without parameters of its
+        own, what it lacks would bend them.
+    of_drive : it gives up what was fitted to the drive of a joint, and nothing else.
     """
 
     words: str
     terms: tuple[Term, ...] = ()
     links: float = np.inf
     deaf: int | None = None
+    of_drive: bool = False
 
     def taken_off(self, terms: list[Term]) -> list[Term]:
         """Return `terms` without what this step gives up."""
@@ -88,6 +93,20 @@ class LeftOut:
     surely: np.ndarray
     gained: np.ndarray
     told_alone: bool
+
+
+@dataclass(frozen=True)
+class _Record:
+    """Errors of one axis on one record left out, of the model and then of the given robot.
+
+    `squares` are their sums of squares [(N m)^2], `times` what :func:`mean_squares` says of the blocks of time, if
+    asked. `alone` says that the record is long enough to be asked by itself, `surely` that it is surely worse.
+    """
+
+    squares: tuple[float, float]
+    times: tuple[np.ndarray, np.ndarray] | None = None
+    alone: bool = False
+    surely: bool = False
 
 
 def left_out_ratio(white: White, terms: list[Term], each: bool = True, parts: bool = False) -> np.ndarray:
@@ -136,56 +155,66 @@ def _of_folds(white: White, terms: list[Term], folds: Folds, each: bool) -> Left
             gram, right = parts.setdefault(int(record), (np.zeros((total, total)), np.zeros(total)))
             gram[np.ix_(where, where)] += design[rows].T @ design[rows]
             right[where] += design[rows].T @ y[rows]
-    whole = sum(g for g, _ in parts.values()), sum(r for _, r in parts.values())
-    square: dict[int, list[tuple[float, float, bool, bool]]] = {axis: [] for axis in raw}
+    total_gram, total_right = sum(g for g, _ in parts.values()), sum(r for _, r in parts.values())
+    found: dict[int, list[_Record]] = {axis: [] for axis in raw}
     blocks = {axis: white.blocks(axis) for axis in raw} if each else {}
-    middle: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
-    count: dict[int, list[np.ndarray]] = {axis: [] for axis in raw}
     told_alone = False
     of_effect = np.repeat([t.effect for t in terms], sizes) if terms else np.zeros(0, bool)
     known = of_effect
     if of_effect.any():
-        known = of_effect & (_left_open(cho_factor(whole[0] + np.diag(precision)), precision) < TOLD)
+        known = of_effect & (_left_open(cho_factor(total_gram + np.diag(precision)), precision) < TOLD)
     for record, (gram, right) in parts.items():
         theta = right
         if total:
-            factor = cho_factor(whole[0] - gram + np.diag(precision))
-            theta = cho_solve(factor, whole[1] - right)
+            factor = cho_factor(total_gram - gram + np.diag(precision))
+            theta = cho_solve(factor, total_right - right)
             told_alone |= known.any() and bool(np.any(known & (_left_open(factor, precision) > UNTOLD)))
         for axis, (seen, where, label) in raw.items():
             rows = label == record
             given = targets[axis][rows]
             left = given - seen[rows] @ theta[where]
-            alone = each and rows.sum() >= ASKED_ALONE * white.problem.measured.rate
-            sure = alone and surely_worse(blocks[axis][rows], left, given, white.problem.settings)
-            square[axis].append((float(left @ left), float(given @ given), alone, sure))
+            one = _Record((float(left @ left), float(given @ given)))
             if each:
-                middle[axis].append(mean_squares(blocks[axis][rows], left, given))
-                count[axis].append(np.unique(blocks[axis][rows], return_counts=True)[1])
+                times = mean_squares(blocks[axis][rows], left, given)
+                alone = bool(rows.sum() >= ASKED_ALONE * white.problem.measured.rate)
+                one = _Record(one.squares, times, alone, alone and surely_worse(*times, white.problem.settings))
+            found[axis].append(one)
     ratio, surely, gained = np.zeros(len(white.targets)), np.zeros(len(white.targets)), np.ones(len(white.targets))
-    for axis, found in square.items():
-        if found:
-            both = [tuple(np.sum(found, axis=0)[:2])]
-            if each:
-                means = np.concatenate(middle[axis], axis=1)
-                both.append(tuple(np.median(means, axis=1)))
-                drop = (means[1] - means[0]) * np.concatenate(count[axis])
-                gained[axis] = np.sum(np.maximum(drop, 0.0)) / np.sum(np.abs(drop)) if drop.any() else 1.0
-            for to, place in ((ratio, 2), (surely, 3)):
-                asked = both + [record[:2] for record in found if record[place]]
-                to[axis] = max(np.sqrt(left / max(given, 1e-300)) for left, given in asked)
+    for axis, records in found.items():
+        if records:
+            ratio[axis], surely[axis], gained[axis] = _of_records(records)
     return LeftOut(ratio, surely, gained, bool(told_alone))
 
 
-def surely_worse(label: np.ndarray, left: np.ndarray, given: np.ndarray, settings: Settings) -> bool:
-    """Return whether errors `left` (m,) [N m] of a record are worse than `given` beyond what blocks of time scatter.
+def _of_records(records: list[_Record]) -> tuple[float, float, float]:
+    """Return `ratio`, `surely` and `gained` of one axis, as :class:`LeftOut` has them."""
+    together, gained = [tuple(np.sum([r.squares for r in records], axis=0))], 1.0
+    times = [r.times for r in records if r.times is not None]
+    if times:
+        means, count = (np.concatenate(parts, axis=-1) for parts in zip(*times, strict=True))
+        together.append(tuple(np.median(means, axis=1)))
+        drop = (means[1] - means[0]) * count
+        gained = np.sum(np.maximum(drop, 0.0)) / np.sum(np.abs(drop)) if drop.any() else 1.0
+
+    def worst(asked: list[tuple[float, float]]) -> float:
+        return max(np.sqrt(left / max(given, 1e-300)) for left, given in together + asked)
+
+    alone, surely = [r.squares for r in records if r.alone], [r.squares for r in records if r.surely]
+    return worst(alone), worst(surely), gained
+
+
+def surely_worse(means: np.ndarray, count: np.ndarray, settings: Settings) -> bool:
+    """Return whether a record is predicted worse than by the given robot beyond what its blocks of time scatter.
+
+    What is given up for the sake of a record that comes out 1.04 times as bad by chance is lost to all others, and of
+    the links to all axes.
 
     Parameters
     ----------
-    label : block of time of each sample. What is given up for the sake of a record that comes out 1.04 times as bad
-        by chance is lost to all others, and of the links to all axes.
+    means : (2, b) mean square [(N m)^2] of what is left and of what the given robot leaves in each block of time.
+    count : (b,) samples of each block.
     """
-    squares = mean_squares(label, left, given) * np.unique(label, return_counts=True)[1]
+    squares = means * count
     lost = squares[0] - settings.not_worse**2 * squares[1]
     return bool(lost.sum() > norm.ppf(settings.certainty) * np.sqrt(len(lost)) * np.std(lost))
 
@@ -195,11 +224,16 @@ def _left_open(factor: tuple[np.ndarray, bool], precision: np.ndarray) -> np.nda
     return np.diag(cho_solve(factor, np.eye(len(precision)))) * precision
 
 
-def mean_squares(label: np.ndarray, *errors: np.ndarray) -> np.ndarray:
-    """Return the mean square (e, b) of each of `errors` (m,) over the samples of each block, labelled by integers."""
+def mean_squares(label: np.ndarray, *errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean squares (e, b) of each of `errors` (m,) over each block, and the samples (b,) of the blocks.
+
+    Parameters
+    ----------
+    label : (m,) integers, one for each block.
+    """
     _, place = np.unique(label, return_inverse=True)
     count = np.bincount(place)
-    return np.stack([np.bincount(place, e**2) / count for e in errors])
+    return np.stack([np.bincount(place, e**2) / count for e in errors]), count
 
 
 def put_back(
@@ -230,7 +264,7 @@ def put_back(
             return kept, tuple(given_up)
         axis, step = chosen
         if ratio[axis] > limit or axis in open_axes:
-            # Elsewhere the numbers of the model follow noise alone: that they stay is no loss to tell of.
+            # Elsewhere the parameters follow noise alone: that they stay as given is no loss to tell of.
             given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
         kept = step.taken_off(kept)
         asked = left_out(white, kept)
@@ -241,7 +275,7 @@ def _little_gained(
 ) -> tuple[int, Step] | None:
     """Return an axis on which the model gains little or not nearly always, and what acts on it alone; None if none.
 
-    A number of a drive is the same at all times. One that is better in some stretches and worse in others is a mean
+    A parameter of a drive is the same at all times. One that is better in some stretches and worse in others is a mean
     over what comes and goes, or follows noise: the next recording may hold more of the others.
     """
     settings = white.problem.settings
@@ -251,12 +285,13 @@ def _little_gained(
         if asked.gained[axis] >= nearly_all and not (is_open and asked.ratio[axis] > nearly_all):
             continue
         own = [s for s in steps.get(axis, []) if s.terms and all(set(t.blocks) == {axis} for t in s.terms)]
-        own = [s for s in own if (is_open or s.words == DRIVE) and s.touches(kept)]
-        words, terms = ", ".join(s.words for s in own), tuple(t for s in own for t in s.terms)
-        for together in [Step(words, terms)] + [Step(words, terms, deaf=axis)] * is_open:
-            rest = together.taken_off(kept)
-            if own and np.all(left_out_ratio(white, rest) <= settings.not_worse):
-                return axis, together
+        own = [s for s in own if (is_open or s.of_drive) and s.touches(kept)]
+        if not own:
+            continue
+        together = Step(", ".join(s.words for s in own), tuple(t for s in own for t in s.terms))
+        for step in [together, replace(together, deaf=axis)] if is_open else [together]:
+            if np.all(left_out_ratio(white, step.taken_off(kept)) <= settings.not_worse):
+                return axis, step
     return None
 
 
@@ -268,7 +303,6 @@ def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axi
     ratio : error of the model as it is over that of the given robot.
     """
     every = steps.get(axis, [])
-    everything = Step(EVERYTHING, tuple(t for s in every for t in s.terms), min((s.links for s in every), default=0.0))
     best: tuple[float, Step] | None = None
     for step in every:
         if not step.touches(kept):
@@ -280,4 +314,6 @@ def _best_step(white: White, kept: list[Term], steps: dict[int, list[Step]], axi
             best = (after, step)
     if best is None:
         return None
-    return best[1] if best[0] < ratio else everything
+    if best[0] < ratio:
+        return best[1]
+    return Step(EVERYTHING, tuple(t for s in every for t in s.terms), min(s.links for s in every))

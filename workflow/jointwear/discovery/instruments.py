@@ -82,28 +82,29 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
 
 
 def _late(
-    problem: Problem, axis: int, white: Whitener, cutoff: float, share: np.ndarray, frequency: np.ndarray
+    problem: Problem, axis: int, white: Whitener, timing: float, share: np.ndarray, frequency: np.ndarray
 ) -> float:
-    """Return the cut-off of columns of late torque, at least `cutoff`: that of rates of torque.
+    """Return the cut-off [Hz] of columns of late torque, at least `timing`, that of rates of torque.
 
-    A torque that is late by d turns its noise by w d: of that 1 - cos(w d) lies along the noise of the residual, a
-    second-order quantity, where all of a second derivative does. So far higher frequencies tell of a delay. A filter
-    takes noise off instead, which gains at every frequency: its columns end where rates of torque do.
+    A delay d turns noise of frequency w by the angle w d: of what that changes only 1 - cos(w d) lies along the noise
+    of the residual, of second order in w d, where a second derivative lies along it altogether. So far higher
+    frequencies tell of a delay. A filter takes noise off instead, which gains at every frequency: its columns end where
+    rates of torque do.
 
     Parameters
     ----------
     share : (k,) density of the noise of derived accelerations over that of the residual, at most 1: the residual holds
         all of it, but the floor of positions is motion where friction shakes an arm up to half the rate.
     """
+    if not np.isfinite(timing):
+        return timing
     rate = problem.measured.rate
     along = 1.0 - np.cos(np.minimum(2 * np.pi * frequency * LATE, np.pi))
-    if not np.isfinite(cutoff):
-        return cutoff
     # What is motion is seen where noise does no harm, as for columns of timing.
-    limited = band_limited(problem.train_state, axis, cutoff, rate)
+    limited = band_limited(problem.train_state, axis, timing, rate)
     column = white(late_torque(limited, axis, LATE) - limited.torque[:, axis])
-    energy = _beside_base(problem, axis, white, limited, cutoff, column)
-    return max(cutoff, _highest(len(white.rows), along, 2.0 * along, share, frequency, rate, energy))
+    energy = _beside_base(problem, axis, white, limited, timing, column)
+    return max(timing, _highest(len(white.rows), along, 2.0 * along, share, frequency, rate, energy))
 
 
 def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:
@@ -175,12 +176,15 @@ def _highest(
 
     Parameters
     ----------
-    along : (k,) gain of the noise in the column along that of the residual. power : (k,) its squared size.
+    count : samples. along, power : (k,) of the noise in a column that is not filtered, over that of the torque: the
+        part along the noise of the residual, and the square of all of it.
+    share : (k,) density of the noise of the torque over that of the residual at `frequency` (k,) [Hz]. rate : [Hz] of
+        the samples. energy : mean square of the whitened column without noise.
     """
     for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
         gain = zero_phase_gain(frequency, cutoff, rate)
-        product, whole = np.mean(along * gain * share), energy + np.mean(power * gain**2 * share)
-        if 0.5 * count * product**2 <= FEIGNED * whole or whole == 0:
+        product, total = np.mean(along * gain * share), energy + np.mean(power * gain**2 * share)
+        if 0.5 * count * product**2 <= FEIGNED * total or total == 0:
             return float(cutoff) if cutoff < HIGHEST * rate else np.inf
     return float(cutoff)
 

@@ -255,6 +255,8 @@ def _waves(outcome: Outcome, axis: int) -> list[Term]:
     columns = []
     for line in found:
         for piece in record_slices(state):
+            if piece.stop - piece.start < 2:
+                continue
             time = state.time[piece] - state.time[piece.start]
             apart = 1.0 / float(time[-1])
             reach = line.high - line.low + apart

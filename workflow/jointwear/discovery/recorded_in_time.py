@@ -3,22 +3,18 @@
 A column of late torque is made of the model, and where positions do not resolve what follows a reversal the model is
 wrong there in a way that a delay may follow. The recorded torque needs neither friction nor accelerations: put forward
 by d it is compared with the model as it is. Its noise keeps its density at another time, so that the likelihood of the
-whole is that of d, in closed loop too (Ljung 1999, direct prediction-error method), as long as its size is not fitted:
+data is that of d, in closed loop too (Ljung 1999, direct prediction-error method), as long as its size is not fitted:
 of noise alone half would fit best.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy.ndimage import fourier_shift
 
+from jointwear.discovery.linear import Fit
+from jointwear.discovery.whitening import White
 from jointwear.measurement.motion import runs
-
-if TYPE_CHECKING:
-    from jointwear.discovery.linear import Fit
-    from jointwear.discovery.whitening import White
 
 #: Samples by which a record is continued, turned about its ends, before it is shifted.
 CONTINUED = 64
@@ -29,19 +25,19 @@ SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)
 def put_forward(values: np.ndarray, delay: float, rate: float) -> np.ndarray:
     """Return values (m,), evenly sampled at `rate` [Hz], as they are `delay` [s] later."""
     more = min(len(values) - 1, CONTINUED)
-    whole = np.pad(values, more, mode="reflect", reflect_type="odd")
+    padded = np.pad(values, more, mode="reflect", reflect_type="odd")
     # A line is shifted exactly: what is left ends as it begins, as a Fourier series does.
-    time = np.arange(len(whole))
-    slope = (whole[-1] - whole[0]) / max(len(whole) - 1, 1)
-    spectrum = fourier_shift(np.fft.rfft(whole - slope * time), -delay * rate, n=len(whole))
-    shifted = np.fft.irfft(spectrum, len(whole)) + slope * (time + delay * rate)
+    time = np.arange(len(padded))
+    slope = (padded[-1] - padded[0]) / max(len(padded) - 1, 1)
+    spectrum = fourier_shift(np.fft.rfft(padded - slope * time), -delay * rate, n=len(padded))
+    shifted = np.fft.irfft(spectrum, len(padded)) + slope * (time + delay * rate)
     return shifted[more : more + len(values)]
 
 
 def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:
-    """Return the nats that a fit gains if the recorded torque of one axis is `delay` [s] late; negative: early.
+    """Return the nats that a fit gains if the recorded torque of an axis (0-based) is late by `delay` [s].
 
-    The largest of :data:`SHARES` of it counts.
+    Of the :data:`SHARES` of the delay the one that gains most counts. Below 0 it is early.
     """
     problem = white.problem
     torque, record = problem.measured.torque[problem.train, axis], np.asarray(problem.train_state.record)

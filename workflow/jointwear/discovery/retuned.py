@@ -11,6 +11,7 @@ from jointwear.discovery.misfit import divided, masses_of
 from jointwear.discovery.problem import FRICTION
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Retuned
+from jointwear.discovery.whitening import INERTIAL
 from jointwear.files.json_values import six_digits
 from jointwear.robots.inertia import bodies
 
@@ -55,7 +56,7 @@ def _wrong_mass(final: Final) -> list[Retuned]:
     outcome, problem = final.outcome, final.outcome.problem
     white = final.white
     named = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
-    fixed = [t for t in white.base if t.label != "inertial"]
+    fixed = [t for t in white.base if t.label != INERTIAL]
     effects = [divided(t, final.misfit) for n in outcome.named if n.candidate.effect != LINK_MASS for t in n.terms]
     fit = Fit(white.targets, [*fixed, *effects])
     full = white.fit([*effects])

@@ -14,6 +14,7 @@ from jointwear.discovery.estimation import Final, finalise
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import INERTIAL
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
 
 #: A model with its robot files, "retuned" and "augmented", and the torque (m, n) [N m] of these and the given robot.
@@ -31,7 +32,7 @@ def sound_files(problem: Problem, outcome: Outcome) -> Written:
         written = _without_harmful(problem, *written)
     bad = [kind for kind in written[1] if _worse(problem, written[2][kind])]
     if bad:
-        rigid = write_files(problem, finalise(outcome, frozenset({"inertial"})))
+        rigid = write_files(problem, finalise(outcome, frozenset({INERTIAL})))
         if "augmented" in bad:
             rigid = _without_harmful(problem, *rigid)
         written = _exchanged(problem, written, rigid, bad)

@@ -18,6 +18,8 @@ from jointwear.effects import Effect, State
 from jointwear.measurement.motion import runs
 from jointwear.robots.inertia import mass_direction
 
+#: Label of the term of the corrections of the links, which all axes share.
+INERTIAL = "inertial"
 #: Axis -> fold (m,) of each whitened row.
 Folds = Callable[[int], np.ndarray]
 
@@ -95,7 +97,7 @@ class White:
         for term, where in zip(fit.terms, fit.slices, strict=True):
             if term.drive == (axis,):
                 left -= friction @ fit.theta[where]
-            elif term.label == "inertial":
+            elif term.label == INERTIAL:
                 left -= inertial @ (self.directions @ fit.theta[where])
         return left
 
@@ -189,7 +191,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
     if directions.shape[1]:
         blocks = {axis: x @ directions for axis, x in inertial.items()}
         raw = {axis: x @ directions for axis, x in raw_inertial.items()}
-        base.append(Term("inertial", blocks, np.ones(directions.shape[1]), raw))
+        base.append(Term(INERTIAL, blocks, np.ones(directions.shape[1]), raw))
     return White(problem, whiteners, targets, base, directions, cutoffs)
 
 

@@ -82,8 +82,9 @@ class Effect:
     scaled : the one parameter in which the torque is nearly, not quite, linear: it is searched like a nonlinear one,
         with a coefficient of one, and the last fit's coefficient scales it.
     timing : made of rates of change of the torque, so that the noise of derived accelerations is part of the columns.
-    shifts : parameters -> whether an effect is the torque itself at another time: as much noise, at right angles.
-    a_time : its `scaled` parameter is the time [s] by which the torque is late.
+    shifts : parameters -> whether an effect is the torque itself at another time: it holds as much noise, of which
+        hardly any lies along that of the residual.
+    late : its `scaled` parameter is the time [s] by which the torque is late.
     of_load : of these, made of the load alone, which the measured torque tells as well as the motion.
     of_drive : a share of all that a drive gives: without a load on the axis, friction and motor inertia say the same.
     vanishes_at : the parameter that says at which argument the torque is zero ("reference" of a temperature).
@@ -130,7 +131,7 @@ class Effect:
     scaled: str = ""
     timing: bool = False
     shifts: Callable[[Parameters], bool] = lambda parameters: False
-    a_time: bool = False
+    late: bool = False
     of_load: bool = False
     of_drive: bool = False
     vanishes_at: str = ""

@@ -9,8 +9,8 @@ from scipy.signal import lfilter
 from jointwear.effects.rests import SLOW
 from jointwear.effects.state import State, record_slices
 
-#: Order of the splines between samples.
-ORDER = 5
+#: Degree of the splines between samples.
+DEGREE = 5
 
 
 def first_derivative(state: State, values: np.ndarray) -> np.ndarray:
@@ -49,10 +49,10 @@ def delayed(state: State, values: np.ndarray, delay: float) -> np.ndarray:
     result = np.empty(np.shape(values))
     for part in record_slices(state):
         t = state.time[part]
-        if part.stop - part.start <= ORDER:
+        if part.stop - part.start <= DEGREE:
             result[part] = np.interp(t - delay, t, values[part])
             continue
-        spline = make_interp_spline(t, values[part], k=ORDER)
+        spline = make_interp_spline(t, values[part], k=DEGREE)
         result[part] = spline(np.clip(t - delay, t[0], t[-1]))
     return result
 

@@ -44,7 +44,7 @@ EFFECT = Effect(
     scaled="delay",
     timing=True,
     shifts=lambda p: not p.get("lag"),
-    a_time=True,
+    late=True,
     bend=timing_bend(),
     sequential=True,
 )
