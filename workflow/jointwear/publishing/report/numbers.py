@@ -49,10 +49,14 @@ def fixed(value: float | None, decimals: int, plus: bool = False) -> str:
 
 
 def with_std(value: float | None, std: float | None, plus: bool = False) -> str:
-    """Return a number ± its standard deviation, two digits of it, with as many decimals for the number (GUM 7.2.6)."""
+    """Return a number ± its standard deviation, two digits of it, with as many decimals for the number (GUM 7.2.6).
+
+    Without a deviation, or with one below :data:`SMALLEST_STD`, the number stands alone.
+    """
     if is_missing(value) or is_missing(std) or not SMALLEST_STD <= std < math.inf:
         return number(value, plus=plus)
-    decimals = max(1 - math.floor(math.log10(std)), 0)
+    # As rounded: 0.0996 is 0.10.
+    decimals = max(1 - int(f"{std:.1e}".split("e")[1]), 0)
     return f"{fixed(value, decimals, plus)} ± {fixed(std, decimals)}"
 
 
