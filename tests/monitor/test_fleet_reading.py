@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from monitor_logs import ROBOT, START, columns, make_log, write_csv, write_parquet
 
-from jointwear.measurement.log_kinds import at_a_time
+from jointwear.measurement.log_kinds import readable_in_threads
 from jointwear.monitor.fleet import reading, watch
 from jointwear.monitor.fleet.plan import seen
 from jointwear.monitor.fleet.watch import watch_robot, watch_robots
@@ -53,8 +53,8 @@ def test_logs_read_at_a_time_say_what_they_say_one_by_one(logs, tmp_path):
     assert (alone["logs_read"], alone["refused_logs"]) == (6, 1)
     one, other = (tmp_path / name / "robots/arm/windows" for name in ("alone", "together"))
     assert [p.read_bytes() for p in sorted(one.iterdir())] == [p.read_bytes() for p in sorted(other.iterdir())]
-    assert at_a_time(logs)
-    assert not at_a_time([*logs, "day_06.nc"])
+    assert readable_in_threads(logs)
+    assert not readable_in_threads([*logs, "day_06.nc"])
 
 
 def test_a_log_that_sorts_first_costs_itself(logs, tmp_path):

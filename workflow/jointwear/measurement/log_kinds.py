@@ -10,7 +10,7 @@ FORMATS = {
     ".parquet": "parquet", ".mcap": "bag", ".db3": "bag",
 }  # fmt: skip
 #: Formats of which several logs may be read at a time by threads: the library of netCDF works for one alone.
-AT_A_TIME = frozenset({"csv", "parquet"})
+IN_THREADS = frozenset({"csv", "parquet"})
 
 
 def log_format(path: str | Path) -> str | None:
@@ -21,6 +21,6 @@ def log_format(path: str | Path) -> str | None:
     return FORMATS.get(path.suffix.lower())
 
 
-def at_a_time(paths: Iterable[str | Path]) -> bool:
-    """Return whether threads may read these logs at a time."""
-    return all(log_format(path) in AT_A_TIME for path in paths)
+def readable_in_threads(paths: Iterable[str | Path]) -> bool:
+    """Return whether threads may read several of these logs at a time."""
+    return all(log_format(path) in IN_THREADS for path in paths)

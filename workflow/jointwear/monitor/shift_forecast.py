@@ -4,8 +4,8 @@ Growth limit (exp(B x) - 1) / (exp(B) - 1) with x = (t - t0) / T: it begins at t
 all the way: saturating for negative B, straight for 0, accelerating for positive; or it comes to rest below the limit.
 A grid over B, t0, T and the size that the limit has in what is told, with a broad prior; each is as likely as the
 means of the shifts make it, under their own error, one error that all share (the normal state), and growth that is
-uneven by :data:`UNEVEN`. The times to the limit so weighted give the median and the interval; where the
-upper end stays open the limit may never be reached.
+uneven by :data:`UNEVEN`. The times to the limit so weighted give the median and the interval; where the upper end stays
+open the limit may never be reached.
 """
 
 from __future__ import annotations

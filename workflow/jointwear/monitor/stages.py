@@ -13,7 +13,7 @@ from typing import Any
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of
-from jointwear.measurement.log_kinds import at_a_time
+from jointwear.measurement.log_kinds import readable_in_threads
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.findings import missing_temperature
@@ -58,8 +58,8 @@ def log_pieces(
     arm = load_robot(robot)
     layout, found = layout_of(entry, arm.joint_names), read_survey(survey)
     length = window_seconds(entry.get("window", "1h"))
-    threads = max(min(threads, len(logs)), 1) if at_a_time(logs) else 1
-    # What Pinocchio works in belongs to one thread at a time.
+    threads = max(min(threads, len(logs)), 1) if readable_in_threads(logs) else 1
+    # Pinocchio works in memory of the model: a thread takes a model that no other one has.
     models: SimpleQueue[TorqueModel] = SimpleQueue()
     for _ in range(threads):
         models.put(TorqueModel(arm))
