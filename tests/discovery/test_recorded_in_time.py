@@ -5,6 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_instruments import RATE, coarse
 
+from jointwear.discovery.acceptance import where_noise_is_harmless
+from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.recorded_in_time import nats_of_time, put_forward
 from jointwear.discovery.saturated import estimate_noise
@@ -48,3 +50,19 @@ def test_the_recorded_torque_tells_a_delay_and_its_sign_and_none():
         assert nats_of_time(late, fit, axis, 0.02) > half
         assert nats_of_time(late, fit, axis, -0.02) < 0
         assert max(nats_of_time(right, plain, axis, d) for d in (-0.01, 0.01)) < half
+
+
+def test_a_delay_is_as_large_where_noise_is_harmless_and_a_longer_one_is_not():
+    robot = load_robot("config/robots/puma560.yaml")
+    late = whitened(robot, seed=6, late=0.02)
+    fit, settings = late.fit(), Settings()
+    for axis in (0, 1, 2):
+        nats, share = where_noise_is_harmless(
+            late, fit, Candidate("actuation_delay", axis, None, {"delay": 0.02, "lag": 0})
+        )
+        assert nats > 0.5 * settings.accept
+        assert share > settings.nearly_all
+        wrong = Candidate("actuation_delay", axis, None, {"delay": 0.06, "lag": 0})
+        assert where_noise_is_harmless(late, fit, wrong)[1] < settings.nearly_all
+        early = Candidate("actuation_delay", axis, None, {"delay": -0.02, "lag": 0})
+        assert where_noise_is_harmless(late, fit, early)[0] < 0

@@ -142,6 +142,10 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             delay = float(trial.candidate.nonlinear[effect.scaled])
             nats = nats_of_time(white, beside, trial.candidate.axis, delay)
             gates.append(("nats of the recorded torque put forward in time", nats, half))
+        if effect.shifts(trial.candidate.nonlinear):
+            nats, share = where_noise_is_harmless(white, beside, trial.candidate)
+            gates.append(("nats in the band in which noise feigns no rate of torque", nats, half))
+            gates.append(("share of what that band has of it at any size", share, settings.nearly_all))
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == INERTIAL else t for t in white.base]
@@ -226,6 +230,19 @@ def _step_lead(white: White, beside: Fit, trial: Named) -> float:
     gains = 0.5 * (std * b) ** 2 / scaled - 0.5 * np.log(scaled)
     b, gram = beside.gram(trial.term.blocks)
     return float(np.max(gains) - np.log(len(steps)) - gain(b, gram, trial.term.std))
+
+
+def where_noise_is_harmless(white: White, beside: Fit, candidate: Candidate) -> tuple[float, float]:
+    """Return the nats of an effect below the cut-off of second derivatives, and their share in those at its best size.
+
+    What shifts torque in time is looked for in a wider band, where misfits beside reversals look like it too. A shift
+    is the same at all frequencies: below, where less is seen and nothing is feigned, it has to be as large.
+    """
+    effect, axis = get_effect(candidate.effect), candidate.axis
+    columns = effect.columns(white.state_of(effect, axis), axis, candidate.source, candidate.nonlinear)
+    b, gram = beside.gram({axis: white.columns(axis, columns)})
+    nats, best = float(b[0] - 0.5 * gram[0, 0]), 0.5 * float(b[0] ** 2 / gram[0, 0]) if gram[0, 0] > 0 else 0.0
+    return nats, nats / best if best > 0 else 0.0
 
 
 def within_bounds(white: White, beside: Fit, trial: Named) -> bool:

@@ -290,7 +290,8 @@ def _little_gained(
             continue
         together = Step(", ".join(s.words for s in own), tuple(t for s in own for t in s.terms))
         for step in [together, replace(together, deaf=axis)] if is_open else [together]:
-            if np.all(left_out_ratio(white, step.taken_off(kept)) <= settings.not_worse):
+            # An axis that is above the limit by one slow record alone speaks against no step of another.
+            if np.all(left_out_ratio(white, step.taken_off(kept)) <= np.maximum(settings.not_worse, asked.ratio)):
                 return axis, step
     return None
 
