@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from scipy.special import softmax
 
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.whitening import INERTIAL, White
@@ -108,6 +109,31 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
     gone = {place for place, w in places.items() if std[w.start] <= NOTHING}
     chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False) if t.drive not in gone]
     return chosen, best[2]
+
+
+def doubted_links(white: White, fit: Fit) -> np.ndarray:
+    """Return the covariance (p, p) of the coefficients of a fit if nobody knows how wrong the links are.
+
+    The errors under which the data are most likely are often hardly more so than others, and none at all makes what
+    moves with a link look certain: a mass at the flange beside that of the wrist. Each of :data:`INERTIAL_ERRORS`
+    counts as much as the data speak for it (Bayesian model averaging: Hoeting et al. 1999, eq. 3 and 4).
+    """
+    where = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == INERTIAL), None)
+    usual = next((t.std for t in white.base if t.label == INERTIAL), None)
+    if where is None or usual is None:
+        return fit.covariance
+    data = fit.normal - np.diag(fit.std**-2.0)
+    evidences, covariances = [], []
+    for error in INERTIAL_ERRORS:
+        std = fit.std.copy()
+        std[where] = error * usual
+        factor = cho_factor(data + np.diag(std**-2.0))
+        theta = cho_solve(factor, fit.right)
+        moved = theta - fit.theta
+        log_det = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * float(np.sum(np.log(std)))
+        evidences.append(0.5 * float(fit.right @ theta) - 0.5 * log_det)
+        covariances.append(cho_solve(factor, np.eye(len(std))) + np.outer(moved, moved))
+    return np.tensordot(softmax(evidences), covariances, axes=1)
 
 
 def _to_zero(weigh: Callable, std: np.ndarray, place: int, size: float) -> float:

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from jointwear.discovery.acceptance import stiff
-from jointwear.discovery.base import likely_base
+from jointwear.discovery.base import doubted_links, likely_base
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -232,6 +232,7 @@ def _fitted(
         _make_sound(fit, candidate, places[id(term)])
     weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
     known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
+    known.covariance = doubted_links(weak, known)
     known.theta = fit.theta
     weak_base = [less[id(t)] for t in base]
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
