@@ -13,7 +13,7 @@ from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
 from jointwear.discovery.acceptance import explained, missed, predictive
 from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks, scan
 from jointwear.discovery.crossval import CrossValidated, cross_validate, lowered, positive
-from jointwear.discovery.fallback import left_out_ratio
+from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal

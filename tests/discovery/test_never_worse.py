@@ -11,16 +11,8 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import (
-    DRIVE,
-    OF_LINKS,
-    Step,
-    left_out,
-    left_out_ratio,
-    mean_squares,
-    put_back,
-    surely_worse,
-)
+from jointwear.discovery.fallback import DRIVE, OF_LINKS, Step, put_back
+from jointwear.discovery.left_out import Asked, left_out_ratio, mean_squares, surely_worse
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Unexplained
@@ -98,7 +90,7 @@ def test_what_helps_while_a_wall_is_touched_only_is_no_better_robot(found):
     trial = replace(white, problem=odd, targets=targets)
     assert left_out_ratio(trial, [term], each=False)[axis] < 0.7
     assert left_out_ratio(trial, [term])[axis] > 1.5
-    assert left_out(trial, [term]).surely[axis] > 1.5
+    assert Asked(trial, [term])([term]).surely[axis] > 1.5
 
 
 def test_of_three_records_two_need_not_tell_of_the_third(found):
@@ -194,7 +186,7 @@ def test_friction_of_half_of_the_time_is_no_number_of_a_drive(found, dragging):
     blocks, raw = {axis: sign[:, None] * 1.0}, {axis: sigma * sign[:, None]}
     term = Term("friction", blocks, np.array([1e3]), raw, (axis, 0))
     step = Step(DRIVE, (term,), of_drive=True)
-    asked = left_out(trial, [term])
+    asked = Asked(trial, [term])([term])
     assert (asked.gained[axis] > 0.99) == (dragging == 1.0)
     assert asked.ratio[axis] < 0.9
     for open_axes in ([], [axis]):
@@ -202,6 +194,18 @@ def test_friction_of_half_of_the_time_is_no_number_of_a_drive(found, dragging):
         assert len(kept) == int(dragging == 1.0)
         # It is told where structure is left.
         assert [f.step for f in given_up] == ([] if kept or not open_axes else [DRIVE])
+
+
+def test_a_part_of_a_model_is_asked_as_if_it_were_the_whole(found):
+    final = found.final
+    terms, white = final.fit.terms, final.outcome.white
+    ask = Asked(white, terms)
+    own = next(t for t in terms if t.drive == (2, 0))
+    for step in (Step("", (own,)), *OF_LINKS, Step("", tuple(t for t in terms if t.effect)), Step("", (own,), deaf=2)):
+        kept = step.taken_off(terms)
+        part, alone = ask(kept), Asked(white, kept)(kept)
+        for name in ("ratio", "surely", "gained"):
+            assert getattr(part, name) == pytest.approx(getattr(alone, name), rel=1e-9)
 
 
 def test_links_are_given_up_by_halves_and_never_widened():
@@ -218,7 +222,7 @@ def test_links_are_given_up_by_halves_and_never_widened():
     assert widths[-2] == [[0.03125, 0.03125]]
     assert widths[-1] == []
     (deaf,) = Step(DRIVE, (own,), deaf=1).taken_off([links, own])
-    assert not deaf.blocks[1].any()
+    assert 1 not in deaf.blocks
     assert deaf.blocks[0].all()
     assert links.blocks[1].all()
 

@@ -16,8 +16,9 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, OF_LINKS, Step, left_out_ratio, put_back
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, OF_LINKS, Step, put_back
 from jointwear.discovery.forms import Form, companion, form_of
+from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome
