@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 from scipy.signal import lfilter
 
 from jointwear.effects.rests import SLOW
 from jointwear.effects.state import State, record_slices
-
-#: Degree of the splines between samples.
-DEGREE = 5
 
 
 def first_derivative(state: State, values: np.ndarray) -> np.ndarray:
@@ -35,25 +31,6 @@ def second_derivative(state: State, values: np.ndarray) -> np.ndarray:
             before, after = np.diff(t)[:-1], np.diff(t)[1:]
             slope = np.diff(x) / np.diff(t)
             result[part.start + 1 : part.stop - 1] = 2 * (slope[1:] - slope[:-1]) / (before + after)
-    return result
-
-
-def delayed(state: State, values: np.ndarray, delay: float) -> np.ndarray:
-    """Return `values` (m,) as they were `delay` [s] earlier in the same record; unchanged without an order.
-
-    Splines go through the samples: straight lines would take off what changes fast, noise above all. Beyond the ends
-    of a record its end values hold.
-    """
-    if state.record is None:
-        return values
-    result = np.empty(np.shape(values))
-    for part in record_slices(state):
-        t = state.time[part]
-        if part.stop - part.start <= DEGREE:
-            result[part] = np.interp(t - delay, t, values[part])
-            continue
-        spline = make_interp_spline(t, values[part], k=DEGREE)
-        result[part] = spline(np.clip(t - delay, t[0], t[-1]))
     return result
 
 
@@ -99,12 +76,15 @@ def _lagged(t: np.ndarray, x: np.ndarray, lag: float, v: np.ndarray | None) -> n
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     """Return the nominal torque (m,) of one axis as it was `delay` [s] earlier; negative: as it will be.
 
+    Of unordered samples it is the torque as it is.
+
     Coulomb friction jumps between two samples: the instant of reversal comes from the velocity, which does not. In a
     stop it is what holds the joint, and does not jump.
     """
-    velocity, torque = state.velocity[..., axis], state.torque[..., axis]
-    smooth = delayed(state, torque - state.drive.coulomb(axis, velocity), delay)
-    sense = np.sign(delayed(state, velocity, delay))
+    if state.record is None:
+        return state.torque[..., axis]
+    smooth, velocity = state.between(axis).earlier(delay).T
+    sense = np.sign(velocity)
     for rest in state.rests_of(axis):
         time = state.time[rest.record] - delay
         sense[rest.record] = np.where(rest.inside(time), rest.sense(time), sense[rest.record])

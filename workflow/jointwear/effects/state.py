@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from jointwear.effects.between import Between
 from jointwear.effects.rests import Rest, rests
 from jointwear.robots.robot import Robot
 
@@ -79,6 +80,7 @@ class State:
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
     _rests: dict[tuple, list[Rest]] = field(init=False, repr=False, default_factory=dict)
+    _between: dict[int, Between] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "direction", np.sign(self.velocity))
@@ -116,6 +118,19 @@ class State:
                 velocity = velocity + shares[1] * self.velocity[..., source]
             self._rests[key] = [] if self.record is None else rests(velocity, self.time, record_slices(self))
         return self._rests[key]
+
+    def between(self, axis: int) -> Between:
+        """Return nominal torque without Coulomb friction [N m] and velocity [rad/s] of one axis between the samples.
+
+        Raises
+        ------
+        InputError : names a sample whose time does not rise in its record, or that is not finite.
+        """
+        if axis not in self._between:
+            velocity = self.velocity[..., axis]
+            smooth = self.torque[..., axis] - self.drive.coulomb(axis, velocity)
+            self._between[axis] = Between(self.time, np.stack([smooth, velocity], axis=-1), record_slices(self))
+        return self._between[axis]
 
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""

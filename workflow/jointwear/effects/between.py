@@ -1,0 +1,58 @@
+"""Values of ordered samples at times between them: splines within each record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from jointwear.files.errors import InputError
+
+#: Degree of the splines between samples.
+DEGREE = 5
+
+
+class Between:
+    """Values (m,) or (m, k) of ordered samples as they were at other times of the same record.
+
+    Splines go through the samples: straight lines would take off what changes fast, noise above all. They are worked
+    out once and asked as often as there are delays.
+
+    Parameters
+    ----------
+    time : (m,) [s], rising within each record. values : finite. records : their slices.
+
+    Raises
+    ------
+    InputError : names the first sample whose time does not rise, or that is not finite.
+    """
+
+    def __init__(self, time: np.ndarray, values: np.ndarray, records: Sequence[slice]) -> None:
+        self._time, self._values = time, values
+        self._records = [(part, _spline(time, values, part)) for part in records]
+
+    def earlier(self, delay: float) -> np.ndarray:
+        """Return the values as they were `delay` [s] earlier; beyond the ends of a record its end values hold."""
+        result = np.empty(np.shape(self._values))
+        for part, spline in self._records:
+            time = self._time[part]
+            result[part] = spline(np.clip(time - delay, time[0], time[-1]))
+        return result
+
+
+def _spline(time: np.ndarray, values: np.ndarray, part: slice) -> BSpline:
+    """Return the spline through the samples of one record; straight lines where there are too few for its degree."""
+    t, x = time[part], values[part]
+    finite = np.isfinite(t) & np.isfinite(x.reshape(len(x), -1)).all(axis=1)
+    if not finite.all():
+        raise InputError(f"sample {part.start + int(np.argmin(finite))}: time and values have to be finite")
+    rises = np.diff(t) > 0
+    if not rises.all():
+        late = int(np.argmin(rises)) + 1
+        raise InputError(
+            f"sample {part.start + late}: its time {t[late]:.9g} s does not lie behind that of the sample before, "
+            f"{t[late - 1]:.9g} s; the times of a record have to rise"
+        )
+    # A single sample is what it is at all times.
+    return make_interp_spline(t, x, k=DEGREE if len(t) > DEGREE else min(1, len(t) - 1))
