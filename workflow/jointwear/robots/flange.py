@@ -45,39 +45,32 @@ class FlangeLoad:
     def unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Return gravity and inertial torque (2, m, 4, n) of unit mass [N m/kg] and unit first moments [N m/(kg m)]
         along a motion (m, n)."""
-        out = np.empty((2, 4, position.shape[1], len(position)))
-        for part in _blocks(len(position)):
-            out[..., part] = self._unit(position[part], velocity[part], acceleration[part])
-        return out.transpose(0, 3, 1, 2)
-
-    def _unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        joints, tip = self._frames(position, velocity, acceleration)
-        held = np.broadcast_to(-self._gravity, tip.place.shape)
-        edges = [tip.turn[:, k] for k in range(3)]
-        couples = [(_cross(edge, held), _cross(edge, tip.pushed)) for edge in edges]
-        swung = [tip.swung(edge) for edge in edges]
-        out = np.empty((2, 4, len(joints), len(position)))
-        for j, joint in enumerate(joints):
-            reach = joint.reach(tip.place)
-            out[0, 0, j], out[1, 0, j] = _dot(reach, held), _dot(reach, tip.pushed)
-            for k in range(3):
-                out[0, k + 1, j] = joint.couple(couples[k][0])
-                out[1, k + 1, j] = _dot(reach, swung[k]) + joint.couple(couples[k][1])
-        return out
+        return self._unit(position, velocity, acceleration, apart=True)
 
     def unit_sum(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Return what :meth:`unit` does, gravity and inertial torque in one, (m, 4, n)."""
-        out = np.empty((4, position.shape[1], len(position)))
+        return self._unit(position, velocity, acceleration, apart=False)[0]
+
+    def _unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, apart: bool) -> np.ndarray:
+        """Return unit torques (f, m, 4, n): gravity and inertial torque `apart` (f = 2) or in one (f = 1)."""
+        out = np.empty((2 if apart else 1, 4, position.shape[1], len(position)))
         for part in _blocks(len(position)):
             joints, tip = self._frames(position[part], velocity[part], acceleration[part])
-            force, edges = tip.pushed - self._gravity, [tip.turn[:, k] for k in range(3)]
-            loads = [(tip.swung(edge), _cross(edge, force)) for edge in edges]
+            held = np.broadcast_to(-self._gravity, tip.place.shape)
+            forces = [held, tip.pushed] if apart else [tip.pushed + held]
+            edges = [tip.turn[:, k] for k in range(3)]
+            swung = [tip.swung(edge) for edge in edges]
+            couples = [[_cross(edge, force) for edge in edges] for force in forces]
             for j, joint in enumerate(joints):
                 reach = joint.reach(tip.place)
-                out[0, j, part] = _dot(reach, force)
-                for k, (swung, couple) in enumerate(loads, start=1):
-                    out[k, j, part] = _dot(reach, swung) + joint.couple(couple)
-        return out.transpose(2, 0, 1)
+                for f, force in enumerate(forces):
+                    out[f, 0, j, part] = _dot(reach, force)
+                    for k in range(3):
+                        out[f, k + 1, j, part] = joint.couple(couples[f][k])
+                for k in range(3):
+                    # What turns with the frame is inertia, the last of the forces.
+                    out[-1, k + 1, j, part] += _dot(reach, swung[k])
+        return out.transpose(0, 3, 1, 2)
 
     def torque(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, moments: np.ndarray
