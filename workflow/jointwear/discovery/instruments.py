@@ -104,7 +104,7 @@ def _late(
     limited = band_limited(problem.train_state, axis, timing, rate)
     column = white(late_torque(limited, axis, LATE) - limited.torque[:, axis])
     energy = _beside_base(problem, axis, white, limited, timing, column)
-    return max(timing, _highest(len(white.rows), along, 2.0 * along, share, frequency, rate, energy))
+    return max(timing, _highest(white, np.stack([along, 2.0 * along]) * share, frequency, rate, energy))
 
 
 def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:
@@ -160,31 +160,22 @@ def cutoff_of(
     """
     power = (2 * np.pi * frequency) ** order
     share = density / white.density(frequency, rate)
-    return _highest(len(white.rows), power, power**2, share, frequency, rate, energy)
+    return _highest(white, np.stack([power, power**2]) * share, frequency, rate, energy)
 
 
-def _highest(
-    count: int,
-    along: np.ndarray,
-    power: np.ndarray,
-    share: np.ndarray,
-    frequency: np.ndarray,
-    rate: float,
-    energy: float,
-) -> float:
+def _highest(white: Whitener, shared: np.ndarray, frequency: np.ndarray, rate: float, energy: float) -> float:
     """Return the highest cut-off [Hz] at which noise feigns no more than :data:`FEIGNED`, infinite for no filter.
 
     Parameters
     ----------
-    count : samples. along, power : (k,) of the noise in a column that is not filtered, over that of the torque: the
-        part along the noise of the residual, and the square of all of it.
-    share : (k,) density of the noise of the torque over that of the residual at `frequency` (k,) [Hz]. rate : [Hz] of
-        the samples. energy : mean square of the whitened column without noise.
+    white : the noise model of the residual. shared : (2, k) density of the noise in a column that is not filtered over
+        that of the residual, at `frequency` (k,) [Hz]: the part along the noise of the residual, and the square of all
+        of it. rate : [Hz] of the samples. energy : mean square of the whitened column without noise.
     """
     for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
         gain = zero_phase_gain(frequency, cutoff, rate)
-        product, total = np.mean(along * gain * share), energy + np.mean(power * gain**2 * share)
-        if 0.5 * count * product**2 <= FEIGNED * total or total == 0:
+        product, total = np.mean(shared[0] * gain), energy + np.mean(shared[1] * gain**2)
+        if 0.5 * len(white.rows) * product**2 <= FEIGNED * total or total == 0:
             return float(cutoff) if cutoff < HIGHEST * rate else np.inf
     return float(cutoff)
 
