@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, possible, prior_std, raw_torques
 from jointwear.discovery.crossval import CrossValidated, cross_validate
-from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
+from jointwear.discovery.linear import Fit, Term, gain, gain_of_one, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.problem import Problem
@@ -241,7 +241,7 @@ def where_noise_is_harmless(white: White, beside: Fit, candidate: Candidate) -> 
     effect, axis = get_effect(candidate.effect), candidate.axis
     columns = effect.columns(white.state_of(effect, axis), axis, candidate.source, candidate.nonlinear)
     b, gram = beside.gram({axis: white.columns(axis, columns)})
-    nats, best = float(b[0] - 0.5 * gram[0, 0]), 0.5 * float(b[0] ** 2 / gram[0, 0]) if gram[0, 0] > 0 else 0.0
+    nats, best = gain_of_one(b, gram), 0.5 * float(b[0] ** 2 / gram[0, 0]) if gram[0, 0] > 0 else 0.0
     return nats, nats / best if best > 0 else 0.0
 
 

@@ -105,6 +105,11 @@ def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> float:
     return 0.5 * float(right @ np.linalg.solve(scaled, right)) - 0.5 * float(log_det)
 
 
+def gain_of_one(b: np.ndarray, gram: np.ndarray) -> float:
+    """Return the nats that one column with b = X'r and gram X'M X adds with a coefficient of one, not fitted."""
+    return float(b[0] - 0.5 * gram[0, 0])
+
+
 def posterior_mean(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
     """Return the coefficients (k,) of columns with b = X'r and gram X'M X under their prior `std`."""
     if len(b) == 1:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import fourier_shift
 
-from jointwear.discovery.linear import Fit
+from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
 from jointwear.measurement.motion import runs
 
@@ -45,6 +45,5 @@ def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:
     for share in SHARES:
         parts = [put_forward(torque[piece], share * delay, problem.measured.rate) for piece in runs(record)]
         column = white.columns(axis, (torque - np.concatenate(parts))[:, None])
-        b, gram = fit.gram({axis: column})
-        gains.append(float(b[0] - 0.5 * gram[0, 0]))
+        gains.append(gain_of_one(*fit.gram({axis: column})))
     return max(gains)

@@ -14,7 +14,7 @@ from jointwear.discovery.candidates import (
     raw_torques,
     whitened,
 )
-from jointwear.discovery.linear import Fit, gain, posterior_mean
+from jointwear.discovery.linear import Fit, gain, gain_of_one, posterior_mean
 from jointwear.discovery.whitening import White
 from jointwear.effects import Parameter, get_effect
 
@@ -37,7 +37,7 @@ def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
         return gain_about_one(white, b, gram)
     if get_effect(candidate.effect).scaled:
         # Its size is in the columns: the coefficient is one.
-        return float(b[0] - 0.5 * gram[0, 0])
+        return gain_of_one(b, gram)
     return gain(b, gram, prior_std(white, candidate, torques[candidate.axis]))
 
 
