@@ -77,8 +77,8 @@ def discover_dataset(
     if log is not None:
         lines = [f"{name}: {words}" for words in found.content.misfits]
         lines += [
-            f"{name}: joint {f.axis}, {f.model} model: {f.step}, for it was {f.ratio:.3g} times as wrong as the given "
-            "robot on records left out"
+            f"{name}: joint {f.axis}, {f.model} model: {f.step}, for on records left out its error was {f.ratio:.3g} "
+            "times that of the given robot"
             for f in found.content.fallbacks
         ]
         replace_text(log, "".join(f"{line}\n" for line in lines))

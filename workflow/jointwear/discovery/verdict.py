@@ -163,8 +163,10 @@ class NotIdentifiable:
 class FallBack:
     """An axis on which a model was put back because it predicted records left out worse than the given robot.
 
-    `ratio` is the error over that of the given robot before it was put back, `step` what was given up. An effect may be
-    named and yet not written: it is there, but its torque carries so much noise that the file is better without.
+    `ratio` is the error over that of the given robot before it was put back, `step` what was given up. On an axis on
+    which structure is left that nothing explains a model that gains little is put back too: `ratio` may be below 1. An
+    effect may be named and yet not written: it is there, but its torque carries so much noise that the file is better
+    without.
     """
 
     model: str
