@@ -81,12 +81,17 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
         groups.append(_beside_reversals(raw, axis, label, rate))
         groups += _columns_of_neighbours(state, axis)
     columns = np.concatenate(groups, axis=1)
-    squares = columns**2
-    scale = np.sqrt(used.astype(float) @ squares / used.sum())
+    whole = np.zeros((2, len(used)))
+    whole[0, used] = 1.0
     # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
-    seen = np.sum(squares[whitenable(used, label, HIGHEST_ORDER)], axis=0)
+    whole[1, whitenable(used, label, HIGHEST_ORDER)] = 1.0
+    held, seen = whole @ columns**2
+    scale = np.sqrt(held / used.sum())
     keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
-    return columns.compress(keep, axis=1) / scale[keep]
+    if not keep.all():
+        columns, scale = columns.compress(keep, axis=1), scale[keep]
+    columns /= scale
+    return columns
 
 
 def _scaled(columns: np.ndarray, used: np.ndarray) -> np.ndarray:
