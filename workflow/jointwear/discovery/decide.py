@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -60,12 +61,12 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     named: list[Named] = []
     refused: list[Named] = []
     refusals_so_far = 0
+    ranking = _Ranking(white, dictionary, named)
     while sum(n.candidate.effect != LINK_MASS for n in named) < settings.most_effects:
-        fit = white.fit(with_tolerances(white, named))
-        best = _best(white, dictionary, fit, named, refused)
+        best = ranking.best(refused)
         if best is None:
             break
-        trial, failed = _tried(white, fit, named, best)
+        trial, failed = _tried(white, ranking.fit, named, best)
         if failed:
             outcome.refusals += failed
             refused.append(trial)
@@ -75,6 +76,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
             continue
         named.append(trial)
         named = _exchange(white, dictionary, named)
+        ranking = _Ranking(white, dictionary, named)
         # What a hidden effect spoilt may pass now that this one has a name.
         refused = []
     named = _eliminate(outcome, named)
@@ -139,18 +141,44 @@ def _tried(white: White, fit: Fit, named: list[Named], best: Scored) -> tuple[Na
     return max(passed, key=lambda t: predictive(white, before, t)[0].gain_share), []
 
 
-def _best(white: White, dictionary: Dictionary, fit: Fit, named: list[Named], refused: list[Named]) -> Scored | None:
-    """Return the best family not named yet, near ties decided by evidence with the tolerance of the form."""
-    settings = white.problem.settings
-    taken = {n.candidate.key for n in [*named, *refused]}
-    tried = Counter(n.candidate.axis for n in refused)
-    full = _full_axes(named, settings.most_on_axis) | {a for a, n in tried.items() if n >= MOST_REFUSED_ON_AXIS}
-    found = [s for s in scan(white, dictionary, fit) if s.candidate.key not in taken and s.candidate.axis not in full]
-    found = [s for s in found if s.evidence > settings.accept]
-    close = contenders(found, settings)[:RANKED]
-    if len(close) < 2:
-        return close[0] if close else None
-    return max(close, key=lambda s: _with_form(white, fit, s))
+class _Ranking:
+    """The families of a dictionary by evidence beside some named effects: the same until one more is named."""
+
+    def __init__(self, white: White, dictionary: Dictionary, named: list[Named]) -> None:
+        self._white, self._dictionary, self._named = white, dictionary, named
+        self._with_form: dict[tuple, float] = {}
+
+    @cached_property
+    def fit(self) -> Fit:
+        """The named effects with the tolerance of their forms."""
+        return self._white.fit(with_tolerances(self._white, self._named))
+
+    @cached_property
+    def _found(self) -> list[Scored]:
+        found = scan(self._white, self._dictionary, self.fit)
+        return [s for s in found if s.evidence > self._white.problem.settings.accept]
+
+    def best(self, refused: list[Named]) -> Scored | None:
+        """Return the best family not named or refused yet; near ties are decided with the tolerance of the form.
+
+        An axis on which no more may be named, or on which too many were refused, has none.
+        """
+        settings = self._white.problem.settings
+        taken = {n.candidate.key for n in [*self._named, *refused]}
+        tried = Counter(n.candidate.axis for n in refused)
+        full = _full_axes(self._named, settings.most_on_axis)
+        full |= {a for a, n in tried.items() if n >= MOST_REFUSED_ON_AXIS}
+        found = [s for s in self._found if s.candidate.key not in taken and s.candidate.axis not in full]
+        close = contenders(found, settings)[:RANKED]
+        if len(close) < 2:
+            return close[0] if close else None
+        return max(close, key=self._bent)
+
+    def _bent(self, scored: Scored) -> float:
+        key = scored.candidate.key
+        if key not in self._with_form:
+            self._with_form[key] = _with_form(self._white, self.fit, scored)
+        return self._with_form[key]
 
 
 def _full_axes(named: list[Named], most: int) -> set:
