@@ -65,7 +65,7 @@ def test_a_misfit_divides_what_an_axis_says(found):
     assert all(x == pytest.approx(right.terms[0].blocks[axis] / 10.0) for axis, x in term.blocks.items())
     columns = found.problem.train_state.velocity[:, [2]]
     assert weak.columns(2, columns) == pytest.approx(white.columns(2, columns) / 10.0)
-    assert weak.raw_targets()[2] == pytest.approx(white.raw_targets()[2])
+    assert weak.raw_targets[2] == pytest.approx(white.raw_targets[2])
 
 
 def test_what_helps_while_a_wall_is_touched_only_is_no_better_robot(found):

@@ -122,7 +122,7 @@ def _in_newton_metres(
     white: White, parts_of: Folds, designs: Designs, coefficients: Coefficients, plain: int
 ) -> tuple[float, float]:
     """Return `lowers_error` and `gain_share` of :class:`CrossValidated`; arguments as of :func:`_drops`, unwhitened."""
-    targets = white.raw_targets()
+    targets = white.raw_targets
     blocks, shares = 0.0, []
     for axis, design in designs.items():
         variance = white.whiteners[axis].marginal ** 2

@@ -122,7 +122,7 @@ class _EveryFold:
         self._places = [np.arange(*edge) for edge in pairwise(edges)]
         self._total = int(edges[-1])
         self._rows: dict[int, dict[int, _Rows]] = {}
-        targets = white.raw_targets()
+        targets = white.raw_targets
         for axis, y in enumerate(white.targets):
             if not len(y):
                 continue

@@ -87,7 +87,7 @@ class White:
 
     @cached_property
     def _base_fit(self) -> Fit:
-        return self.fit()
+        return Fit(self.targets, self.base)
 
     def _residual(self, axis: int) -> np.ndarray:
         """Return the discrepancy (N_train,) [N m] of one axis less drives and inertial parameters as fitted."""
@@ -125,7 +125,7 @@ class White:
 
     def fit(self, extra: list[Term] = ()) -> Fit:
         """Return the posterior of the base regression with `extra` terms."""
-        return Fit(self.targets, [*self.base, *extra])
+        return Fit(self.targets, [*self.base, *extra]) if extra else self._base_fit
 
     def columns(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N_train, k) of one axis."""
@@ -135,8 +135,9 @@ class White:
         """Return columns (N_train, k) [N m] on the rows of the whitened ones, below what is noise of derivatives."""
         return _raw(self.problem, axis, self.cutoffs[axis], self.whiteners[axis], columns)
 
+    @cached_property
     def raw_targets(self) -> list[np.ndarray]:
-        """Return the discrepancy [N m] on the rows of the whitened targets, below what is noise of derivatives."""
+        """Discrepancy [N m] of every axis on the rows of the whitened targets, below what is noise of derivatives."""
         train = self.problem.discrepancy[self.problem.train]
         return [np.zeros(0) if w is None else self.raw(axis, train[:, axis]) for axis, w in enumerate(self.whiteners)]
 
