@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from scipy.special import gammaincc
 
@@ -26,12 +28,15 @@ LINE = "line over time"
 OUTLYING = 4.0
 
 
-def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplained], list[Unexplained]]:
+def unexplained(
+    outcome: Outcome, robust: bool = False, asked: Collection[tuple[int, str]] | None = None
+) -> tuple[list[Unexplained], list[Unexplained]]:
     """Test every axis for structure over every argument.
 
     Parameters
     ----------
     robust : let no sample lie further than OUTLYING from the model.
+    asked : 0-based axes with the arguments that are tested there; default all.
 
     Returns
     -------
@@ -45,10 +50,12 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
     settings = problem.settings
     state = problem.train_state
     found, profile = [], []
-    for axis in problem.judged:
+    for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
         used = problem.usable[:, axis]
         least = _least_square(outcome, axis)
         for basis in axis_bases(white.structure_state(axis), axis, used):
+            if asked is not None and (axis, basis.argument) not in asked:
+                continue
             if basis.argument == "motor angle" and not resolved(white, axis, 6.0):
                 continue
             columns = white.columns(axis, basis.columns)
@@ -72,6 +79,8 @@ def unexplained(outcome: Outcome, robust: bool = False) -> tuple[list[Unexplaine
                 torque = _beside(fit, axis, columns, white.raw(axis, basis.columns[:, good]), theta)
                 if (1.0 - freedom / statistic) * float(np.mean(torque**2)) > least:
                     found.append(entry)
+        if asked is not None and (axis, LINE) not in asked:
+            continue
         line = strongest_line(fit.residual[axis], white.whiteners[axis].rows, state, problem.measured.rate)
         if line is not None:
             entry = Unexplained(
@@ -120,7 +129,8 @@ def lasting(outcome: Outcome) -> list[Unexplained]:
     """
     if not outcome.unexplained:
         return []
-    firm = {(u.axis, u.argument) for u in unexplained(outcome, robust=True)[0]}
+    asked = {(u.axis, u.argument) for u in outcome.unexplained}
+    firm = {(u.axis, u.argument) for u in unexplained(outcome, robust=True, asked=asked)[0]}
     return [u for u in outcome.unexplained if (u.axis, u.argument) in firm]
 
 
