@@ -12,7 +12,7 @@ from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import doubts, finalise
 from jointwear.discovery.fallback import DRIVE, OF_LINKS, Step, put_back
-from jointwear.discovery.left_out import Asked, left_out_ratio, mean_squares, surely_worse
+from jointwear.discovery.left_out import Asked, left_out_ratio, margin, mean_squares, surely_worse
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Unexplained
@@ -206,6 +206,40 @@ def test_a_part_of_a_model_is_asked_as_if_it_were_the_whole(found):
         part, alone = ask(kept), Asked(white, kept)(kept)
         for name in ("ratio", "surely", "gained"):
             assert getattr(part, name) == pytest.approx(getattr(alone, name), rel=1e-9)
+
+
+@pytest.mark.parametrize("last", [0.6, 0.99])
+def test_friction_that_records_tell_differently_is_as_given_where_structure_is_left(found, last):
+    """All records together gain, no one is worse; but one is so much less right that a further one may be wrong."""
+    white = found.final.outcome.white
+    axis = 0
+    record, sign = white.folds(axis), np.sign(white.problem.train_state.velocity[white.whiteners[axis].rows, axis])
+    told = 20.0 * sign * np.where(record == record.max(), last, 1.0)
+    sigma = white.whiteners[axis].marginal
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    odd.discrepancy[np.flatnonzero(white.problem.train)[white.whiteners[axis].rows], axis] = sigma * told
+    targets = [np.zeros_like(y) for y in white.targets]
+    targets[axis] = told
+    trial = replace(white, problem=odd, targets=targets)
+    term = Term("friction", {axis: sign[:, None]}, np.array([1e3]), {axis: sigma * sign[:, None]}, (axis, 0))
+    asked = Asked(trial, [term])([term])
+    assert asked.ratio[axis] < 0.8
+    assert asked.gained[axis] > 0.99
+    for open_axes in ([], [axis]):
+        step = Step(DRIVE, (term,), of_drive=True)
+        kept, _ = put_back(trial, [term], {axis: [step]}, "augmented", open_axes)
+        assert bool(kept) == (not open_axes or last > 0.9)
+
+
+@given(st.lists(st.floats(0.01, 0.9), min_size=2, max_size=6), st.floats(0.1, 10.0))
+def test_the_margin_of_a_record_to_come_has_no_unit(ratios, factor):
+    squares = np.column_stack([np.square(ratios), np.ones(len(ratios))])
+    assert margin(factor * squares, Settings()) == pytest.approx(margin(squares, Settings()), rel=1e-3)
+    assert margin(squares, Settings()) > 0
+    assert margin(squares[:1], Settings()) == np.inf
+    # The same mean told by twice as many records, and an error that is larger in all of them alike.
+    assert margin(np.vstack([squares, squares]), Settings()) >= 0.999 * margin(squares, Settings())
+    assert margin(squares * [4.0, 1.0], Settings()) < margin(squares, Settings())
 
 
 def test_links_are_given_up_by_halves_and_never_widened():

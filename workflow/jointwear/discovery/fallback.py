@@ -10,9 +10,11 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import norm
 
 from jointwear.discovery.left_out import Asked, LeftOut
-from jointwear.discovery.linear import Term
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.misfit import misfit_of
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL, White
 
@@ -79,7 +81,7 @@ def put_back(
     steps : 0-based axis -> what can be given up for its sake, the least loss first.
     model : name of the model in the verdict.
     open_axes : 0-based axes on which structure is left that nothing explains: what acts on such an axis alone is kept
-        only where it gains clearly.
+        only where it gains clearly, and where a record to come would surely be no worse.
 
     Returns
     -------
@@ -116,13 +118,15 @@ def _little_gained(
     """Return an axis on which the model gains little or not nearly always, and what acts on it alone; None if none.
 
     A parameter of a drive is the same at all times. One that is better in some stretches and worse in others is a mean
-    over what comes and goes, or follows noise: the next recording may hold more of the others.
+    over what comes and goes, or follows noise: the next recording may hold more of the others. Where structure is left
+    that nothing explains, the records say how differently a recording to come may turn out.
     """
     settings = white.problem.settings
     nearly_all = settings.nearly_all
     for axis in white.problem.judged:
         is_open = axis in open_axes
-        if asked.gained[axis] >= nearly_all and not (is_open and asked.ratio[axis] > nearly_all):
+        little = asked.gained[axis] < nearly_all or (is_open and asked.ratio[axis] > nearly_all)
+        if not little and not (is_open and _unsteady(white, kept, axis, asked)):
             continue
         own = [s for s in steps.get(axis, []) if s.terms and all(set(t.blocks) == {axis} for t in s.terms)]
         own = [s for s in own if (is_open or s.of_drive) and s.touches(kept)]
@@ -130,10 +134,24 @@ def _little_gained(
             continue
         together = Step(", ".join(s.words for s in own), tuple(t for s in own for t in s.terms))
         for step in [together, replace(together, deaf=axis)] if is_open else [together]:
+            then = ask(step.taken_off(kept))
             # An axis that is above the limit by one slow record alone speaks against no step of another.
-            if np.all(ask(step.taken_off(kept)).ratio <= np.maximum(settings.not_worse, asked.ratio)):
+            worst = np.maximum(settings.not_worse, asked.ratio)
+            fine = then.ratio <= worst
+            if not little:
+                # What only may turn out worse is given up where no other axis leans on it through the links.
+                fine = then.ratio <= settings.not_worse * asked.ratio
+                fine[axis] = min(then.ratio[axis], then.surely[axis]) <= worst[axis]
+            if np.all(fine):
                 return axis, step
     return None
+
+
+def _unsteady(white: White, kept: list[Term], axis: int, asked: LeftOut) -> bool:
+    """Return whether a record to come may turn out worse on an axis than its model, and not by noise alone."""
+    if asked.steady[axis] >= norm.ppf(white.problem.settings.certainty):
+        return False
+    return bool(misfit_of(white, Fit(white.targets, kept))[axis] > 1.0)
 
 
 def _best_step(ask: Asked, kept: list[Term], steps: list[Step], axis: int, ratio: float, limit: float) -> Step | None:

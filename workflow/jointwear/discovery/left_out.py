@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -30,12 +30,14 @@ class LeftOut:
     surely : the same, where a record alone counts only if it is worse beyond what its blocks of time scatter.
     gained : share of what is gained in all that the model changes of the squared errors of blocks of time: 1 where no
         block is worse, 0.5 where the model gains nothing.
+    steady : margin to which `not_worse` is kept by the records, as :func:`margin` says; infinite for one record.
     told_alone : one fold alone tells of an effect.
     """
 
     ratio: np.ndarray
     surely: np.ndarray
     gained: np.ndarray
+    steady: np.ndarray
     told_alone: bool
 
 
@@ -91,7 +93,7 @@ class Asked:
     def __call__(self, kept: list[Term]) -> LeftOut:
         """Return how `kept` of the terms predict records left out in turn, or halves; see :func:`left_out_ratio`."""
         found = self._records(kept)
-        return self._of_halves(kept) if found.told_alone else found
+        return replace(self._of_halves(kept), steady=found.steady) if found.told_alone else found
 
 
 @dataclass(frozen=True)
@@ -163,10 +165,11 @@ class _EveryFold:
             for axis, rows in self._rows[fold].items():
                 found.setdefault(axis, []).append(self._record(rows, rows.target - rows.raw @ theta[rows.places]))
         count = len(self._white.targets)
-        ratio, surely, gained = np.zeros(count), np.zeros(count), np.ones(count)
+        ratio, surely, gained, steady = np.zeros(count), np.zeros(count), np.ones(count), np.full(count, np.inf)
         for axis, records in found.items():
             ratio[axis], surely[axis], gained[axis] = _of_records(records)
-        return LeftOut(ratio, surely, gained, bool(told_alone))
+            steady[axis] = margin(np.array([r.squares for r in records]), self._white.problem.settings)
+        return LeftOut(ratio, surely, gained, steady, bool(told_alone))
 
     def _place(self, term: Term) -> int:
         """Return which of the terms one is, or is of with less freedom."""
@@ -230,6 +233,23 @@ def surely_worse(means: np.ndarray, count: np.ndarray, settings: Settings) -> bo
     squares = means * count
     lost = squares[0] - settings.not_worse**2 * squares[1]
     return bool(lost.sum() > norm.ppf(settings.certainty) * np.sqrt(len(lost)) * np.std(lost))
+
+
+def margin(squares: np.ndarray, settings: Settings) -> float:
+    """Return by how many deviations of a record to come a model is predicted to stay below `not_worse`.
+
+    The records are taken for draws of one log-normal ratio of errors: one more scatters about their mean as they do,
+    and by what their mean is not known.
+
+    Parameters
+    ----------
+    squares : (r, 2) sums of squares [(N m)^2] of what is left and of what the given robot leaves in each record.
+    """
+    if len(squares) < 2:
+        return np.inf
+    logs = 0.5 * np.diff(np.log(np.maximum(squares, 1e-300)), axis=1)[:, 0]
+    scatter = np.std(logs, ddof=1) * np.sqrt(1.0 + 1.0 / len(logs))
+    return float((np.log(settings.not_worse) + np.mean(logs)) / max(scatter, 1e-12))
 
 
 def _left_open(factor: tuple[np.ndarray, bool], precision: np.ndarray) -> np.ndarray:
