@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from monitor_logs import ROBOT, START, columns, make_log, write_csv, write_parquet
 
-from jointwear.measurement.log_kinds import readable_in_threads
 from jointwear.monitor.fleet import reading, watch
 from jointwear.monitor.fleet.plan import seen
 from jointwear.monitor.fleet.watch import watch_robot, watch_robots
@@ -41,20 +40,6 @@ def test_each_log_is_read_once(logs, tmp_path):
     logs.append(day(tmp_path / "logs", 4))
     again = watched(logs, tmp_path)
     assert (again["logs_read"], again["windows"]) == (1, 15)
-
-
-def test_logs_read_at_a_time_say_what_they_say_one_by_one(logs, tmp_path):
-    (tmp_path / "logs/day_04.parquet").write_bytes(b"no log")
-    logs.append(str(tmp_path / "logs/day_04.parquet"))
-    plain = columns(make_log(36.0, seed=5, start=START + 300.0))
-    logs.append(str(write_csv(tmp_path / "logs/day_05.csv", plain)))
-    alone, together = (watched(logs, tmp_path / name, threads=k) for name, k in (("alone", 1), ("together", 2)))
-    assert alone == together
-    assert (alone["logs_read"], alone["refused_logs"]) == (6, 1)
-    one, other = (tmp_path / name / "robots/arm/windows" for name in ("alone", "together"))
-    assert [p.read_bytes() for p in sorted(one.iterdir())] == [p.read_bytes() for p in sorted(other.iterdir())]
-    assert readable_in_threads(logs)
-    assert not readable_in_threads([*logs, "day_06.nc"])
 
 
 def test_a_log_that_sorts_first_costs_itself(logs, tmp_path):

@@ -13,5 +13,4 @@ if __name__ == "__main__":
             unreachable=snakemake.params.unreachable,
             time_zone=snakemake.params.time_zone,
             robots=snakemake.params.robots,
-            threads=snakemake.threads,
         )

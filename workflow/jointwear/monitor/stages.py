@@ -5,15 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
-from queue import SimpleQueue
 from typing import Any
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of
-from jointwear.measurement.log_kinds import readable_in_threads
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.findings import missing_temperature
@@ -46,36 +43,16 @@ def survey_logs(log: str, robot: str | Path, entry: Mapping[str, Any], output: s
     survey_log(log, layout, model, window_seconds(entry.get("window", "1h")), entry.get("dead_band")).write(output)
 
 
-def log_pieces(
-    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], threads: int = 1
-) -> list[Piece]:
-    """Return the statistics of logs, each a piece of its own; a log that is refused is a piece that says so.
-
-    Parameters
-    ----------
-    threads : logs read at a time, where their format allows it; the pieces do not depend on it.
-    """
-    arm = load_robot(robot)
-    layout, found = layout_of(entry, arm.joint_names), read_survey(survey)
+def log_pieces(logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any]) -> list[Piece]:
+    """Return the statistics of logs, each a piece of its own; a log that is refused is a piece that says so."""
+    model = TorqueModel(load_robot(robot))
+    layout, found = layout_of(entry, model.robot.joint_names), read_survey(survey)
     length = window_seconds(entry.get("window", "1h"))
-    threads = max(min(threads, len(logs)), 1) if readable_in_threads(logs) else 1
-    # Pinocchio works in memory of the model: a thread takes a model that no other one has.
-    models: SimpleQueue[TorqueModel] = SimpleQueue()
-    for _ in range(threads):
-        models.put(TorqueModel(arm))
-
-    def piece(log: str) -> Piece:
-        model = models.get()
-        try:
-            done = log_statistics(log, layout, model, found, length)
-        finally:
-            models.put(model)
-        return Piece(log, done.statistics, done.first, done.last, done.refused)
-
-    if threads <= 1:
-        return [piece(log) for log in logs]
-    with ThreadPoolExecutor(threads) as pool:
-        return list(pool.map(piece, logs))
+    pieces = []
+    for log in logs:
+        done = log_statistics(log, layout, model, found, length)
+        pieces.append(Piece(log, done.statistics, done.first, done.last, done.refused))
+    return pieces
 
 
 def accumulate_windows(

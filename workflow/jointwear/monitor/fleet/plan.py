@@ -12,18 +12,11 @@ from jointwear.monitor.plan import log_sources
 #: Robots of a job at most, because starting a job costs as much as judging one or two robots; at least, where there are
 #: so many; and jobs that a fleet is cut into before they grow: as many cores work on a small fleet too.
 ROBOTS_PER_JOB, FEWEST_PER_JOB, JOBS = 50, 5, 16
-#: Logs that a job reads at a time at most: what holds Python's lock leaves little to a third thread.
-MOST_THREADS = 2
 
 
 def robots_of_job(count: int) -> int:
     """Return how many robots of a fleet of `count` share a job."""
     return min(max(-(-count // JOBS), FEWEST_PER_JOB), ROBOTS_PER_JOB)
-
-
-def threads_of_job(jobs: int, cores: int | None) -> int:
-    """Return how many logs each of `jobs` jobs reads at a time on so many `cores`: cores that no job would use."""
-    return max(min((cores or 1) // max(jobs, 1), MOST_THREADS), 1)
 
 
 def batches(robots: Sequence[str]) -> dict[str, list[str]]:

@@ -76,13 +76,12 @@ class Readings:
         names = ("settings", "code", "judged", "logs")
         write_json(self._record, {name: getattr(self, name) for name in names})
 
-    def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str, threads: int = 1) -> int:
+    def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str) -> int:
         """Read what is new or has changed among `logs`; return how many logs were read.
 
         Parameters
         ----------
         entry : the robot's entry of the config. logs : that can be reached now. code : digest of the library.
-        threads : logs read at a time.
 
         Raises
         ------
@@ -105,7 +104,7 @@ class Readings:
         ]
         for start in range(0, len(wanted), SAVE_EVERY):
             group = wanted[start : start + SAVE_EVERY]
-            pieces = log_pieces(group, self.survey, entry["robot"], reading, threads)
+            pieces = log_pieces(group, self.survey, entry["robot"], reading)
             name = f"{digest(group)[:16]}.nc"
             write_pieces(pieces, self.own / "windows" / name, reading)
             self.logs.update({log: {"stamp": stamps[log], "file": name} for log in group})
