@@ -43,6 +43,18 @@ def test_a_program_that_was_never_seen_cannot_be_judged_yet():
     assert (judgement.status[-5:] == HEALTHY).all()
 
 
+def test_the_first_window_of_a_program_does_not_set_its_level():
+    # One window before the end of a shift, while the joint still has the heat of the program before.
+    names = ["weld"] * 127 + ["pick"] * 23
+    growth = np.zeros((150, 3))
+    growth[127:] = 0.3
+    growth[127] = 0.25
+    judgement = judge(labelled(growth, names), 72, SETTINGS)
+    assert (judgement.status[127:133] == UNJUDGED).all()
+    assert not judgement.alarms
+    assert (judgement.status[-5:] == HEALTHY).all()
+
+
 def test_windows_that_mix_programs_are_a_program_of_their_own():
     total = np.full(2, "", dtype=object)
     add_labels(total, [0, 0, 1], [label_text(np.array(["a"] * 30)), label_text(np.array(["b"] * 30)), ""])
@@ -52,6 +64,25 @@ def test_windows_that_mix_programs_are_a_program_of_their_own():
     labels = np.array([label_text(np.array([name])) for name in "aaaabbbbab"], dtype=object)
     regime = labelled_regimes(labels, np.arange(10) < 4)
     assert regime.tolist() == [0] * 4 + [1] * 4 + [0, 1]
+
+
+def test_a_temperature_that_changes_faster_than_ever_is_unsure_within_its_range():
+    day = 26.0 + 4.0 * np.sin(2 * np.pi * np.arange(96) / 24.0)
+    steady, jump = np.concatenate([day, day]), np.concatenate([day, np.where(np.arange(96) < 48, 23.0, 29.0)])
+    start, first = 3600.0 * np.arange(192), np.arange(192) < 96
+
+    def beyond(temperature):
+        conditions = Conditions(
+            start, start + 3600, temperature[:, None], np.zeros((192, 1, 5)), np.ones((192, 1)), np.zeros(192), None
+        )
+        return design_of(conditions, 0, first, None).beyond
+
+    assert np.sqrt(beyond(steady)).max() < 1e-4
+    found = beyond(jump)
+    assert np.sqrt(found[144]) > 0.01
+    # It fades as oil and thermometer come to agree.
+    assert (np.diff(found[144:]) <= 0).all()
+    assert np.sqrt(found[168:]).max() < 1e-4
 
 
 def test_what_a_part_and_the_speed_do_to_friction_is_learnt_program_by_program():

@@ -40,6 +40,10 @@ FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
 PRODUCT, PRODUCT_WARM = 0.02, 0.4
 #: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond.
 BEYOND = 0.004
+#: A thermometer on a housing and the oil inside are out of step while the temperature changes: hours [h] of the mean
+#: that the temperature is held against, and standard deviation per K that it is off that mean by more than it was in
+#: the baseline.
+LAG, TRANSIT = 8.0, 0.01
 
 
 @dataclass(frozen=True)
@@ -104,14 +108,37 @@ def operating_features(
 
 @dataclass(frozen=True)
 class Design:
-    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range;
-    `programs`: columns of programs that the log names or the baseline lacks; their normal is learnt when they first
-    run."""
+    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range, of
+    temperatures and of how fast they change; `programs`: columns of programs that the log names or the baseline lacks;
+    their normal is learnt when they first run."""
 
     matrix: np.ndarray
     prior: Posterior
     beyond: np.ndarray
     programs: tuple[int, ...] = ()
+
+
+def _lagged(temperature: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return the exponential mean (w,) over :data:`LAG` of temperatures (w,) up to each window; NaN as they are.
+
+    Parameters
+    ----------
+    start : (w,) begin of the windows [s].
+    """
+    result = np.full(len(temperature), np.nan)
+    known = np.flatnonzero(np.isfinite(temperature))
+    kept = np.exp(-np.diff(start[known]) / 3600 / LAG)
+    means = list(temperature[known[:1]])
+    for value, share in zip(temperature[known[1:]].tolist(), kept.tolist(), strict=True):
+        means.append(value + share * (means[-1] - value))
+    result[known] = means
+    return result
+
+
+def _outside(values: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+    """Return by how much values (w,) leave the range of those of the `baseline` (w,); NaN as they are."""
+    low, high = np.nanmin(values[baseline]), np.nanmax(values[baseline])
+    return np.maximum(np.maximum(low - values, values - high), 0.0)
 
 
 def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.ndarray | None) -> Design:
@@ -131,9 +158,9 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
         changing = temperature - middle
         columns += [changing, changing**2]
         scales += [SLOPE, CURVE]
-        low, high = np.nanmin(temperature[baseline]), np.nanmax(temperature[baseline])
-        outside = np.maximum(np.maximum(low - temperature, temperature - high), 0.0)
-        beyond = (BEYOND * outside) ** 2
+        outside = _outside(temperature, baseline)
+        hurried = _outside(temperature - _lagged(temperature, conditions.start), baseline)
+        beyond = (BEYOND * outside) ** 2 + (TRANSIT * hurried) ** 2
     if warm is not None:
         columns.append(warm - float(np.mean(warm[baseline])))
         turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)

@@ -115,7 +115,7 @@ def fit_normal_state(
 def introduced(
     posterior: Posterior, design: np.ndarray, value: np.ndarray, variance: np.ndarray, between: float
 ) -> Posterior:
-    """Return the posterior after the first shift of a program whose constant is not known: its level is learnt too.
+    """Return the posterior after the first windows of a program whose constant is not known: its level is learnt too.
 
     Parameters
     ----------

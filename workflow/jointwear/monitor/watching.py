@@ -21,6 +21,9 @@ from jointwear.monitor.shared_error import ALIKE, SharedError, shared_error
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
 #: Standard deviation of leaving the baseline's range beyond which a window teaches no level, for so many shifts.
 FAR, LATEST_SHIFTS = 0.01, 8
+#: Windows of a program that the baseline lacks before its level is learnt: the first ones follow on another program,
+#: whose heat is still in the joint.
+FEWEST_NEW = 3
 #: Standard deviation of a prediction beyond which the conditions count as unseen.
 UNSEEN = 0.06
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
@@ -196,10 +199,13 @@ class _Axis:
                 self.which[rows] = len(self.states)
                 self.states.append(posterior)
                 fresh = rows[~learnt[rows]]
-                new = fresh[_new_program(normal.design, posterior, fresh)]
+                waiting, new = _new_programs(normal.design, posterior, a + np.flatnonzero(~learnt[a : rows[-1] + 1]))
+                fresh = np.setdiff1d(fresh, waiting)
                 between = normal.dispersion.between**2
                 posterior = introduced(posterior, matrix[new], normal.series_value[new], variance[new], between)
-                posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], variance[fresh])
+                # Beyond the baseline's range contrasts hold the error of carrying its law there too.
+                unsure = variance[fresh] + normal.design.beyond[fresh]
+                posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], unsure)
             self.segments.append(part)
         # In the baseline a window is held against what the other shifts predict for it.
         own = np.isfinite(normal.fit.left_out) & (np.arange(w) < edges[1])
@@ -281,12 +287,16 @@ class _Axis:
         return Evidence(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in names})
 
 
-def _new_program(design: Design, posterior: Posterior, rows: np.ndarray) -> np.ndarray:
-    """Return which windows `rows` run a program whose normal is not known yet."""
-    unknown = [c for c in design.programs if posterior.covariance[c, c] > UNSEEN**2]
-    if not unknown:
-        return np.zeros(len(rows), dtype=bool)
-    return (design.matrix[np.ix_(rows, unknown)] > 0).any(axis=1)
+def _new_programs(design: Design, posterior: Posterior, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return which windows of `rows`, all so far, run a program that is not known yet: of one with hardly any windows,
+    and of one with enough to learn its level from."""
+    waiting, new = np.zeros(len(rows), dtype=bool), np.zeros(len(rows), dtype=bool)
+    for c in design.programs:
+        if posterior.covariance[c, c] > UNSEEN**2:
+            own = design.matrix[rows, c] > 0
+            target = new if own.sum() >= FEWEST_NEW else waiting
+            target |= own
+    return rows[waiting], rows[new]
 
 
 def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:
