@@ -43,7 +43,7 @@ BEYOND = 0.004
 #: A thermometer on a housing and the oil inside are out of step while the temperature changes: hours [h] of the mean
 #: that the temperature is held against, and standard deviation per K that it is off that mean by more than it was in
 #: the baseline.
-LAG, TRANSIT = 8.0, 0.01
+LAG, TRANSIT = 8.0, 0.007
 
 
 @dataclass(frozen=True)

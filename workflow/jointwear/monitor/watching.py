@@ -182,6 +182,7 @@ class _Axis:
         posterior = normal.fit.posterior
         bad = ~np.isfinite(matrix).all(axis=1)
         clean = np.nan_to_num(matrix)
+        told = np.zeros(w, dtype=bool)
         for k, (a, b) in enumerate(itertools.pairwise(edges)):
             part = slice(a, b)
             learnt = baseline
@@ -201,11 +202,12 @@ class _Axis:
                 fresh = rows[~learnt[rows]]
                 waiting, new = _new_programs(normal.design, posterior, a + np.flatnonzero(~learnt[a : rows[-1] + 1]))
                 fresh = np.setdiff1d(fresh, waiting)
+                # A window tells of a level once, also where the level stays unsure.
+                new = new[~told[new]]
+                told[new] = True
                 between = normal.dispersion.between**2
                 posterior = introduced(posterior, matrix[new], normal.series_value[new], variance[new], between)
-                # Beyond the baseline's range contrasts hold the error of carrying its law there too.
-                unsure = variance[fresh] + normal.design.beyond[fresh]
-                posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], unsure)
+                posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], variance[fresh])
             self.segments.append(part)
         # In the baseline a window is held against what the other shifts predict for it.
         own = np.isfinite(normal.fit.left_out) & (np.arange(w) < edges[1])
