@@ -8,7 +8,7 @@ from test_instruments import RATE, coarse
 from jointwear.discovery.acceptance import where_noise_is_harmless
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.problem import build_problem
-from jointwear.discovery.recorded_in_time import nats_of_time, put_forward
+from jointwear.discovery.recorded_in_time import bridged, nats_of_time, put_forward
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import whiten
@@ -33,6 +33,14 @@ def test_noise_keeps_its_size_at_another_time(delay):
     noise = np.random.default_rng(0).standard_normal(2000)
     middle = slice(100, 1900)
     assert np.std(put_forward(noise, delay, RATE)[middle]) > 0.97 * np.std(noise[middle])
+
+
+@given(st.lists(st.booleans(), min_size=4, max_size=80), st.floats(-3.0, 3.0))
+def test_what_is_not_known_is_led_over_without_jump_or_kink(used, slope):
+    used = np.array([True, True, *used, True, True])
+    line = slope * np.arange(len(used))
+    found = bridged(np.where(used, line, 1e3), used)
+    np.testing.assert_allclose(found, line, atol=1e-9)
 
 
 def whitened(robot, **told):
@@ -66,3 +74,12 @@ def test_a_delay_is_as_large_where_noise_is_harmless_and_a_longer_one_is_not():
         assert where_noise_is_harmless(late, fit, wrong)[1] < settings.nearly_all
         early = Candidate("actuation_delay", axis, None, {"delay": -0.02, "lag": 0})
         assert where_noise_is_harmless(late, fit, early)[0] < 0
+
+
+def test_friction_that_jumps_does_not_hide_a_fraction_of_a_sample():
+    robot = load_robot("config/robots/puma560.yaml")
+    late = whitened(robot, seed=6, step=2 * np.pi / 2**22, late=0.4 / RATE)
+    fit, half = late.fit(), 0.5 * Settings().accept
+    for axis in (0, 1, 2):
+        assert nats_of_time(late, fit, axis, 0.4 / RATE) > half
+        assert nats_of_time(late, fit, axis, -0.4 / RATE) < 0

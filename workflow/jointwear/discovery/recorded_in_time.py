@@ -2,18 +2,20 @@
 
 A column of late torque is made of the model, and where positions do not resolve what follows a reversal the model is
 wrong there in a way that a delay may follow. The recorded torque needs neither friction nor accelerations: put forward
-by d it is compared with the model as it is. Its noise keeps its density at another time, so that the likelihood of the
-data is that of d, in closed loop too (Ljung 1999, direct prediction-error method), as long as its size is not fitted:
-of noise alone half would fit best.
+by d, steps of friction as steps, it is compared with the model as it is. Its noise keeps its density at another time,
+so that the likelihood of the data is that of d, in closed loop too (Ljung 1999, direct prediction-error method), as
+long as its size is not fitted: of noise alone half would fit best.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import fourier_shift
 
 from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
+from jointwear.effects.order import earlier_sense
 from jointwear.measurement.motion import runs
 
 #: Samples by which a record is continued, turned about its ends, before it is shifted.
@@ -40,10 +42,37 @@ def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:
     Of the :data:`SHARES` of the delay the one that gains most counts. Below 0 it is early.
     """
     problem = white.problem
-    torque, record = problem.measured.torque[problem.train, axis], np.asarray(problem.train_state.record)
+    torque, pieces = problem.measured.torque[problem.train, axis], runs(np.asarray(problem.train_state.record))
+    used, now = problem.usable[:, axis], _steps(white, fit, axis, 0.0)
     gains = []
     for share in SHARES:
-        parts = [put_forward(torque[piece], share * delay, problem.measured.rate) for piece in runs(record)]
-        column = white.columns(axis, (torque - np.concatenate(parts))[:, None])
+        smooth = bridged(torque - _steps(white, fit, axis, share * delay), used)
+        parts = [put_forward(smooth[piece], share * delay, problem.measured.rate) for piece in pieces]
+        column = white.columns(axis, (torque - np.concatenate(parts) - now)[:, None])
         gains.append(gain_of_one(*fit.gram({axis: column})))
     return max(gains)
+
+
+def bridged(values: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Return values (m,) with those that are not `used` (m,) led over by cubics that go on as the others end.
+
+    What holds a joint at rest is unknown and jumps, and a series that is shifted rings beside a jump and beside a kink.
+    """
+    places = np.flatnonzero(used)
+    if len(places) < 2:
+        return values
+    spline = CubicHermiteSpline(places, values[places], np.gradient(values[places], places))
+    return np.where(used, values, spline(np.clip(np.arange(len(values)), places[0], places[-1])))
+
+
+def _steps(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
+    """Return the Coulomb friction (m,) [N m] of an axis `delay` [s] earlier, as the fit has it.
+
+    It jumps between two samples: a fraction of a sample late, friction of a hundred times the noise rings louder than
+    all that a delay does.
+    """
+    state = white.problem.train_state
+    sense, drive = earlier_sense(state, axis, delay), state.drive
+    fitted = next(fit.theta[w] for t, w in zip(fit.terms, fit.slices, strict=True) if t.drive == (axis,))
+    forward, backward = drive.coulomb_positive[axis] + fitted[0], drive.coulomb_negative[axis] + fitted[1]
+    return np.maximum(sense, 0.0) * forward - np.minimum(sense, 0.0) * backward

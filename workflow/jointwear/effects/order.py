@@ -84,11 +84,21 @@ def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     if state.record is None:
         return state.torque[..., axis]
     smooth, velocity = state.between(axis).earlier(delay).T
+    return smooth + level_of(state, axis, _sense(state, axis, velocity, delay))
+
+
+def earlier_sense(state: State, axis: int, delay: float) -> np.ndarray:
+    """Return the share (m,), -1 to 1, of its Coulomb friction that an axis had `delay` [s] earlier."""
+    return _sense(state, axis, state.between(axis).earlier(delay)[:, 1], delay)
+
+
+def _sense(state: State, axis: int, velocity: np.ndarray, delay: float) -> np.ndarray:
+    """Return :func:`earlier_sense` from the velocity (m,) [rad/s] at that time."""
     sense = np.sign(velocity)
     for rest in state.rests_of(axis):
         time = state.time[rest.record] - delay
         sense[rest.record] = np.where(rest.inside(time), rest.sense(time), sense[rest.record])
-    return smooth + level_of(state, axis, sense)
+    return sense
 
 
 def smoothed_torque(state: State, axis: int, lag: float) -> np.ndarray:
