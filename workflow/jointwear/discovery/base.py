@@ -52,21 +52,13 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
             blocks, raw = {axis: term.blocks[axis][:, [k]]}, {axis: term.raw[axis][:, [k]]}
             base.append(Term(f"{term.label} {k}", blocks, term.std[[k]], raw, (axis, k)))
     fit = Fit(white.targets, [*base, *extra])
-    data = fit.normal - np.diag(fit.std**-2.0)
+    weigh = _under_priors(fit)
     places = {t.drive: w for t, w in zip(fit.terms, fit.slices, strict=True) if t.drive}
-    inertial = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == INERTIAL), None)
+    inertial = fit.where(INERTIAL)
     drives = np.array([w.start for w in places.values()], dtype=int)
     size = np.array([abs(nominal[place]) for place in places])
     wide = fit.std[drives]
     needed = 0.5 * white.problem.settings.accept
-
-    def weigh(std: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """Evidence up to a constant, coefficients and their variances under a prior."""
-        factor = cho_factor(data + np.diag(std**-2.0))
-        theta = cho_solve(factor, fit.right)
-        log_det = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * float(np.sum(np.log(std)))
-        return 0.5 * float(fit.right @ theta) - 0.5 * log_det, theta, factor
-
     best: tuple[float, np.ndarray, float] = (-np.inf, fit.std, np.inf)
     for restraint in INERTIAL_ERRORS if inertial is not None else (1.0,):
         for error in DRIVE_ERRORS:
@@ -118,22 +110,36 @@ def doubted_links(white: White, fit: Fit) -> np.ndarray:
     moves with a link look certain: a mass at the flange beside that of the wrist. Each of :data:`INERTIAL_ERRORS`
     counts as much as the data speak for it (Bayesian model averaging: Hoeting et al. 1999, eq. 3 and 4).
     """
-    where = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == INERTIAL), None)
+    where = fit.where(INERTIAL)
     usual = next((t.std for t in white.base if t.label == INERTIAL), None)
     if where is None or usual is None:
         return fit.covariance
-    data = fit.normal - np.diag(fit.std**-2.0)
+    weigh = _under_priors(fit)
     evidences, covariances = [], []
     for error in INERTIAL_ERRORS:
         std = fit.std.copy()
         std[where] = error * usual
-        factor = cho_factor(data + np.diag(std**-2.0))
-        theta = cho_solve(factor, fit.right)
+        evidence, theta, factor = weigh(std)
         moved = theta - fit.theta
-        log_det = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * float(np.sum(np.log(std)))
-        evidences.append(0.5 * float(fit.right @ theta) - 0.5 * log_det)
+        evidences.append(evidence)
         covariances.append(cho_solve(factor, np.eye(len(std))) + np.outer(moved, moved))
     return np.tensordot(softmax(evidences), covariances, axes=1)
+
+
+def _under_priors(fit: Fit) -> Callable[[np.ndarray], tuple[float, np.ndarray, tuple[np.ndarray, bool]]]:
+    """Return what weighs a prior (p,) of the coefficients of a fit.
+
+    It gives the log evidence up to a constant, the coefficients (p,) and the Cholesky factor of their precision.
+    """
+    data = fit.normal - np.diag(fit.std**-2.0)
+
+    def weigh(std: np.ndarray) -> tuple[float, np.ndarray, tuple[np.ndarray, bool]]:
+        factor = cho_factor(data + np.diag(std**-2.0))
+        theta = cho_solve(factor, fit.right)
+        log_det = 2 * float(np.sum(np.log(np.diag(factor[0])))) + 2 * float(np.sum(np.log(std)))
+        return 0.5 * float(fit.right @ theta) - 0.5 * log_det, theta, factor
+
+    return weigh
 
 
 def _to_zero(weigh: Callable, std: np.ndarray, place: int, size: float) -> float:

@@ -79,7 +79,7 @@ def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
     It is the size of what the fit corrects of the links, over the load; 0 for columns that do not follow the load.
     """
     effect, problem = get_effect(candidate.effect), white.problem
-    where = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t.label == INERTIAL), None)
+    where = fit.where(INERTIAL)
     if where is None:
         return 0.0
     state = problem.train_state

@@ -66,6 +66,10 @@ class Fit:
         squares = sum(float(r @ r) for r in self.residual) + float(np.sum((self.theta / self.std) ** 2))
         self.evidence = -0.5 * squares - 0.5 * self.log_det
 
+    def where(self, label: str) -> slice | None:
+        """Return the place of the coefficients of the first term of a label, None without such a term."""
+        return next((w for t, w in zip(self.terms, self.slices, strict=True) if t.label == label), None)
+
     def projected(self, blocks: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return b = X'r (k,) and V (k, p) with X'M X = X'X - V V', of columns X on one or more axes."""
         count = next(iter(blocks.values())).shape[1]

@@ -15,7 +15,7 @@ from scipy.ndimage import fourier_shift
 
 from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
-from jointwear.effects.order import earlier_sense
+from jointwear.effects.order import earlier_sense, level_between
 from jointwear.measurement.motion import runs
 
 #: Samples by which a record is continued, turned about its ends, before it is shifted.
@@ -75,4 +75,4 @@ def _steps(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
     sense, drive = earlier_sense(state, axis, delay), state.drive
     fitted = next(fit.theta[w] for t, w in zip(fit.terms, fit.slices, strict=True) if t.drive == (axis,))
     forward, backward = drive.coulomb_positive[axis] + fitted[0], drive.coulomb_negative[axis] + fitted[1]
-    return np.maximum(sense, 0.0) * forward - np.minimum(sense, 0.0) * backward
+    return level_between(sense, forward, backward)

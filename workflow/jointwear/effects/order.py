@@ -122,5 +122,9 @@ def smoothed_torque(state: State, axis: int, lag: float) -> np.ndarray:
 
 def level_of(state: State, axis: int, sense: np.ndarray) -> np.ndarray:
     """Return the share `sense` (m,), -1 to 1, of the Coulomb friction [N m] of one axis."""
-    drive = state.drive
-    return np.maximum(sense, 0.0) * drive.coulomb_positive[axis] - np.minimum(sense, 0.0) * drive.coulomb_negative[axis]
+    return level_between(sense, state.drive.coulomb_positive[axis], state.drive.coulomb_negative[axis])
+
+
+def level_between(sense: np.ndarray, forward: float, backward: float) -> np.ndarray:
+    """Return the share `sense` (m,), -1 to 1, of the friction [N m] of either direction; `backward` is negative."""
+    return np.maximum(sense, 0.0) * forward - np.minimum(sense, 0.0) * backward
