@@ -93,6 +93,25 @@ def test_a_wave_that_shakes_a_joint_is_no_timing(white, wave):
     assert not wave or "the structure that is left" in outcome.suspects[0][1]
 
 
+def test_a_delay_is_not_lost_for_a_few_samples_beside_reversals(white):
+    late = Candidate("actuation_delay", 1, None, {"delay": 0.02, "lag": 0})
+    columns = raw_columns(white, late)
+    term = Term("late", {1: white.columns(1, columns)}, np.ones(1), {1: white.raw(1, columns)})
+    discrepancy = white.problem.discrepancy.copy()
+    discrepancy[white.problem.train, 1] += columns[:, 0]
+    targets = [y + white.columns(a, columns[:, 0]) * (a == 1) for a, y in enumerate(white.targets)]
+    rows = white.whiteners[1].rows
+    turning = np.argsort(np.abs(white.axis_state(1).velocity[rows, 1]))[:40]
+    signs = np.where(np.arange(len(turning)) % 2, 1.0, -1.0)
+    targets[1][turning] += signs * 1.05 * np.sqrt(np.sum(targets[1] ** 2) / len(turning))
+    asked = replace(white, problem=replace(white.problem, discrepancy=discrepancy), targets=targets)
+    left = [Unexplained(1, "velocity", "rad/s", 0.0, 0.1, 1e-12, 50.0)]
+    one = Named(late, term, None, 99.0)
+    outcome = Outcome(asked.problem, asked, asked.fit([term]), None, named=[one], unexplained=left)
+    stand_alone(outcome)
+    assert outcome.named == [one]
+
+
 def test_a_name_of_the_whole_arm_is_asked_where_most_axes_that_it_moves_stay_open(white):
     tilt = Candidate("mounting_tilt", None, None)
     columns = raw_columns(white, tilt)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import gammaincc
 
 from jointwear.discovery.acceptance import explained, predictive
 from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
+from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, axis_bases, strongest_line
@@ -173,7 +175,7 @@ def stand_alone(outcome: Outcome) -> None:
         where = f"joint{'s' if len(axes) > 1 else ''} {', '.join(str(a + 1) for a in axes)}"
         others = [t for n in outcome.named if n is not one for t in n.terms]
         found, failed = predictive(outcome.white, others, one)
-        share = found.share if failed else explained(outcome.white, others, one, found)
+        share = found.share if failed else _share(outcome, others, one, found)
         if failed:
             reason = f"{failed[0].gate}: {failed[0].reached:.3g}, needed {failed[0].needed:.3g}"
         elif share <= MOST:
@@ -190,6 +192,19 @@ def stand_alone(outcome: Outcome) -> None:
         outcome.named = kept
         outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
+
+
+def _share(outcome: Outcome, others: list[Term], one: Named, found: CrossValidated) -> float:
+    """Return the share of what its axes lack that an effect explains, of which `found` says what it predicts.
+
+    A torque that is recorded late turns late too: beside reversals samples are left out by when the joint turns, not
+    by when the log says so, and the few that lie between must not decide.
+    """
+    white = outcome.white
+    if one.candidate.effect != LINK_MASS and get_effect(one.candidate.effect).late:
+        white = replace(white, targets=_without_outliers(outcome.fit).targets)
+        found, _ = predictive(white, others, one)
+    return explained(white, others, one, found)
 
 
 def _shaken(one: Named) -> bool:
