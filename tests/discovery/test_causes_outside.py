@@ -9,8 +9,10 @@ from discovery_cases import make_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery import Settings
+from jointwear.discovery import Settings, acceptance
+from jointwear.discovery.acceptance import predictive
 from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
@@ -110,6 +112,21 @@ def test_a_delay_is_not_lost_for_a_few_samples_beside_reversals(white):
     outcome = Outcome(asked.problem, asked, asked.fit([term]), None, named=[one], unexplained=left)
     stand_alone(outcome)
     assert outcome.named == [one]
+
+
+def test_a_body_that_links_could_stand_for_is_told_by_evidence(white, monkeypatch):
+    """What the links take over at the price of unlikely parameters they predict as well."""
+    barely = CrossValidated(nats=5.0, share=0.9)
+    monkeypatch.setattr(acceptance, "cross_validate", lambda *_: barely)
+    term = Term("", {1: np.zeros((len(white.targets[1]), 1))}, np.ones(1))
+
+    def missed(candidate):
+        return [r.gate for r in predictive(white, [], Named(candidate, term, None, 400.0))[1]]
+
+    assert missed(Candidate("payload", None, None, {})) == []
+    assert missed(Candidate("mounting_tilt", None, None, {})) == ["nats gained on records left out"]
+    barely = CrossValidated(nats=-5.0, share=0.9)
+    assert missed(Candidate("payload", None, None, {})) == ["nats gained on records left out"]
 
 
 def test_a_name_of_the_whole_arm_is_asked_where_most_axes_that_it_moves_stay_open(white):

@@ -29,6 +29,11 @@ def follows_time(candidate: Candidate) -> bool:
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).follows_time
 
 
+def is_body(candidate: Candidate) -> bool:
+    """Return whether an effect is a body, which wrong inertial parameters of the links may stand for."""
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).sound is not None
+
+
 def stiff(candidate: Candidate) -> bool:
     """Return whether a robot file cannot bend the form of an effect: what is written is the textbook form."""
     if candidate.effect == LINK_MASS:
@@ -76,14 +81,17 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
         white, before, trial = _by_misfit(white, before, trial)
     lasting, parts_of = follows_time(trial.candidate), _left_out_of(white, trial.candidate)
     found = cross_validate(white, before, [trial.term], parts_of)
-    failed = missed(found, trial.evidence, settings)
+    # Links that are wrong beyond what anyone would believe predict as well as a body does: the evidence tells them
+    # apart, under the prior of the links and under a wider one.
+    evidence = 0.0 if is_body(trial.candidate) else trial.evidence
+    failed = missed(found, evidence, settings)
     if trial.form is not None and stiff(trial.candidate):
         if [gate for gate, *_ in failed] == [ONE_RECORD]:
             bent = cross_validate(white, before, trial.terms, parts_of)
-            failed = missed(bent, trial.evidence, settings) and failed
+            failed = missed(bent, evidence, settings) and failed
     elif trial.form is not None and lasting == (not failed):
         bent = cross_validate(white, before, trial.terms, parts_of)
-        bent_failed = missed(bent, trial.evidence, settings)
+        bent_failed = missed(bent, evidence, settings)
         if not lasting or bent_failed:
             found, failed = bent, bent_failed
     return found, [_refused(trial, *gate) for gate in failed]
