@@ -42,9 +42,13 @@ RANKED = 6
 MOST_REFUSED = 24
 
 
-def search(problem: Problem) -> Outcome:
-    """Return the effects that the training samples of `problem` show: noise by a saturated fit, then :func:`decide`."""
-    white = whiten(problem, estimate_noise(problem))
+def whitened(problem: Problem) -> White:
+    """Return the training samples of `problem` whitened, with the noise of a saturated fit."""
+    return whiten(problem, estimate_noise(problem))
+
+
+def search(white: White) -> Outcome:
+    """Return the effects that whitened data show, out of all of the library: :func:`decide`."""
     return decide(white, build_dictionary(white))
 
 

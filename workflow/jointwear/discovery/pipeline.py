@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.base_parameters import free_identification
-from jointwear.discovery.decide import search, unexplained
+from jointwear.discovery.decide import search, unexplained, whitened
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.experiment import Experiment, propose
 from jointwear.discovery.findings import make_verdict
@@ -22,8 +22,10 @@ from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.shared_delay import delay_in_words, sampling_period, shared_delay, without_delay
 from jointwear.discovery.sound_files import sound_files, write_files
 from jointwear.discovery.verdict import Verdict
+from jointwear.discovery.whitening import White
 from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks import check_recording
@@ -133,7 +135,14 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     problem = build_problem(recording, robot, settings, measured())
     restrictions += motion_restrictions(problem)
     try:
-        return _judge(recording, problem, restrictions)
+        white, period = whitened(problem), sampling_period(recording)
+        delay = shared_delay(white, period)
+        if delay:
+            recording = without_delay(recording, delay)
+            problem = build_problem(recording, robot, settings, measure(recording))
+            white = whitened(problem)
+            restrictions.append(delay_in_words(delay, period))
+        return _judge(recording, white, restrictions)
     except InputError:
         raise
     except (np.linalg.LinAlgError, ArithmeticError, ValueError, LookupError) as error:
@@ -143,8 +152,8 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
         return _undecided(recording, problem, restrictions, f"the search ended in an error ({where}: {error})")
 
 
-def _judge(recording: Recording, problem: Problem, restrictions: list[str]) -> Discovery:
-    outcome = repeat(search(problem))
+def _judge(recording: Recording, white: White, restrictions: list[str]) -> Discovery:
+    problem, outcome = white.problem, repeat(search(white))
     outcome.unexplained = lasting(outcome)
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)

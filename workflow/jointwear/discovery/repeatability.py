@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.decide import search
+from jointwear.discovery.decide import search, whitened
 from jointwear.discovery.leftovers import unexplained
 from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import FEWEST_SAMPLES, Problem
@@ -47,7 +47,7 @@ def repeat(outcome: Outcome) -> Outcome:
     parts = [p for _, labels in settings.groups if (p := _without(problem, labels)) is not None]
     if not parts or not outcome.named:
         return outcome
-    count = Counter(n.candidate.key for p in parts for n in search(p).named)
+    count = Counter(n.candidate.key for p in parts for n in search(whitened(p)).named)
     kept = []
     for one in outcome.named:
         share = count[one.candidate.key] / len(parts)

@@ -60,6 +60,10 @@ class White:
         """Return the training samples without the noise of derived accelerations on one axis."""
         return self._limited_state(axis, self.cutoffs[axis].torque)
 
+    def timing_state(self, axis: int) -> State:
+        """Return the training samples of which rates of change on one axis are made, without the noise of these."""
+        return self._limited_state(axis, self.cutoffs[axis].timing)
+
     def structure_state(self, axis: int) -> State:
         """Return the training samples over which structure on one axis is looked for.
 

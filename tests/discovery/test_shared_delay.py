@@ -1,0 +1,62 @@
+"""A log whose torque is late or early on all joints alike is read at the right time; one joint that is late is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+
+from jointwear.discovery import Settings, discover
+from jointwear.discovery.decide import whitened
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.shared_delay import delay_in_words, sampling_period, shared_delay, without_delay
+from jointwear.measurement.recording import Recording, split
+from jointwear.robots.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.fixture(scope="module")
+def recording(robot):
+    return split(make_case(robot, 29, lambda q, v, *_: np.zeros_like(q)))
+
+
+def _found(recording, robot):
+    period = sampling_period(recording)
+    return shared_delay(whitened(build_problem(recording, robot, Settings())), period) / period
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.0, 0.3])
+def test_a_delay_of_all_joints_is_found(recording, robot, share):
+    late = without_delay(recording, -share * sampling_period(recording))
+    assert _found(late, robot) == pytest.approx(share, abs=0.07)
+
+
+def test_the_delay_of_one_joint_is_its_own(recording, robot):
+    late = without_delay(recording, -0.5 * sampling_period(recording))
+    torque = recording.torque.copy()
+    torque[:, 1] = late.torque[:, 1]
+    assert _found(replace(recording, torque=torque), robot) == 0.0
+    later = without_delay(recording, -3.0 * sampling_period(recording))
+    assert _found(later, robot) == 0.0
+
+
+def test_torque_that_is_held_for_a_period_names_nothing(recording, robot):
+    held = without_delay(recording, 0.5 * sampling_period(recording))
+    found = discover(held, robot)
+    assert found.effects == []
+    assert any("all joints is recorded" in told and "early" in told for told in found.data["restrictions"])
+
+
+def test_torque_is_read_later_within_each_trajectory():
+    time, trajectory = np.array([0.0, 0.1, 0.2, 5.0, 5.1, 5.2]), np.array([0, 0, 0, 1, 1, 1])
+    torque = np.array([0.0, 1.0, 2.0, 10.0, 12.0, 14.0])[:, None]
+    recording = Recording(time, trajectory, np.zeros((6, 1)), torque)
+    assert sampling_period(recording) == pytest.approx(0.1)
+    np.testing.assert_allclose(without_delay(recording, 0.05).torque[:, 0], [0.5, 1.5, 2.0, 11.0, 13.0, 14.0])
+    np.testing.assert_allclose(without_delay(recording, -0.05).torque[:, 0], [0.0, 0.5, 1.5, 10.0, 11.0, 13.0])
+    assert "2 ms early (0.50 of a sampling period)" in delay_in_words(-0.002, 0.004)
+    assert "late" in delay_in_words(0.002, 0.004)
