@@ -1,7 +1,9 @@
 """A logged velocity that lags its position, as the filters of controllers leave it, and its way back in time.
 
 A velocity late by tau is v = q' - tau q'' for what is slow against 1 / tau. Left alone it moves the steps of friction
-in time, which is what a delay of the drive does as well.
+in time, which is what a delay of the drive does as well. Moved back, what is fast is still too small, by
+the share (2 pi f)^2 c with c up to tau^2 / 2, that of a filter of first order: accelerations made of it lack what an
+elastic gear would take.
 """
 
 from __future__ import annotations
@@ -47,6 +49,7 @@ def put_in_time(
             continue
         derived = [derivatives(time[p], low_pass(position[p, j], band, rate)) for p in used]
         first, second = (np.concatenate([d[order][edge:-edge] for d in derived]) for order in (0, 1))
+        third = np.concatenate([np.gradient(d[1], time[p])[edge:-edge] for d, p in zip(derived, used, strict=True)])
         power = float(second @ second)
         if power == 0.0:
             continue
@@ -66,6 +69,9 @@ def put_in_time(
             lags[j] = lag
             for p in pieces:
                 moved[p, j] = _earlier(time[p], velocity[p, j], lag)
+            lost = float(np.clip(left @ third / max(float(third @ third), 1e-300), 0.0, 0.5 * lag**2))
+            for p in pieces:
+                moved[p, j] -= lost * _curvature(time[p], moved[p, j])
     return moved, lags
 
 
@@ -74,3 +80,8 @@ def _earlier(time: np.ndarray, values: np.ndarray, lag: float) -> np.ndarray:
     if lag == 0.0 or len(time) < 4:
         return values
     return make_interp_spline(time, values, k=3)(np.clip(time + lag, time[0], time[-1]))
+
+
+def _curvature(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the second derivative of values (m,) over time; zero for fewer than four."""
+    return make_interp_spline(time, values, k=3)(time, nu=2) if len(time) >= 4 else np.zeros(len(time))
