@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.discovery.candidates import Candidate, on_all_axes, prior_std, raw_columns, raw_torques, whitened
+from jointwear.discovery.fast_waves import draw_unfiltered, lost_to_speed
 from jointwear.discovery.forms import Form
+from jointwear.discovery.instruments import band_limited
 from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height, spread
@@ -96,7 +98,7 @@ def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
 
 
 def _form_std(
-    white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], name: str, linear: set[str]
+    white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], name: str, linear: set[str], lost: float
 ) -> float:
     """Return the standard deviation of a parameter beside that of the fit: no form and no filter is known exactly.
 
@@ -111,7 +113,7 @@ def _form_std(
         passed = effect.left(state, candidate.axis, candidate.nonlinear) * np.ones(len(state.time))
         passed = passed[problem.usable[:, candidate.axis]]
         share = np.hypot(share, problem.settings.filter_error * (1 - np.sqrt(np.mean(passed**2))))
-    return float(share * size)
+    return float(np.hypot(share, lost) * size)
 
 
 def _fitted(white: White, fit: Fit, candidate: Candidate) -> dict[str, float]:
@@ -209,12 +211,13 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
         linear = {scaled}
     for name in linear & set(parameters):
         std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
-    form_std = {name: _form_std(white, fit, candidate, parameters, name, set(std)) for name in std}
+    without = Fit(white.targets, [*base, *others])
+    lost = lost_to_speed(white, without, candidate) if std else 0.0
+    form_std = {name: _form_std(white, fit, candidate, parameters, name, set(std), lost) for name in std}
     std = {name: float(np.hypot(s, form_std[name])) for name, s in std.items()}
     rest = white.fit(others)
     spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
     if std:
-        without = Fit(white.targets, [*base, *others])
         unknown = [
             _other_forms(white, without, candidate, parameters, std),
             _in_the_bend(white, candidate, form, coefficients, parameters, std),
@@ -224,10 +227,20 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
         std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
     test = problem.state.part(problem.test)
-    columns = _all_columns(test, candidate, form)
-    moving = problem.moving[problem.test] & (np.abs(test.velocity) >= problem.settings.judged_speed)
-    peak = float(np.max(np.abs(np.where(moving, columns @ coefficients, 0.0)), initial=0.0))
+    moving = problem.moving[problem.test]
+    fast = moving & (np.abs(test.velocity) >= problem.settings.judged_speed)
+    # Of an axis that is nowhere as fast the largest torque is what it is while it creeps.
+    moving = np.where(fast.any(axis=0), fast, moving)
+    # An effect of one axis that shakes others too has the size that it has on its own.
+    own_axis = slice(None) if candidate.axis is None else [candidate.axis]
+
+    def largest(state: State) -> float:
+        torque = (_all_columns(state, candidate, form) @ coefficients)[:, own_axis]
+        return float(np.max(np.abs(torque), initial=0.0, where=moving[:, own_axis]))
+
+    peak = largest(test)
     if candidate.axis is None:
+        columns = _all_columns(test, candidate, form)
         # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.
         keep = slice(None, None, max(1, len(columns) // 300))
         root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
@@ -240,8 +253,9 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
     else:
         axis = candidate.axis
         torque = raw_columns(white, candidate) @ coefficients[:own]
-        size = height(torque[problem.usable[:, axis]])
-        sampled = draw_torque(white, [*base, *others], candidate, spreads, size, test, rng)
+        torque = torque[problem.usable[:, axis]]
+        size, reach = height(torque), float(np.abs(torque).max(initial=0.0))
+        sampled = draw_torque(white, [*base, *others], candidate, spreads, size, reach, test, rng)
         sampled = np.abs(sampled[moving[:, axis]])
         if effect.sequential:
             # How close to a reversal the torque is what the form says is not known.
@@ -250,5 +264,14 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
             sampled = np.where(speed[:, None] >= slowest, sampled, 0.0)
         sampled = sampled.max(axis=0, initial=0.0)
     sampled = sampled * draw_form_errors(effect, problem.settings, rng)
+    if effect.waves is not None:
+        sampled = sampled * (1.0 + lost * np.abs(rng.standard_normal(DRAWS)))
+        sampled = sampled * draw_unfiltered(effect, test, candidate, moving[:, candidate.axis], DRAWS, rng)
+    if effect.timing and candidate.axis is not None and peak > 0:
+        # How much of the highest rate of torque is noise is not known: what the instruments leave is motion.
+        cutoffs = white.cutoffs[candidate.axis]
+        cutoff = cutoffs.late if effect.shifts(candidate.nonlinear) else cutoffs.timing
+        calm = largest(band_limited(test, candidate.axis, cutoff, problem.measured.rate))
+        sampled = sampled * np.clip(calm / peak, 1e-3, 1.0) ** rng.uniform(size=DRAWS)
     low, high = np.quantile(sampled, [0.025, 0.975])
     return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))

@@ -27,7 +27,11 @@ DRAWS = 400
 #: Steps [standard deviations] at which a nonlinear parameter is tried, for an effect with one of them and with more.
 STEPS_OF_ONE, STEPS_OF_MANY = np.linspace(-2.5, 2.5, 11), np.linspace(-2.0, 2.0, 5)
 #: How many places are tried at which an effect may vanish, where that may be anywhere.
-ZEROS = 9
+ZEROS = 13
+#: How far beyond the data that may be, in spans of them.
+BEYOND = 0.25
+#: Share of the largest carrier of an effect below which a sample says nothing of its argument but rounding.
+STILL = 0.01
 
 
 def spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
@@ -76,7 +80,7 @@ class Shape:
         return columns
 
 
-def _zeros(state: State, candidate: Candidate, used: np.ndarray) -> list[np.ndarray | None]:
+def zeros_of(state: State, candidate: Candidate, used: np.ndarray) -> list[np.ndarray | None]:
     """Return the columns over their carrier at each argument at which the effect may vanish.
 
     A torque over position, time or temperature is told from friction but for a constant, which is a correction of
@@ -88,12 +92,24 @@ def _zeros(state: State, candidate: Candidate, used: np.ndarray) -> list[np.ndar
         return [None]
     carrier, argument = effect.shape(state, candidate.axis, candidate.nonlinear)
     columns = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
-    chosen = np.flatnonzero(used & (np.abs(carrier) > 0.2 * np.abs(carrier[used]).max()))
+    chosen = np.flatnonzero(used & _telling(carrier, used))
     if not len(chosen):
         return [None]
-    wanted = np.linspace(argument[chosen].min(), argument[chosen].max(), ZEROS)
-    nearest = chosen[np.argmin(np.abs(argument[chosen][:, None] - wanted), axis=0)]
-    return [columns[i] / carrier[i] for i in nearest]
+    # Between recordings, as of one temperature and of another, and beyond them lie arguments that no sample has.
+    places, first = np.unique(argument[chosen], return_index=True)
+    if len(places) < 2:
+        return [columns[chosen[0]] / carrier[chosen[0]]]
+    values = columns[chosen[first]] / carrier[chosen[first], None]
+    margin = BEYOND * (places[-1] - places[0])
+    low, high = places[0] - margin, places[-1] + margin
+    near = [places[0] + 0.5 * margin, places[-1] - 0.5 * margin]
+    wanted = np.linspace(low, high, ZEROS)
+    result = []
+    for v in values.T:
+        inner = np.interp(near, places, v)
+        known = np.concatenate([[3 * v[0] - 2 * inner[0]], v, [3 * v[-1] - 2 * inner[1]]])
+        result.append(np.interp(wanted, np.concatenate([[low], places, [high]]), known))
+    return list(np.stack(result, axis=1))
 
 
 def shapes(white: White, candidate: Candidate, spreads: dict[str, float]) -> Iterator[Shape]:
@@ -115,7 +131,7 @@ def shapes(white: White, candidate: Candidate, spreads: dict[str, float]) -> Ite
         axes.append([(p.name, float(v)) for v in np.unique(values)])
     for moved in product(*axes):
         one = replace(candidate, nonlinear={**candidate.nonlinear, **dict(moved)})
-        for zero in _zeros(state, one, problem.usable[:, candidate.axis]):
+        for zero in zeros_of(state, one, problem.usable[:, candidate.axis]):
             yield Shape(one, zero)
 
 
@@ -158,6 +174,7 @@ def draw_torque(
     candidate: Candidate,
     spreads: dict[str, float],
     size: float,
+    reach: float,
     test: State,
     rng: np.random.Generator,
 ) -> np.ndarray:
@@ -167,6 +184,7 @@ def draw_torque(
     ----------
     base : all terms but those of this effect.
     size : height of the torque of the effect [N m], of which each bend of its form may be worth the `usual` share.
+    reach : largest torque of the effect on the training samples [N m].
     """
     axis, effect = candidate.axis, get_effect(candidate.effect)
     form = form_of(white, candidate)
@@ -201,7 +219,34 @@ def draw_torque(
         follow = fit.covariance[bends] @ cross.T
         bent = fit.theta[bends][:, None] - follow @ coefficients + root @ rng.standard_normal((len(root), count))
         drawn.append(one.columns(test) @ coefficients + bend_columns @ bent)
-    return np.concatenate(drawn, axis=1)
+    return np.concatenate(drawn, axis=1) + draw_beyond(white, candidate, reach, test, rng)
+
+
+def draw_beyond(white: White, candidate: Candidate, reach: float, test: State, rng: np.random.Generator) -> np.ndarray:
+    """Draw what the torque (m, DRAWS) [N m] of an effect may be more where its argument leaves the training samples.
+
+    There the form goes on straight, or stays, and nothing says that the effect does. It may rise or fall as steeply as
+    one that reaches its largest torque there, `reach` [N m], within half of the arguments that were seen.
+    """
+    effect = get_effect(candidate.effect)
+    nothing = np.zeros((len(test.velocity), 1))
+    if not effect.as_seen:
+        return nothing
+    axis = candidate.axis
+    carrier, argument = effect.shape(white.state_of(effect, axis, candidate.nonlinear), axis, candidate.nonlinear)
+    seen = white.problem.usable[:, axis] & _telling(carrier, white.problem.usable[:, axis])
+    if not seen.any():
+        return nothing
+    low, high, tallest = argument[seen].min(), argument[seen].max(), np.abs(carrier[seen]).max()
+    carrier, argument = effect.shape(test, axis, candidate.nonlinear)
+    share = np.stack([np.maximum(low - argument, 0.0), np.maximum(argument - high, 0.0)], axis=1)
+    share *= (carrier / tallest)[:, None] / max(0.5 * (high - low), 1e-300)
+    return reach * share @ rng.standard_normal((2, DRAWS))
+
+
+def _telling(carrier: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Return the mask (m,) of the samples in which an effect acts at all."""
+    return np.abs(carrier) > STILL * np.abs(carrier[used]).max(initial=0.0)
 
 
 def _possible(effect, candidate: Candidate, mean: np.ndarray, coefficients: np.ndarray) -> np.ndarray:

@@ -91,6 +91,7 @@ class Effect:
     floats : where the torque is zero is not known from the data, because a constant is a correction of the friction.
     widths : prior standard deviations of the coefficients, as multiples of what is usual; empty: all usual.
     waves : (state, axis, nonlinear) -> waves in one radian of the joint, where a fast joint may outrun the sampling.
+    as_seen : the form is a curve through the arguments that were seen and no law: beyond them it may be another.
     left : (state, axis, nonlinear) -> share (...,) of such a wave that the filters of a recording leave.
     regime : (state, axis, source, nonlinear) -> values (...,) of the argument; the argument of `shape` by default.
     needs_source : the effect comes from another axis. whole_arm : it acts on all axes at once.
@@ -136,6 +137,7 @@ class Effect:
     of_drive: bool = False
     vanishes_at: str = ""
     floats: bool = False
+    as_seen: bool = False
     widths: tuple[float, ...] = ()
     waves: Callable[[State, int, Parameters], float] | None = None
     left: Callable[[State, int, Parameters], np.ndarray | float] | None = None

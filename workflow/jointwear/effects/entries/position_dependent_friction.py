@@ -44,6 +44,7 @@ EFFECT = Effect(
     },
     grid=lambda state, axis: [{"order": float(n)} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)],
     shape=_shape,
+    as_seen=True,
     bend=table_bend(_shape, per_wave=8),
     # On a short travel a slow wave of large amplitude looks like a fast one of small amplitude.
     alike=lambda p: [{**p, "order": order} for order in (1.0, 1.5, 2.0, 3.0, 4.0)],

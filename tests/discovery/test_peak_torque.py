@@ -1,0 +1,89 @@
+"""The interval of the largest torque: where the torque vanishes, beyond the arguments that were seen, fast waves."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.fast_waves import draw_unfiltered, lost_to_speed
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.peak_torque import DRAWS, draw_beyond, zeros_of
+from jointwear.discovery.settings import Settings
+
+
+def test_torque_may_vanish_between_the_temperatures_of_recordings_and_beyond_them():
+    temperature = np.repeat([20.0, 45.0], 200)[:, None]
+    velocity = np.tile(np.linspace(-1.0, 1.0, 200), 2)[:, None]
+    velocity[:200] *= 0.1
+    state = SimpleNamespace(temperature=temperature, velocity=velocity, direction=np.sign(velocity))
+    warm = Candidate("temperature_dependent_viscous_friction", 0, None, {"reference": 30.0, "scale": 40.0})
+    zeros = np.concatenate(zeros_of(state, warm, np.ones(400, dtype=bool)))
+
+    def at(t):
+        return np.expm1(-(t - 30.0) / 40.0)
+
+    assert np.all(np.diff(zeros) < 0)
+    assert zeros[0] > at(20.0)
+    assert zeros[-1] < at(45.0)
+    assert np.abs(zeros - at(30.0)).min() < 0.1
+
+
+def _spring(position):
+    state = SimpleNamespace(position=position[:, None], velocity=np.ones((len(position), 1)))
+    used = np.ones((len(position), 1), dtype=bool)
+    return SimpleNamespace(state_of=lambda *a: state, problem=SimpleNamespace(usable=used)), state
+
+
+def test_a_curve_through_what_was_seen_holds_there_and_says_little_elsewhere():
+    white, _ = _spring(np.linspace(-1.0, 1.0, 50))
+    _, test = _spring(np.array([0.0, 0.9, 1.5, 3.0]))
+    spring = Candidate("joint_spring", 0, None, {"centre": 0.0, "low": -1.0, "high": 1.0})
+    drawn = draw_beyond(white, spring, 10.0, test, np.random.default_rng(1))
+    assert drawn.shape == (4, DRAWS)
+    assert not drawn[:2].any()
+    assert drawn.std(axis=1)[2:] == pytest.approx([5.0, 20.0], rel=0.1)
+
+
+def _wave(taken):
+    rng = np.random.default_rng(3)
+    speed = np.repeat(np.linspace(0.1, 3.0, 60), 50)
+    position = np.cumsum(speed) * 0.01
+    drive = SimpleNamespace(gear_ratio=np.array([100.0]))
+    state = SimpleNamespace(
+        position=position[:, None],
+        velocity=speed[:, None],
+        drive=drive,
+        passed=lambda axis, waves: 1.0,
+        derives=None,
+    )
+    amplitude = 2.0 * (1 - taken * (speed / speed.max()) ** 2)
+    target = amplitude * np.sin(100 * position) + 0.1 * rng.standard_normal(len(speed))
+    problem = SimpleNamespace(
+        train_state=state, usable=np.ones((len(speed), 1), dtype=bool), settings=Settings(), scale=np.array([5.0])
+    )
+    white = SimpleNamespace(problem=problem, state_of=lambda *a: state, columns=lambda axis, x: x)
+    constant = Term("constant", {0: np.ones((len(speed), 1))}, np.ones(1), {0: np.ones((len(speed), 1))})
+    return white, Fit([target], [constant])
+
+
+@pytest.mark.parametrize(("taken", "low", "high"), [(0.0, 0.0, 0.02), (0.5, 0.1, 0.4)])
+def test_what_a_wave_loses_with_the_speed_is_what_a_log_takes_of_it(taken, low, high):
+    white, fit = _wave(taken)
+    lost = lost_to_speed(white, fit, Candidate("cogging_torque", 0, None, {"order": 1.0}))
+    assert low <= lost <= high
+
+
+def test_what_is_no_wave_loses_nothing():
+    white, fit = _wave(0.5)
+    assert lost_to_speed(white, fit, Candidate("joint_spring", 0, None, {})) == 0.0
+
+
+def test_a_wave_may_be_higher_than_filters_leave_it_and_is_not_lower():
+    height, left = np.array([1.0, 2.0, 9.0]), np.array([1.0, 0.5, 0.001])
+    effect = SimpleNamespace(left=lambda *a: left, shape=lambda *a: (height * left, None))
+    draws = draw_unfiltered(
+        effect, None, Candidate("cogging_torque", 0, None, {}), np.ones(3, dtype=bool), 500, np.random.default_rng(2)
+    )
+    assert draws.min() >= 1.0
+    assert 1.9 < draws.max() <= 2.0
