@@ -24,6 +24,7 @@ from jointwear.monitor.regimes import find_regimes
 from jointwear.monitor.scale import scale_steps
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.shift_forecast import forecast_shifts
+from jointwear.monitor.shift_scale import shift_scale
 from jointwear.monitor.shifts import shift_labels
 from jointwear.monitor.warm_up import warm_up_state
 
@@ -140,7 +141,9 @@ def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
     assert coarse[0] < coarse[1]
 
 
-def evidence(level: np.ndarray, extra: float = 0.0, inside: bool = True, odd: np.ndarray | float = 0.0, known=1e-6):
+def evidence(
+    level: np.ndarray, extra: float = 0.0, inside: bool = True, odd: np.ndarray | float = 0.0, known=1e-6, loud=1.0
+):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
     return shift_evidence(
@@ -154,6 +157,7 @@ def evidence(level: np.ndarray, extra: float = 0.0, inside: bool = True, odd: np
         np.full(w, START.between),
         np.full(w, extra),
         np.full(w, inside),
+        np.full(w, loud),
     )
 
 
@@ -164,6 +168,28 @@ def test_weather_that_lasts_is_not_averaged_away_and_a_fall_in_the_cold_proposes
     assert unsure.std[-1] > 0.015
     assert evidence(fallen).fall[-1] > 2
     assert np.isneginf(evidence(fallen, inside=False).fall[-1])
+
+
+def test_a_shift_in_which_the_other_axes_are_off_too_tells_less_of_an_axis():
+    shift, windows = np.repeat(np.arange(6), 8), 48
+    noise, variance = np.full((windows, 6), 1e-6), np.full((windows, 6), 1e-4)
+    own = np.zeros((windows, 6))
+    own[shift >= 4, 0] = 0.04
+    inside, off = np.zeros(own.shape, dtype=bool), own.copy()
+    off[shift == 5, 3:] = [0.025, -0.025, 0.03]
+    quiet, loud = (shift_scale(r, variance, noise, np.full(6, 0.3), shift, inside) for r in (own, off))
+    # Its own growth is no sign that the shift is off; that of one axis is hardly one for the others.
+    assert np.all(quiet[:, 0] < 0.6)
+    left = shift_scale(own, variance, noise, np.full(6, 0.3), shift, ~inside)
+    assert np.allclose(left[:, 0], 1.0)
+    assert np.all(quiet[-1, 1:] < 2.0)
+    assert np.allclose(loud[shift == 4], quiet[shift == 4])
+    assert np.all(loud[shift == 5, 0] > 1.5)
+    # Axes that are not judged say nothing.
+    unknown = np.where(np.arange(6) > 0, np.nan, own)
+    assert np.allclose(shift_scale(unknown, variance, noise, np.full(6, 0.3), shift, inside)[:, 0], 1.0)
+    grown = np.array([0, 0, 0.04, 0.04])
+    assert np.isclose(evidence(grown, loud=4.0).growth[-1], 0.5 * evidence(grown).growth[-1])
 
 
 def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():

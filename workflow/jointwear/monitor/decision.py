@@ -2,8 +2,8 @@
 
 At every window, for the last K = 1 ... 6 shifts (the running one as far as it goes), z_K is the generalised
 least-squares mean of the residuals of these shifts less :data:`TOLERATED`, over its standard error. The covariance
-holds the windows' noise, the variance between shifts, and the error of the normal state, which all shifts share. An
-axis alarms where
+holds the windows' noise, the variance between shifts, and the error of the normal state, which all shifts share; each
+shift counts by how far off the other axes are in it (:mod:`.shift_scale`). An axis alarms where
 
 - the largest z_K over K >= 2 exceeds the threshold and the last two shifts both exceed :data:`TOLERATED`, or
 - they do, and the last K shifts less those before them exceed a threshold of their own (friction that fell since the
@@ -23,7 +23,7 @@ import numpy as np
 
 from jointwear.monitor.dispersion import inflated
 from jointwear.monitor.normal_state import Posterior
-from jointwear.monitor.shifts import places_of_shifts
+from jointwear.monitor.shifts import places_of_shifts, running_sums
 
 #: Shifts looked back at; growth that is tolerated; growth and windows of a large step.
 SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.002, 0.025, 6
@@ -65,6 +65,7 @@ def shift_evidence(
     between: np.ndarray,
     extra: np.ndarray,
     inside: np.ndarray,
+    scale: np.ndarray,
 ) -> Evidence:
     """Return the evidence at every window.
 
@@ -75,6 +76,7 @@ def shift_evidence(
     shift : (w,) labels. memory : of windows within a shift. between : (w,) standard deviation between shifts.
     extra : (w,) variance that all windows of a shift share (shared error, range), and part of which carries on.
     inside : (w,) bool, at temperatures that the baseline had; a fall counts in shifts that mostly are.
+    scale : (w,) factor of all variance of the shift of each window so far (:mod:`.shift_scale`).
     """
     w = len(value)
     means = np.stack([n.mean for n in normal])
@@ -84,16 +86,16 @@ def shift_evidence(
     starts = np.concatenate([[True], np.diff(shift) != 0]) if w else np.zeros(0, dtype=bool)
     # Rows that are not judged may hold NaN in their design.
     clean = np.where(good[:, None], design, 0.0)
-    total = _running(weight, starts)
-    count = _running(good.astype(float), starts)
+    total = running_sums(weight, starts)
+    count = running_sums(good.astype(float), starts)
     safe = np.where(total > 0, total, 1.0)
-    mean = _running(weight * np.where(good, value, 0.0), starts) / safe
-    at = np.stack([_running(weight * clean[:, k], starts) for k in range(design.shape[1])], axis=1) / safe[:, None]
-    shared = _running(weight * np.where(good, extra, 0.0), starts) / safe
+    mean = running_sums(weight * np.where(good, value, 0.0), starts) / safe
+    at = np.stack([running_sums(weight * clean[:, k], starts) for k in range(design.shape[1])], axis=1) / safe[:, None]
+    shared = running_sums(weight * np.where(good, extra, 0.0), starts) / safe
     own = inflated(count, memory) / safe + shared
     odd = _unexplained(value - np.einsum("wp,wp->w", clean, means[which]), weight, count, starts)
     own += np.maximum(odd, _so_far(odd, count, starts)) / RUNS_IN_SHIFT
-    usual = _running((good & inside).astype(float), starts) > 0.5 * count
+    usual = running_sums((good & inside).astype(float), starts) > 0.5 * count
     seen = total > 0
     place = places_of_shifts(shift, BACK + 4)
     order = _judged_first(place, seen)
@@ -108,10 +110,12 @@ def shift_evidence(
     both_up = known[:, 0] & known[:, 1] & (r[:, 0] > TOLERATED) & (r[:, 1] > TOLERATED)
     all_down = (known & (r < -TOLERATED) & usual[index])[:, :FALLEN].all(axis=1)
     carried = np.sqrt(CARRIED * shared[index])
-    step = _steps(r, x, v, covariances, which, carried, known, both_up & good)
+    loud = np.sqrt(scale)[index]
+    step = _steps(r, x, v, covariances, which, carried, known, both_up & good, loud)
     whole = _covariance(x[:, :SHIFTS], covariances, which) + carried[:, :SHIFTS, None] * carried[:, None, :SHIFTS]
     own_place = np.arange(SHIFTS)
     whole[:, own_place, own_place] += v[:, :SHIFTS] - carried[:, :SHIFTS] ** 2
+    whole *= loud[:, :SHIFTS, None] * loud[:, None, :SHIFTS]
     for k in range(1, SHIFTS + 1):
         rows = np.flatnonzero(good & known[:, k - 1])
         if not len(rows):
@@ -148,6 +152,7 @@ def _steps(
     carried: np.ndarray,
     known: np.ndarray,
     rows: np.ndarray,
+    loud: np.ndarray,
 ) -> np.ndarray:
     """Return z (w, SHIFTS) of the last K shifts less those before them; -inf where `rows` (w,) do not ask for it.
 
@@ -155,6 +160,7 @@ def _steps(
     ----------
     r, v : (w, BACK) residuals of shifts and their own variance. x : (w, BACK, p) their designs. covariances : of the
     normal states, `which` (w,) holds. carried : (w, BACK) standard deviations in common. known : (w, BACK) bool.
+    loud : (w, BACK) factor of the standard deviations of each shift.
     """
     result = np.full((len(r), SHIFTS), -np.inf)
     rows = np.flatnonzero(rows & (known.sum(axis=1) >= 2 + FEWEST_BEFORE))
@@ -168,6 +174,7 @@ def _steps(
     c = np.where(both, c, 0.0)
     # A place without a shift is known to nothing.
     c[:, own, own] += np.where(some, v[rows] - carried[rows] ** 2, 1e6)
+    c *= loud[rows][:, :, None] * loud[rows][:, None, :]
     precision = np.linalg.inv(c)
     moment = np.einsum("wij,wj->wi", precision, np.where(some, r[rows], 0.0))
     for k in range(2, SHIFTS + 1):
@@ -208,9 +215,9 @@ def _unexplained(error: np.ndarray, weight: np.ndarray, count: np.ndarray, start
     The estimator of DerSimonian and Laird (1986), less what chance adds to it by one standard deviation.
     """
     error = np.where(weight > 0, error, 0.0)
-    total, square = _running(weight, starts), _running(weight**2, starts)
+    total, square = running_sums(weight, starts), running_sums(weight**2, starts)
     safe = np.where(total > 0, total, 1.0)
-    spread = _running(weight * error**2, starts) - _running(weight * error, starts) ** 2 / safe
+    spread = running_sums(weight * error**2, starts) - running_sums(weight * error, starts) ** 2 / safe
     freedom = np.maximum(count - 1, 0.0)
     beyond = spread - freedom - np.sqrt(2 * freedom)
     scale = total - square / safe
@@ -230,14 +237,6 @@ def _so_far(odd: np.ndarray, count: np.ndarray, starts: np.ndarray) -> np.ndarra
     shifts = np.concatenate([[0], np.cumsum(told)])
     before = np.cumsum(starts) - 1
     return total[before] / np.maximum(shifts[before], 1)
-
-
-def _running(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return sums from the start of each window's shift up to it."""
-    total = np.cumsum(values)
-    before = np.concatenate([[0.0], total[:-1]])
-    first = np.maximum.accumulate(np.where(starts, np.arange(len(values)), 0))
-    return total - before[first] if len(values) else total
 
 
 def _judged_first(place: np.ndarray, seen: np.ndarray) -> np.ndarray:

@@ -60,3 +60,11 @@ def places_of_shifts(shift: np.ndarray, count: int) -> np.ndarray:
     before = position[:, None] - np.arange(1, count)
     result[:, 1:] = np.where(before >= 0, last[np.maximum(before, 0)], -1)
     return result
+
+
+def running_sums(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return sums from the start of each window's shift up to it."""
+    total = np.cumsum(values)
+    before = np.concatenate([[0.0], total[:-1]])
+    first = np.maximum.accumulate(np.where(starts, np.arange(len(values)), 0))
+    return total - before[first] if len(values) else total

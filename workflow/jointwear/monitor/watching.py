@@ -16,6 +16,7 @@ from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.recall import Recall, key_of
 from jointwear.monitor.shared_error import ALIKE, SharedError, shared_error
+from jointwear.monitor.shift_scale import shift_scale
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
@@ -113,9 +114,9 @@ def watch(
     # Services change what comes after them: found one after the other, until none is left.
     shared = SharedError(np.zeros((w, n)), np.zeros((w, n)), np.zeros(w))
     states: dict[int, _Axis] = {}
-    beyond = np.zeros((w, n))
+    beyond, noise, memory = np.zeros((w, n)), np.full((w, n), np.nan), np.zeros(n)
     for j in judged:
-        beyond[:, j] = axes[j].design.beyond
+        beyond[:, j], noise[:, j], memory[j] = axes[j].design.beyond, axes[j].noise, axes[j].dispersion.memory
     again = judged
     for _ in range(_MOST_TURNS):
         for j in again:
@@ -126,9 +127,11 @@ def watch(
         alike = ALIKE if common else 0.0
         if common:
             shared = shared_error(raw, spread, baseline, shift, beyond)
+        variance = spread - alike * beyond + shared.variance
+        loud = shift_scale(raw - shared.value, variance, noise, memory, shift, beyond > 0)
         again = []
         for j, state in states.items():
-            evidence = state.judge(shared.value[:, j], shared.variance[:, j] + (1.0 - alike) * beyond[:, j])
+            evidence = state.judge(shared.value[:, j], shared.variance[:, j] + (1.0 - alike) * beyond[:, j], loud[:, j])
             hit = np.flatnonzero(evidence.fall > falls[j])
             hit = hit[~baseline[hit]]
             if services and len(hit):
@@ -259,12 +262,13 @@ class _Axis:
         last[place] = segment
         return updated_between(dispersion, mean, own, last)[place]
 
-    def judge(self, shared: np.ndarray, extra: np.ndarray) -> Evidence:
+    def judge(self, shared: np.ndarray, extra: np.ndarray, loud: np.ndarray) -> Evidence:
         """Return the evidence of all windows; each segment stands for itself.
 
         Parameters
         ----------
         shared : (w,) error in common with the other axes. extra : (w,) variance of it, and of leaving the range.
+        loud : (w,) factor of all variance of a shift, :mod:`.shift_scale`.
         """
         parts = []
         residual = np.where(self.judged, self.residual - shared, np.nan)
@@ -283,6 +287,7 @@ class _Axis:
                     between[part],
                     extra[part],
                     (self.normal.design.beyond == 0)[part],
+                    loud[part],
                 )
             )
         names = Evidence.__dataclass_fields__

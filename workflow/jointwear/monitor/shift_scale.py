@@ -1,0 +1,54 @@
+"""How far off a shift is, told by the other axes.
+
+What the normal state does not know comes to all axes of a robot at once, in different directions: weather that no
+thermometer shows, a program that warms some axes and cools others, services of several axes. Standardised residuals
+of the axes of a shift thus follow a multivariate Student law, whose axes share one scale. Given the others, that of
+an axis is (nu + sum of their squares) / (nu + their number): beyond one where several axes are off, below one where
+all keep still.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.monitor.dispersion import inflated
+from jointwear.monitor.shifts import running_sums
+
+#: Degrees of freedom of the law, and the largest square of an axis that counts: one worn axis is no shift that is off.
+FREEDOM, LARGEST = 5.0, 6.0
+
+
+def shift_scale(
+    residual: np.ndarray,
+    variance: np.ndarray,
+    noise: np.ndarray,
+    memory: np.ndarray,
+    shift: np.ndarray,
+    outside: np.ndarray,
+) -> np.ndarray:
+    """Return the factor (w, n) of the variance of each axis in the shift of each window, so far.
+
+    Parameters
+    ----------
+    residual : (w, n) log levels less normal state and shared error, NaN where not judged. variance : (w, n) of the
+    residuals. noise : (w, n) the part that windows do not share. memory : (n,) of windows within a shift.
+    shift : (w,) labels. outside : (w, n) bool, beyond the range of the baseline, where others that keep still say
+    little of the error of a law that is carried too far.
+    """
+    starts = np.concatenate([[True], np.diff(shift) != 0]) if len(shift) else np.zeros(0, dtype=bool)
+    good = np.isfinite(residual) & np.isfinite(variance) & (noise > 0)
+    square = np.zeros(residual.shape)
+    known = np.zeros(residual.shape, dtype=bool)
+    for j in np.flatnonzero(good.any(axis=0)):
+        rows = good[:, j]
+        weight = np.where(rows, 1.0 / np.where(rows, noise[:, j], 1.0), 0.0)
+        total, count = running_sums(weight, starts), running_sums(rows.astype(float), starts)
+        known[:, j] = total > 0
+        safe = np.where(known[:, j], total, 1.0)
+        mean = running_sums(weight * np.where(rows, residual[:, j], 0.0), starts) / safe
+        apart = np.where(rows, variance[:, j] - noise[:, j], 0.0)
+        spread = running_sums(weight * apart, starts) / safe + inflated(count, float(memory[j])) / safe
+        square[:, j] = np.where(known[:, j], np.minimum(mean**2 / spread, LARGEST), 0.0)
+    others = known.sum(axis=1, keepdims=True) - known
+    scale = (FREEDOM + square.sum(axis=1, keepdims=True) - square) / (FREEDOM + others)
+    return np.where(outside, np.maximum(scale, 1.0), scale)
