@@ -7,21 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import Candidate, on_all_axes, prior_std, raw_columns, raw_torques, whitened
-from jointwear.discovery.fast_waves import draw_unfiltered, lost_to_speed
+from jointwear.discovery.candidates import Candidate, prior_std, raw_torques, whitened
+from jointwear.discovery.fast_waves import lost_to_speed
 from jointwear.discovery.forms import Form
-from jointwear.discovery.instruments import band_limited
+from jointwear.discovery.largest_torque import Fitted, all_columns, largest_torque
 from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height, spread
+from jointwear.discovery.peak_torque import spread
 from jointwear.discovery.refine import free_parameters
 from jointwear.discovery.whitening import INERTIAL, White
-from jointwear.effects import State, get_effect
+from jointwear.effects import get_effect
 
 #: Relative distance within which a parameter lies on a bound.
 ON_BOUND = 1e-6
-#: Speed, over that from which the largest torque is stated, at which no sample lies beside a reversal any more.
-NOT_BESIDE = 3.0
 
 
 @dataclass(frozen=True)
@@ -59,20 +57,6 @@ def misfits(estimate: Estimate) -> Iterator[str]:
         for bound in (p.lower, p.upper):
             if np.isfinite(bound) and abs(value - bound) <= ON_BOUND * max(abs(bound), abs(value)):
                 yield f"{p.name} of {candidate.effect} on joint {candidate.axis + 1} ended on its bound {bound:g}"
-
-
-def _all_columns(state: State, candidate: Candidate, form: Form | None) -> np.ndarray:
-    effect = get_effect(candidate.effect)
-    if effect.whole_arm:
-        return effect.columns(state, 0, None, candidate.nonlinear)
-    if on_all_axes(candidate):
-        return effect.spread(state, candidate.axis, candidate.source, candidate.nonlinear)[..., None]
-    own = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
-    if form is not None:
-        own = np.concatenate([own, form.columns(state)], axis=1)
-    full = np.zeros((len(own), state.position.shape[1], own.shape[1]))
-    full[:, candidate.axis] = own
-    return full
 
 
 def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
@@ -173,7 +157,7 @@ def _in_the_bend(
     if form is None or candidate.axis is None:
         return nothing
     effect, problem = get_effect(candidate.effect), white.problem
-    columns = _all_columns(problem.train_state, candidate, form)[:, candidate.axis][problem.usable[:, candidate.axis]]
+    columns = all_columns(problem.train_state, candidate, form)[:, candidate.axis][problem.usable[:, candidate.axis]]
     own = columns.shape[1] - form.columns(problem.train_state).shape[1]
     bend = columns[:, own:] @ coefficients[own:]
     more = np.linalg.lstsq(columns[:, :own], bend, rcond=None)[0]
@@ -186,7 +170,6 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
 
     `base` are the terms of the numbers of the nominal model, `others` those of the other effects.
     """
-    problem = white.problem
     named = replace(one, candidate=candidate)
     effect = get_effect(candidate.effect)
     places = np.concatenate([np.arange(w.start, w.stop) for w in where])
@@ -226,52 +209,6 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
             unknown.append(_followed(white, without, candidate, spreads, set(std)))
         std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
-    test = problem.state.part(problem.test)
-    moving = problem.moving[problem.test]
-    fast = moving & (np.abs(test.velocity) >= problem.settings.judged_speed)
-    # Of an axis that is nowhere as fast the largest torque is what it is while it creeps.
-    moving = np.where(fast.any(axis=0), fast, moving)
-    # An effect of one axis that shakes others too has the size that it has on its own.
-    own_axis = slice(None) if candidate.axis is None else [candidate.axis]
-
-    def largest(state: State) -> float:
-        torque = (_all_columns(state, candidate, form) @ coefficients)[:, own_axis]
-        return float(np.max(np.abs(torque), initial=0.0, where=moving[:, own_axis]))
-
-    peak = largest(test)
-    if candidate.axis is None:
-        columns = _all_columns(test, candidate, form)
-        # Ten columns on every axis: thinned, the largest torque is a slow function of the pose.
-        keep = slice(None, None, max(1, len(columns) // 300))
-        root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.diag(covariance) + 1e-300))
-        draws = coefficients[:, None] + root @ rng.standard_normal((len(coefficients), DRAWS))
-        sampled = np.abs(np.einsum("mnk,kd->mnd", columns[keep], draws) * moving[keep][:, :, None])
-        sampled = sampled.max(axis=(0, 1), initial=0.0)
-    elif scaled:
-        # Its bends follow rates of torque, whose highest samples are noise: the peak is as uncertain as the parameter.
-        sampled = peak * np.abs(1.0 + std[scaled] / max(abs(parameters[scaled]), 1e-12) * rng.standard_normal(DRAWS))
-    else:
-        axis = candidate.axis
-        torque = raw_columns(white, candidate) @ coefficients[:own]
-        torque = torque[problem.usable[:, axis]]
-        size, reach = height(torque), float(np.abs(torque).max(initial=0.0))
-        sampled = draw_torque(white, [*base, *others], candidate, spreads, size, reach, test, rng)
-        sampled = np.abs(sampled[moving[:, axis]])
-        if effect.sequential:
-            # How close to a reversal the torque is what the form says is not known.
-            speed = np.abs(test.velocity[moving[:, axis], axis])
-            slowest = problem.settings.judged_speed * rng.uniform(1.0, NOT_BESIDE, DRAWS)
-            sampled = np.where(speed[:, None] >= slowest, sampled, 0.0)
-        sampled = sampled.max(axis=0, initial=0.0)
-    sampled = sampled * draw_form_errors(effect, problem.settings, rng)
-    if effect.waves is not None:
-        sampled = sampled * (1.0 + lost * np.abs(rng.standard_normal(DRAWS)))
-        sampled = sampled * draw_unfiltered(effect, test, candidate, moving[:, candidate.axis], DRAWS, rng)
-    if effect.timing and candidate.axis is not None and peak > 0:
-        # How much of the highest rate of torque is noise is not known: what the instruments leave is motion.
-        cutoffs = white.cutoffs[candidate.axis]
-        cutoff = cutoffs.late if effect.shifts(candidate.nonlinear) else cutoffs.timing
-        calm = largest(band_limited(test, candidate.axis, cutoff, problem.measured.rate))
-        sampled = sampled * np.clip(calm / peak, 1e-3, 1.0) ** rng.uniform(size=DRAWS)
-    low, high = np.quantile(sampled, [0.025, 0.975])
-    return Estimate(named, parameters, std, coefficients, form, peak, float(min(low, peak)), float(max(high, peak)))
+    fitted = Fitted(candidate, form, coefficients, covariance, own, parameters, std, spreads, lost)
+    peak, low, high = largest_torque(white, [*base, *others], fitted, rng)
+    return Estimate(named, parameters, std, coefficients, form, peak, low, high)
