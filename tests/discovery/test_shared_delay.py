@@ -7,9 +7,13 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
+from jointwear.discovery.candidates import Candidate, raw_blocks
 from jointwear.discovery.decide import whitened
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
-from jointwear.discovery.shared_delay import delay_in_words, sampling_period, shared_delay, without_delay
+from jointwear.discovery.shared_delay import delay_in_words, is_feigned, sampling_period, shared_delay, without_delay
+from jointwear.effects import get_effect
 from jointwear.measurement.recording import Recording, split
 from jointwear.robots.robot import load_robot
 
@@ -27,6 +31,11 @@ def recording(robot):
 def _found(recording, robot):
     period = sampling_period(recording)
     return shared_delay(whitened(build_problem(recording, robot, Settings())), period) / period
+
+
+def _whole(white, load):
+    columns = get_effect(load.effect).columns(white.problem.train_state, 0, None, {})
+    return {a: columns[:, a] for a in white.problem.judged}
 
 
 @pytest.mark.parametrize("share", [-0.5, 0.0, 0.3])
@@ -49,6 +58,20 @@ def test_torque_that_is_held_for_a_period_names_nothing(recording, robot):
     found = discover(held, robot)
     assert found.effects == []
     assert any("all joints is recorded" in told and "early" in told for told in found.data["restrictions"])
+
+
+@pytest.mark.parametrize("share", [0.3, 0.0])
+def test_a_delay_that_goes_beside_a_load_was_none(recording, robot, share):
+    """Read 0.3 periods later than it was, the torque is early by as much beside what was found."""
+    period = sampling_period(recording)
+    read = without_delay(recording, share * period)
+    white = whitened(build_problem(read, robot, Settings()))
+    load = Candidate("payload", None, None)
+    blocks = raw_blocks(white, load)
+    term = Term("payload", {a: white.columns(a, x) for a, x in _whole(white, load).items()}, np.ones(10), blocks)
+    assert is_feigned(white, period, 0.3 * period, [Named(load, term, None, 99.0)]) == (share > 0)
+    late = Candidate("actuation_delay", 1, None, {"delay": 0.3 * period, "lag": 0})
+    assert not is_feigned(white, period, 0.3 * period, [Named(late, term, None, 99.0)])
 
 
 def test_torque_is_read_later_within_each_trajectory():

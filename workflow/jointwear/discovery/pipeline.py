@@ -22,7 +22,13 @@ from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.shared_delay import delay_in_words, sampling_period, shared_delay, without_delay
+from jointwear.discovery.shared_delay import (
+    delay_in_words,
+    is_feigned,
+    sampling_period,
+    shared_delay,
+    without_delay,
+)
 from jointwear.discovery.sound_files import sound_files, write_files
 from jointwear.discovery.verdict import Verdict
 from jointwear.discovery.whitening import White
@@ -135,14 +141,11 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     problem = build_problem(recording, robot, settings, measured())
     restrictions += motion_restrictions(problem)
     try:
-        white, period = whitened(problem), sampling_period(recording)
-        delay = shared_delay(white, period)
-        if delay:
-            recording = without_delay(recording, delay)
-            problem = build_problem(recording, robot, settings, measure(recording))
-            white = whitened(problem)
-            restrictions.append(delay_in_words(delay, period))
-        return _judge(recording, white, restrictions)
+        white = whitened(problem)
+        in_time = _read_in_time(recording, white)
+        if in_time is None:
+            return _judge(recording, search(white), restrictions)
+        return _judge(*in_time[:2], [*restrictions, in_time[2]])
     except InputError:
         raise
     except (np.linalg.LinAlgError, ArithmeticError, ValueError, LookupError) as error:
@@ -152,8 +155,24 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
         return _undecided(recording, problem, restrictions, f"the search ended in an error ({where}: {error})")
 
 
-def _judge(recording: Recording, white: White, restrictions: list[str]) -> Discovery:
-    problem, outcome = white.problem, repeat(search(white))
+def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcome, str] | None:
+    """Return a recording without the delay that all its joints share, what is found in it, and the delay in words.
+
+    None where they share none, or where it is only what an effect that is found without it looks like.
+    """
+    period = sampling_period(recording)
+    delay = shared_delay(white, period)
+    if not delay:
+        return None
+    recording, problem = without_delay(recording, delay), white.problem
+    outcome = search(whitened(build_problem(recording, problem.robot, problem.settings, measure(recording))))
+    if is_feigned(outcome.white, period, delay, outcome.named):
+        return None
+    return recording, outcome, delay_in_words(delay, period)
+
+
+def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:
+    problem, outcome = found.problem, repeat(found)
     outcome.unexplained = lasting(outcome)
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)

@@ -8,11 +8,16 @@ robot file should hold it; left in, it would be named on every joint.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery.candidates import LINK_MASS
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
 from jointwear.effects.order import late_torque
 from jointwear.measurement.recording import Recording
 
@@ -28,7 +33,7 @@ def sampling_period(recording: Recording) -> float:
     return float(np.median(step[same])) if same.any() else 0.0
 
 
-def shared_delay(white: White, period: float) -> float:
+def shared_delay(white: White, period: float, beside: Sequence[Term] = ()) -> float:
     """Return the delay [s] of the torque that most joints have in common, negative where it is early; 0 for none.
 
     No joint counts for more than half of what a name needs, so that three have to agree, and one with a delay of its
@@ -37,8 +42,10 @@ def shared_delay(white: White, period: float) -> float:
     Parameters
     ----------
     period : between two samples as they were logged [s].
+    beside : terms of the model beside which it is asked.
     """
-    found = [of_joint for axis in white.problem.judged if (of_joint := _of_joint(white, axis, period)) is not None]
+    fit = white.fit(list(beside))
+    found = [of_joint for axis in white.problem.judged if (of_joint := _of_joint(white, fit, axis, period)) is not None]
     if not found:
         return 0.0
     delay, sigma = np.array(found).T
@@ -49,9 +56,23 @@ def shared_delay(white: White, period: float) -> float:
     return float(shares[best] * period) if against[STEPS] - against[best] > settings.accept else 0.0
 
 
-def _of_joint(white: White, axis: int, period: float) -> tuple[float, float] | None:
+def is_feigned(white: White, period: float, delay: float, named: Sequence[Named]) -> bool:
+    """Return whether a delay that was taken out of a log is only what effects that were found since look like.
+
+    What a load lacks follows its speed on several joints. Beside it the torque would then have to be read back again.
+
+    Parameters
+    ----------
+    white : the log without the `delay` [s]. named : effects found in it, of which those of timing are not asked.
+    """
+    lasting = [n for n in named if n.candidate.effect == LINK_MASS or not get_effect(n.candidate.effect).timing]
+    terms = [t for n in lasting for t in n.terms]
+    return bool(terms) and abs(delay + shared_delay(white, period, terms)) < 0.5 * abs(delay)
+
+
+def _of_joint(white: White, fit: Fit, axis: int, period: float) -> tuple[float, float] | None:
     """Return the delay of the torque of one joint and its standard deviation, both in sampling periods."""
-    state, fit = white.timing_state(axis), white.fit()
+    state = white.timing_state(axis)
     late = late_torque(state, axis, 0.5 * period) - state.torque[:, axis]
     b, gram = fit.gram({axis: white.columns(axis, late[:, None])})
     if not gram[0, 0] > 0:
