@@ -16,6 +16,7 @@ from functools import partial
 import numpy as np
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
+from jointwear.measurement.even_steps import evenly, pieces_of
 from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
 from jointwear.measurement.recording import Recording, elapsed_time
@@ -115,10 +116,11 @@ def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float
 def measure(recording: Recording) -> Measured:
     """Derive what was not measured, reduce high rates, and mark the samples that can be judged.
 
-    NaN samples of one joint make that joint unusable there; gaps are bridged linearly for the filter only.
+    NaN samples of one joint make that joint unusable there; gaps are bridged linearly for the filter only. Samples that
+    are not evenly spaced are put on an even grid first: see :mod:`jointwear.measurement.even_steps`.
     """
-    time = elapsed_time(recording.time, recording.trajectory)
-    pieces = runs(recording.trajectory)
+    recording, time = evenly(recording, elapsed_time(recording.time, recording.trajectory))
+    pieces = pieces_of(time, recording.trajectory)
     step = float(np.median(np.concatenate([np.diff(time[p]) for p in pieces if p.stop - p.start > 1] or [[1.0]])))
     rate = 1.0 / step if step > 0 else 1.0
     count, n = recording.position.shape

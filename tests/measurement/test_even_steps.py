@@ -1,0 +1,97 @@
+"""Logs whose samples are not evenly spaced: what is made of their stamps."""
+
+import numpy as np
+import pytest
+
+from jointwear.measurement.even_steps import evenly, pieces_of
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import Recording, elapsed_time
+
+ROUND = 2e-5
+RATE = 100.0
+
+
+def moved(time):
+    """Positions and accelerations (m, 2) [rad], [rad/s2] at `time` (m,)."""
+    order, size = 2 * np.pi * np.array([[0.23, 0.61, 0.95], [0.31, 0.47, 0.7]]).T, np.array([[0.6, 0.2, 0.1]]).T
+    phase = time[:, None, None] * order + 0.4
+    return np.sum(np.sin(phase) * size, axis=1), np.sum(-(order**2) * np.sin(phase) * size, axis=1)
+
+
+def recorded(time, stamps=None, label=None):
+    q, a = moved(time)
+    label = np.zeros(len(time), int) if label is None else label
+    return Recording(time if stamps is None else stamps, label, ROUND * np.round(q / ROUND), 1.0 + q), a
+
+
+def regular(seconds=30.0):
+    return np.arange(0, seconds, 1 / RATE)
+
+
+def worst_acceleration(recording):
+    found = measure(recording)
+    wrong = np.abs(found.acceleration - moved(found.time)[1])
+    return max(wrong[found.usable[:, j], j].max() for j in range(2))
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(np.random.SeedSequence(5))
+
+
+def test_an_even_log_stays_as_it_is():
+    log, _ = recorded(regular())
+    same, time = evenly(log, log.time)
+    assert same is log
+    assert time is log.time
+
+
+def test_samples_that_were_dropped_are_no_jump(random):
+    time = regular()
+    kept = time[random.random(len(time)) > 0.005]
+    log, _ = recorded(kept)
+    filled, _ = evenly(log, log.time)
+    assert len(filled.time) == len(time)
+    assert worst_acceleration(log) < 0.3
+
+
+def test_steps_that_vary_are_believed_where_the_motion_says_so(random):
+    time = regular() + random.uniform(-0.15, 0.15, len(regular())) / RATE
+    log, _ = recorded(time)
+    assert worst_acceleration(log) < 0.3
+
+
+def test_stamps_that_are_late_are_not_believed(random):
+    time = regular()
+    log, _ = recorded(time, time + random.uniform(0, 0.3, len(time)) / RATE)
+    taken, _ = evenly(log, log.time)
+    assert np.array_equal(taken.position, log.position)
+
+
+def test_late_stamps_and_dropped_samples_together(random):
+    time = regular()
+    keep = random.random(len(time)) > 0.005
+    log, _ = recorded(time[keep], (time + random.uniform(0, 0.3, len(time)) / RATE)[keep])
+    filled, grid = evenly(log, log.time)
+    assert len(filled.time) == len(time)
+    assert np.abs(np.diff(grid) * RATE - 1).max() < 1e-3
+
+
+def test_a_long_gap_ends_a_piece():
+    time = np.concatenate([regular(20.0), 300.0 + regular(20.0)])
+    log, _ = recorded(time)
+    assert len(pieces_of(time, log.trajectory)) == 2
+    same, _ = evenly(log, elapsed_time(log.time, log.trajectory))
+    assert same is log
+    assert worst_acceleration(log) < 0.3
+
+
+def test_a_value_that_is_missing_stays_missing(random):
+    time = regular()[random.random(len(regular())) > 0.005]
+    log, _ = recorded(time)
+    log.torque[500:510, 1] = np.nan
+    filled, grid = evenly(log, log.time)
+    hole = (grid > time[500] - 0.001) & (grid < time[509] + 0.001)
+    assert np.isnan(filled.torque[hole, 1]).all()
+    assert np.isfinite(filled.torque[~hole]).all()
+    assert np.isfinite(filled.position).all()

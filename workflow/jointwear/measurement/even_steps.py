@@ -1,0 +1,133 @@
+"""Logs whose samples are not evenly spaced: put on an even grid of time before anything is filtered.
+
+Filters and noise models count samples. One sample that the logger dropped is a jump of the position by a step of
+motion, and steps that vary by a tenth are noise of the velocity times that: accelerations derived from either are wrong
+by many times themselves. Stamps can be late too while the samples are even, and taking those at their word would make
+the same noise. Motion is smooth, so the positions tell which of the readings is right: the one with the lowest floor of
+noise at high frequencies, and the samples as they come unless another is lower by far.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from jointwear.measurement.recording import Recording
+
+#: Usual steps after which a record is in two pieces, as for the clock of the monitor.
+GAP = 5.0
+#: Share of a step up to which samples count as evenly spaced.
+EVEN = 1e-3
+#: A reading of the stamps has to lower the mean square of the fourth differences, the geometric mean over the joints
+#: that move, to this share of that of the samples as they come, which is no chance.
+CLEARER = 0.5
+#: Fewest samples that are put on a grid.
+SHORTEST = 24
+
+
+def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
+    """Return the uninterrupted pieces of a log: runs of one label, cut where more than `GAP` steps are missing."""
+    edges = np.flatnonzero(np.diff(trajectory)) + 1
+    result = []
+    for a, b in zip([0, *edges], [*edges, len(time)], strict=True):
+        steps = np.diff(time[a:b])
+        cuts = np.flatnonzero(steps > GAP * np.median(steps)) + a + 1 if len(steps) else []
+        result += [slice(c, d) for c, d in zip([a, *cuts], [*cuts, b], strict=True) if d > c]
+    return result
+
+
+def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarray]:
+    """Return the recording and its elapsed time (m,) with even steps, or both as they are where they are even.
+
+    Samples that were dropped, up to `GAP` steps, are filled; a value that is not finite stays so on the grid.
+    """
+    pieces = pieces_of(time, recording.trajectory)
+    usual = [float(np.median(np.diff(time[p]))) if p.stop - p.start > 1 else 0.0 for p in pieces]
+    if all(_is_even(time[p], step) for p, step in zip(pieces, usual, strict=True)):
+        return recording, time
+    readings = [[read(time[p], u) for p, u in zip(pieces, usual, strict=True)] for read in (_stamped, _counted)]
+    as_is = _roughness([recording.position[p] for p in pieces])
+    moves = as_is > 0
+    best, grids = np.log(CLEARER), None
+    for reading in readings:
+        filled = [_on_grid(recording.position[p], *r[:2]) for p, r in zip(pieces, reading, strict=True)]
+        change = np.log(np.maximum(_roughness(filled)[moves], 1e-300) / as_is[moves])
+        if len(change) and change.mean() < best:
+            best, grids = change.mean(), reading
+    if grids is None:
+        return recording, time
+
+    def put(values):
+        if values is None:
+            return None
+        parts = [_on_grid(values[p], *r[:2]) for p, r in zip(pieces, grids, strict=True)]
+        return np.concatenate(parts)
+
+    labels = [np.full(len(r[1]), recording.trajectory[p.start]) for p, r in zip(pieces, grids, strict=True)]
+    even = np.concatenate([r[2] for r in grids])
+    changed = replace(
+        recording,
+        time=even,
+        trajectory=np.concatenate(labels),
+        position=put(recording.position),
+        torque=put(recording.torque),
+        velocity=put(recording.velocity),
+        acceleration=put(recording.acceleration),
+        temperature=put(recording.temperature),
+    )
+    return changed, even
+
+
+def _is_even(time: np.ndarray, usual: float) -> bool:
+    if len(time) < SHORTEST or usual <= 0:
+        return True
+    line = np.linspace(time[0], time[-1], len(time))
+    steps = (time[-1] - time[0]) / usual
+    return abs(steps - (len(time) - 1)) < 0.5 and float(np.abs(time - line).max()) <= EVEN * usual
+
+
+def _stamped(time: np.ndarray, usual: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return where samples and grid are, (k,) and (m,), and the times of the grid: stamps are right."""
+    if len(time) < SHORTEST or usual <= 0:
+        return time, time, time
+    count = max(round((time[-1] - time[0]) / usual), 1)
+    grid = np.linspace(time[0], time[-1], count + 1)
+    return time, grid, grid
+
+
+def _counted(time: np.ndarray, usual: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the same: the samples are even, the stamps tell only how many are missing."""
+    if len(time) < SHORTEST or usual <= 0:
+        return time, time, time
+    place = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(np.diff(time) / usual), 1.0))])
+    step, start = np.polyfit(place, time, 1)
+    grid = np.arange(int(place[-1]) + 1, dtype=float)
+    return place, grid, start + step * grid
+
+
+def _on_grid(values: np.ndarray, place: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """Return values (k, ...) at `place` (k,) as they are at `grid` (m,)."""
+    if place is grid:
+        return values
+    columns = np.asarray(values, dtype=float).reshape(len(place), -1)
+    result = np.empty((len(grid), columns.shape[1]))
+    nearest = np.clip(np.searchsorted(place, grid), 1, len(place) - 1)
+    nearest -= grid - place[nearest - 1] < place[nearest] - grid
+    for j, x in enumerate(columns.T):
+        known = np.isfinite(x)
+        if known.sum() < 4:
+            result[:, j] = x[nearest]
+            continue
+        result[:, j] = CubicSpline(place[known], x[known])(grid)
+        result[~known[nearest], j] = np.nan
+    return result.reshape(len(grid), *values.shape[1:])
+
+
+def _roughness(pieces: list[np.ndarray]) -> np.ndarray:
+    """Return the mean square (n,) of the fourth differences of positions: smooth motion has hardly any."""
+    parts = [np.diff(q, 4, axis=0) for q in pieces if len(q) >= SHORTEST]
+    if not parts:
+        return np.zeros(pieces[0].shape[1])
+    return np.array([np.nan_to_num(np.nanmean(x**2)) for x in np.concatenate(parts).T])
