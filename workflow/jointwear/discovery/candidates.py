@@ -218,7 +218,8 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
             columns = effect.columns(state, 0, None, nonlinear)
             blocks = {a: white.columns(a, white.limited(a, columns[:, a])) for a in problem.judged}
             candidate = Candidate(effect.identifier, None, None, dict(nonlinear))
-            dictionary.whole.append((candidate, blocks, effect.prior(problem.robot)))
+            std = problem.body_prior.get(candidate.effect)
+            dictionary.whole.append((candidate, blocks, effect.prior(problem.robot) if std is None else std))
     for link in range(problem.robot.joints):
         blocks = link_mass_blocks(white, link)
         if blocks:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.base_parameters import free_identification
+from jointwear.discovery.carried import carrying
 from jointwear.discovery.decide import search, unexplained, whitened
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.experiment import Experiment, propose
@@ -172,7 +173,9 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
 
 
 def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:
-    problem, outcome = found.problem, repeat(found)
+    loaded = carrying(found)
+    outcome = repeat(found if loaded is None else search(whitened(loaded)))
+    problem = outcome.problem
     outcome.unexplained = lasting(outcome)
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 
 import numpy as np
@@ -46,6 +47,7 @@ class Problem:
     smear : (N, n, 3) what the filter behind the derivatives does to the rigid-body torque [N m], 0 if given.
     moving : (N, n) samples in motion: those that can be judged, and those beside reversals and in shared stops too.
     judged : 0-based axes with enough usable training samples.
+    body_prior : identifier -> prior standard deviations of an effect on the whole arm, where they are not the usual.
     """
 
     robot: Robot
@@ -62,6 +64,7 @@ class Problem:
     smear: np.ndarray
     moving: np.ndarray
     judged: tuple[int, ...]
+    body_prior: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @cached_property
     def train_state(self) -> State:
