@@ -70,13 +70,16 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
     rate, load = measured.rate, problem.train_state.load[:, axis]
     torque = cutoff_of(white, density, frequency, rate, 0, float(np.mean(white(load) ** 2)))
+    structure = cutoff_of(white, density, frequency, rate, 0)
+    whole = white.density(frequency, rate)
+    judged = _judged(density / whole, frequency)
+    # Noise that moves the arm is in rates of torque as that of derived accelerations is.
+    density = np.maximum(density, problem.shaken[axis] * whole)
     # What is motion in a column of timing is seen where noise alone could do no harm.
     timing = cutoff_of(white, density, frequency, rate)
     if np.isfinite(timing):
         timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
-    structure = cutoff_of(white, density, frequency, rate, 0)
-    share = density / white.density(frequency, rate)
-    judged = _judged(share, frequency)
+    share = density / whole
     late = _late(problem, axis, white, timing, share / max(1.0, float(np.max(share))), frequency)
     return Cutoffs(timing, torque, judged, structure, SWING * timing, late)
 

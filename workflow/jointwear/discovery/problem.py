@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.shaken import frequencies, shaken_shares
 from jointwear.discovery.shared_drives import sticking
 from jointwear.effects import State, effect_torque, make_state
 from jointwear.measurement.filtering import low_pass
@@ -125,6 +126,25 @@ class Problem:
         """(n, n) mean square over the training poses of the derivative of torque j by acceleration k [kg2 m4]."""
         poses = self.state.position[self.train]
         return np.mean(self.dynamics.mass_matrix(poses[:: max(1, len(poses) // POSES)]) ** 2, axis=0)
+
+    @cached_property
+    def shaken(self) -> np.ndarray:
+        """(n,) share of the noise of the torque of each axis that moves the arm."""
+        measured, state = self.measured, self.train_state
+        joints = range(self.robot.joints)
+        steps = np.stack([state.drive.coulomb(axis, state.velocity[:, axis]) for axis in joints], axis=1)
+        frequency = frequencies(measured.rate)
+        derived = np.zeros((self.robot.joints, len(frequency)))
+        if measured.noise is not None:
+            derived[:, 1:] = self.mass_squares @ measured.noise.acceleration(frequency[1:])
+        return shaken_shares(
+            self.discrepancy[self.train],
+            state.torque - steps,
+            self.usable,
+            np.asarray(state.record),
+            measured.rate,
+            derived,
+        )
 
     @cached_property
     def usable(self) -> np.ndarray:
