@@ -1,7 +1,9 @@
 """CSV logs as loggers of plants write them: read, or refused with the key that mends it."""
 
 import numpy as np
+import pyarrow as pa
 import pytest
+from pyarrow import parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of, read_log
@@ -46,6 +48,15 @@ def test_times_in_many_spellings(tmp_path, stamp, entry):
     assert chunk.time[0] == pytest.approx(1768456800.25, abs=1e-3)
 
 
+def test_nanoseconds_in_parquet(tmp_path):
+    columns = {"time": pa.array([1768456800250000001, 1768456800270000003]), "position_1": [0.1, 0.2]}
+    parquet.write_table(pa.table({**columns, "torque_1": [1.0, 2.0]}), tmp_path / "a.parquet")
+    for entry in ({}, {"units": {"time": "ns"}}):
+        chunk = one(tmp_path / "a.parquet", **entry)
+        assert chunk.dated
+        assert chunk.time.tolist() == pytest.approx([1768456800.25, 1768456800.27], abs=1e-6)
+
+
 def test_currents_need_a_torque_constant(tmp_path):
     path = write(tmp_path / "a.csv", [",".join(HEADER), "s,rad,A", "0,0.1,2.0", "1,0.2,-9999"])
     with pytest.raises(InputError, match="'torque_constant' in N m/A"):
@@ -53,6 +64,7 @@ def test_currents_need_a_torque_constant(tmp_path):
     chunk = one(path, torque_constant=[10.0], scale=0.5, sign=[-1])
     assert chunk.torque[0, 0] == pytest.approx(-10.0)
     assert chunk.position[0, 0] == pytest.approx(-0.1)
+    assert np.isnan(chunk.torque[1, 0])
 
 
 def test_what_stands_for_a_missing_value_is_missing(tmp_path):

@@ -106,7 +106,8 @@ def holds_numbers(kind: pa.DataType) -> bool:
 def _numbers(path: Path, name: str, column: pa.Array | pa.ChunkedArray) -> np.ndarray:
     kind = column.type
     if holds_numbers(kind):
-        column = column.cast(pa.float64())
+        # Nanoseconds since 1970 have more digits than a float holds; what is lost is a fraction of a microsecond.
+        column = column.cast(pa.float64(), safe=False)
     elif pa.types.is_null(kind):
         return np.full(len(column), np.nan)
     else:

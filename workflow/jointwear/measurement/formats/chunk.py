@@ -135,10 +135,11 @@ def make_chunk(
             continue
         array = np.asarray(raw, dtype=float)
         unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
+        if role in JOINT_ROLES:
+            # As logged: once scaled, -9999 A is a torque like any other.
+            array = without_sentinels(array)
         if role == "torque":
             array, unit = _as_torque(path, array, unit, layout)
-        if role in JOINT_ROLES:
-            array = without_sentinels(array)
         try:
             found[role] = converted(array, role, unit, str(path))
         except InputError as error:
