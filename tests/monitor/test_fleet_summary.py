@@ -191,6 +191,15 @@ def test_a_limit_is_reached_where_the_growth_that_is_told_has_reached_it():
     assert outlook_words(row, {"hours": [9.0, 4.0, 20.0], "reached": True}, zone_of(None)) == "limit reached"
 
 
+@pytest.mark.parametrize(
+    ("hours", "words"), [([0.0, 0.0, 0.0], "reached"), ([0.0, 0.0, 9.0], "may be reached any time")]
+)
+def test_the_forecast_of_viscous_friction_says_of_which_limit_it_is(hours, words):
+    axis = {"hours": hours, "reached": False, "quantity": "viscous friction", "limit": 20.0}
+    told = outlook_words({"dated": False, "last_sample": 0.0}, axis, zone_of(None))
+    assert told == f"limit of viscous friction (+20 %) {words}"
+
+
 def test_times_are_local_and_say_so():
     berlin = zone_of("Europe/Berlin")
     assert local_time(1_774_746_000.0, berlin) == "2026-03-29 03:00 CEST"

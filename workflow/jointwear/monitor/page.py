@@ -91,7 +91,7 @@ def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
             "name": log,
             "first": when(state, a, zone) if np.isfinite(a) else None,
             "last": when(state, b, zone) if np.isfinite(a) else None,
-            "refused": told,
+            "refused": told.replace(f"{log}: ", ""),
             "copy_of": other,
         }
         for log, a, b, told, other in zip(

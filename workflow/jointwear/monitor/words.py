@@ -58,16 +58,22 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
     if hours is None:
         return ""
     middle, low, high = hours
+    limit = "limit"
+    if "viscous" in axis.get("quantity", ""):
+        # The bar and the growth beside it are of Coulomb friction, the forecast is not.
+        limit = f"limit of viscous friction (+{number(axis['limit'], 2)} %)"
     if axis["reached"]:
         return "limit reached"
+    if limit != "limit" and high == 0:
+        return f"{limit} reached"
     if middle == 0:
-        return f"limit may be reached any {'day' if row['dated'] else 'time'}"
+        return f"{limit} may be reached any {'day' if row['dated'] else 'time'}"
 
     def at(value: float) -> str:
         return local_day(row["last_sample"] + 3600 * value, zone) if row["dated"] else duration(value)
 
     if low is None:
-        return "no limit in sight"
+        return f"no {limit} in sight"
     if middle is None or high is None:
-        return f"limit not before {at(low)}" if row["dated"] else f"limit not within {at(low)}"
-    return f"limit {'around' if row['dated'] else 'in'} {at(middle)} ({at(low)} to {at(high)})"
+        return f"{limit} not before {at(low)}" if row["dated"] else f"{limit} not within {at(low)}"
+    return f"{limit} {'around' if row['dated'] else 'in'} {at(middle)} ({at(low)} to {at(high)})"
