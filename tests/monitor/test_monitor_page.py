@@ -13,16 +13,19 @@ from hypothesis import strategies as st
 from monitor_logs import ROBOT, START, columns, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline
 from jointwear.monitor.condition import UNRESOLVED, axis_conditions
 from jointwear.monitor.drawing import _alone, _pauses, _thin
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
+from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
 from jointwear.monitor.page import write_page
 from jointwear.monitor.stages import accumulate_windows, baseline_windows, judge_windows, survey_logs
+from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms, write_state
 from jointwear.monitor.summaries import axis_summary, headline, why_unjudged
 from jointwear.monitor.temperature import temperature_share
@@ -128,6 +131,35 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(built):
     assert "last judged" in found["remark"]
     status[state.baseline :, 0] = UNJUDGED
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
+
+
+def test_newest_logs_that_are_refused_are_not_healthy(built):
+    """The samples of days 4 on contradict the model: what an axis was like before is no verdict on now."""
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    log = {"logs": ["a.csv", "b.csv"], "refused": ["", "b.csv: the sign looks flipped"], "copy_of": ["", ""]}
+
+    def judged(until, hours):
+        rest = np.arange(HOURS) >= until
+        end = np.where(rest, state.end + (hours - (HOURS - until)) * 3600, state.end)
+        found = np.where(rest[:, None] | np.zeros_like(state.status, dtype=bool), UNJUDGED, "healthy").astype(object)
+        marked = np.where(found == UNJUDGED, int(Flag.REFUSED | Flag.AT_REST), 0)
+        first, last = np.array([state.start[0], state.start[until]]), np.array([state.end[until - 1], end[-1]])
+        return replace(state, status=found, flags=marked, end=end, first=first, last=last, alarms=[], **log)
+
+    lately, long_ago = judged(50, 10.0), judged(50, 100.0)
+    for other, level in ((lately, "healthy"), (long_ago, UNJUDGED)):
+        row = standing(other)
+        assert row["refused_newest"] == 1
+        assert as_of({**NOTHING, "robot": "x", "result": "judged", **row}, other.end[-1])["urgency"] == "refused"
+        summary = axis_summary(other, 0)
+        assert summary["status"] == level
+        assert "since then: the log contradicts the model" in summary["remark"]
+        heading, sentences = headline([summary], refused=row["refused_newest"])
+        assert heading == "The newest logs are refused"
+        assert "as of then" in sentences[0]
+    silent = replace(long_ago, refused=["", ""])
+    assert standing(silent)["refused_newest"] == 0
 
 
 def test_a_reason_of_another_version_is_no_failure(built):

@@ -40,7 +40,8 @@ def axis_row(level="changed"):
 def robot(*episodes, name="cell_3", **more):
     return {
         "robot": name, "folder": name, "result": "judged", "reason": "", "stale": False, "silence_hours": 1.0,
-        "dated": True, "last_sample": HOUR, "axes": [axis_row()], "episodes": list(episodes), **more,
+        "dated": True, "last_sample": HOUR, "refused_newest": 0, "refusals": [],
+        "axes": [axis_row()], "episodes": list(episodes), **more,
     }  # fmt: skip
 
 
@@ -165,6 +166,14 @@ def test_friction_that_comes_back_by_itself_is_told_as_such_and_again_when_it_re
         desk.call(robot(episode(active=active)), send=lambda channel, message: said.append(message["body"]) or "")
     assert [body.split()[0] for body in said] == ["ALARM", "ENDED", "AGAIN"]
     assert "no event says why" in said[1]
+
+
+def test_newest_logs_that_are_refused_are_told_once_and_their_end_too():
+    refused = robot(refused_newest=3, refusals=["logs/a.csv: the sign of the torque looks flipped"])
+    (told,) = notices([refused], zone_of(None))
+    assert told.key == "cell_3|refused"
+    assert told.words == "the newest logs are refused (3): logs/a.csv: the sign of the torque looks flipped"
+    assert notices([robot()], zone_of(None)) == []
 
 
 def test_a_robot_that_is_refused_has_not_recovered(tmp_path):

@@ -20,6 +20,8 @@ UNRESOLVED = "unresolved alarm"
 NOW = 86400.0
 #: Fewest windows of now, where the windows are longer than that.
 FEWEST_NOW = 3
+#: An axis not judged for longer than this [s] and than this many times its longest pause before is healthy no more.
+UNSEEN, PAUSES = 3 * NOW, 2.0
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,8 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
     level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
+    if level == HEALTHY and _long_unseen(state, judged):
+        level = UNJUDGED
     if level != CHANGED and open_ones:
         level = UNRESOLVED
     growth, std = latest(state, "coulomb_percent", j)
@@ -104,6 +108,13 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         episodes=open_ones,
         past=tuple(e for e in own if e.resolved is not None),
     )
+
+
+def _long_unseen(state: RobotState, judged: np.ndarray) -> bool:
+    """Whether an axis has moved on unjudged since the last of its `judged` windows for longer than it ever paused."""
+    pauses = np.diff(state.end[judged])
+    since = float(state.end[-1] - state.end[judged[-1]])
+    return since > max(UNSEEN, PAUSES * float(pauses.max(initial=0.0)))
 
 
 def now_windows(state: RobotState) -> np.ndarray:

@@ -18,7 +18,7 @@ from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.standing import standing
 from jointwear.monitor.state import RobotState
-from jointwear.monitor.summaries import axis_summary, headline, name_axes, when, why_unjudged
+from jointwear.monitor.summaries import axis_summary, headline, name_axes, told_flags, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
 from jointwear.monitor.words import todo
 from jointwear.publishing.report.inline import inline_svg
@@ -129,9 +129,11 @@ def write_page(state: RobotState, output: str | Path, figures: str | Path, time_
     conditions, row = axis_conditions(state), standing(state)
     summaries = [axis_summary(state, c.axis - 1, zone, c) for c in conditions]
     whole = robot_episodes(state)
-    heading, sentences = headline(summaries, any(e.resolved is None for e in whole))
+    since = "" if row["last_judged"] is None else when(state, row["last_judged"], zone)
+    heading, sentences = headline(summaries, any(e.resolved is None for e in whole), row["refused_newest"], since)
+    found = told_flags(state)
     flags = [
-        {"words": FLAG_WORDS[f], "windows": [int(np.sum(state.flags[:, j] & int(f) != 0)) for j in range(state.axes)]}
+        {"words": FLAG_WORDS[f], "windows": [int(np.sum(found[:, j] & int(f) != 0)) for j in range(state.axes)]}
         for f in Flag
     ]
     unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]

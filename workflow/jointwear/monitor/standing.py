@@ -20,6 +20,7 @@ from jointwear.monitor.state import RobotState
 NOTHING: dict[str, Any] = {
     "alarms": 0, "axes_changed": "", "reason": "", "logs": 0, "refused_logs": 0, "copied_logs": 0, "unjudged_logs": 0,
     "windows": 0, "refused_windows": 0, "unjudged_windows": 0, "kept_logs": 0, "last_sample": None,
+    "refused_newest": 0, "last_judged": None,
     "rhythm_hours": None, "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
 }  # fmt: skip
 #: Time [s] before the newest log that its rhythm is read from: four weeks, so that weekends count with their weight.
@@ -69,6 +70,8 @@ def standing(state: RobotState) -> dict[str, Any]:
         "windows": len(state.start),
         "refused_windows": int(np.sum((state.flags & int(Flag.REFUSED)).any(axis=1))),
         "unjudged_windows": int(unjudged.all(axis=1).sum()),
+        "refused_newest": refused_newest(state),
+        "last_judged": None if last_judged(state) is None else float(state.end[last_judged(state)]),
         "last_sample": float(np.nanmax(state.last)),
         "rhythm_hours": rhythm_hours(state.first),
         "dated": state.dated,
@@ -77,6 +80,19 @@ def standing(state: RobotState) -> dict[str, Any]:
         "findings": as_json(state.findings),
         "refusals": [told for told in state.refused if told][-TOLD_REFUSALS:],
     }
+
+
+def last_judged(state: RobotState) -> int | None:
+    """Return the newest window in which some axis was judged, None where there is none."""
+    judged = np.flatnonzero((state.status != UNJUDGED).any(axis=1))
+    return int(judged[-1]) if len(judged) else None
+
+
+def refused_newest(state: RobotState) -> int:
+    """Return how many logs are refused since some axis was judged last: what the robot is like now nobody knows."""
+    newest = last_judged(state)
+    since = -np.inf if newest is None else state.end[newest]
+    return sum(bool(told) and last > since for told, last in zip(state.refused, state.last, strict=True))
 
 
 def _unjudged_logs(state: RobotState, blind: np.ndarray) -> int:

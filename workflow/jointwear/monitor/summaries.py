@@ -89,7 +89,7 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     here = state.status[start:, j] == UNJUDGED
     if not here.any():
         return ""
-    flags = state.flags[start:, j][here]
+    flags = told_flags(state)[start:, j][here]
     found = [(int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f]) for f in Flag if f not in (Flag.GAP, Flag.UNEXPLAINED)]
     count, words = max(found, key=lambda pair: pair[0])
     if count == len(flags):
@@ -102,13 +102,26 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     return REASONS[Reason(main)]
 
 
+def told_flags(state: RobotState) -> np.ndarray:
+    """Return the flags (w, n) without what follows from others: samples that were refused do not rest."""
+    refused = state.flags & int(Flag.REFUSED) != 0
+    return np.where(refused, state.flags & ~int(Flag.AT_REST), state.flags)
+
+
 def when(state: RobotState, seconds: float, zone: tzinfo = UTC) -> str:
     """Return a time of the logs as people read it."""
     return log_time(float(seconds), zone, state.dated, state.short)
 
 
-def headline(summaries: Sequence[dict[str, Any]], whole_robot: bool = False) -> tuple[str, list[str]]:
-    """Return the heading of the page and the sentences below it; `whole_robot`: an alarm concerns all axes."""
+def headline(
+    summaries: Sequence[dict[str, Any]], whole_robot: bool = False, refused: int = 0, since: str = ""
+) -> tuple[str, list[str]]:
+    """Return the heading of the page and the sentences below it.
+
+    Parameters
+    ----------
+    whole_robot : an alarm concerns all axes. refused : logs that are refused since any axis was judged last, `since`.
+    """
 
     def named(status: str) -> str:
         return name_axes([s["axis"] for s in summaries if s["status"] == status])
@@ -121,18 +134,25 @@ def headline(summaries: Sequence[dict[str, Any]], whole_robot: bool = False) -> 
         heading = f"Alarms that nobody has explained: {unresolved}"
     elif whole_robot:
         heading = "The whole robot has changed"
+    elif refused:
+        heading = "The newest logs are refused"
     elif healthy:
         heading = "No change of friction found" + (" where it can be judged" if unjudged or coarse else "")
     else:
         heading = "No axis can be judged"
     sentences = []
+    if refused:
+        sentences.append(
+            f"{refused} {'log is' if refused == 1 else 'logs are'} refused since any axis was judged last"
+            f"{f', {since}' if since else ''}; what is below is as of then. The reasons are under Logs."
+        )
     if unresolved:
         sentences.append(
             f"Alarms without an explanation: {unresolved}. An axis is called healthy again when an event of the "
             "config says what was done."
         )
     if healthy:
-        sentences.append(f"No change: {healthy}.")
+        sentences.append(f"No change{' until then' if refused else ''}: {healthy}.")
     if coarse:
         sentences.append(f"Only changes beyond the limit can be seen: {coarse}.")
     if unjudged:

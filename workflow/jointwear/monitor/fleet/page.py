@@ -26,7 +26,7 @@ BADGES = {
 CHECKS = {
     REFUSED: "Mend what refuses its logs",
     STALE: "Look why no new log arrives",
-    UNJUDGED: "Let it move, or log more of it: nothing is known of this robot",
+    UNJUDGED: "Let it move, or log more of it",
 }
 #: Findings and axes of a robot that the list shows; the page of the robot has all.
 SHOWN = 3
@@ -35,7 +35,12 @@ SHOWN = 3
 def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any]:
     """Return what the page says of one robot; `link` leads to the folder of its files."""
     axes = [todo(row, axis, zone) for axis in row["axes"] if axis["check"]]
-    check = "" if axes else CHECKS.get(row["urgency"], "")
+    check = CHECKS.get(row["urgency"], "")
+    if check and row["urgency"] != STALE:
+        known = None if row["last_judged"] is None else log_time(row["last_judged"], zone, row["dated"])
+        check += ": nothing is known of this robot" + (f" since {known}" if known else "")
+    if axes and row["urgency"] != REFUSED:
+        check = ""
     coarse = {axis for f in row["findings"] if f["kind"] == COARSE for axis in f["axes"]}
     whole = [e["quantity"] for e in row["episodes"] if e["axis"] is None]
     return {

@@ -38,7 +38,7 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
         urgency = REACHED
     elif CHANGED in levels:
         urgency = CHANGED
-    elif row["logs"] and row["refused_logs"] == row["logs"]:
+    elif row["refused_newest"] or (row["logs"] and row["refused_logs"] == row["logs"]):
         urgency = REFUSED
     elif UNRESOLVED in levels or row["episodes"]:
         urgency = UNRESOLVED

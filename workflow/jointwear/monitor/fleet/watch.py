@@ -102,7 +102,7 @@ def watch_robot(
         if not fresh:
             write_history(own / "history.parquet", state, name)
             levels = {axis["level"] for axis in row["axes"]}
-            if page or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
+            if page or row["refused_newest"] or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
                 write_page(state, own / "monitor.html", own / "figures", time_zone)
             else:
                 (own / "monitor.html").unlink(missing_ok=True)

@@ -34,6 +34,10 @@ def notices(rows: Sequence[Mapping[str, Any]], zone: tzinfo) -> list[Notice]:
         found += _alarms(row, zone)
         if row["result"] != "judged":
             found.append(Notice(f"{row['folder']}|refused", row["robot"], row["robot"], f"refused: {row['reason']}"))
+        elif row["refused_newest"]:
+            told = row["refusals"][-1] if row["refusals"] else "see its page"
+            words = f"the newest logs are refused ({row['refused_newest']}): {told}"
+            found.append(Notice(f"{row['folder']}|refused", row["robot"], row["robot"], words))
         if row["stale"]:
             silent = f"no new log for {duration(row['silence_hours'])}"
             found.append(Notice(f"{row['folder']}|stale", row["robot"], row["robot"], silent))

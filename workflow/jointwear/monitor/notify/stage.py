@@ -41,7 +41,9 @@ def notify(
     ------
     InputError : if the rows or the outbox cannot be read.
     """
-    found = rows_of(rows, ("reason", "dated", "axes", "episodes", "stale", "silence_hours"))
+    found = rows_of(
+        rows, ("reason", "dated", "axes", "episodes", "stale", "silence_hours", "refused_newest", "refusals")
+    )
     now = time.time() if now is None else now
     box = Outbox.open(outbox)
     told = notices(found, zone_of(time_zone))
