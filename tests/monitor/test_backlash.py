@@ -152,6 +152,7 @@ def test_growing_play_alarms_under_its_own_name_and_steady_play_does_not():
     assert found[0]["change_low"] < found[0]["change"] < found[0]["change_high"]
     assert worn.status[-1, 1] == CHANGED
     assert not [a for a in worn.alarms if "friction" in a["quantity"]]
+    assert not [f for f in worn.findings if f["kind"] == "proposed_service"]
     assert worn.estimates[BACKLASH][-1, 1] == pytest.approx(100, abs=40)
     for seed in range(3):
         assert not alarms_of(judge(with_pulses(np.zeros(WINDOWS), seed), 72, SETTINGS))

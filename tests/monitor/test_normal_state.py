@@ -18,15 +18,17 @@ from jointwear.monitor.dispersion import (
     between_shifts,
     updated_between,
 )
+from jointwear.monitor.findings import _scales
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.regimes import find_regimes
-from jointwear.monitor.scale import scale_steps
+from jointwear.monitor.scale import ScaleStep, scale_steps
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.shift_forecast import forecast_shifts
 from jointwear.monitor.shift_scale import shift_scale
 from jointwear.monitor.shifts import shift_labels
 from jointwear.monitor.warm_up import warm_up_state
+from jointwear.monitor.windows import blank_statistics
 
 HOUR = 3600.0
 
@@ -321,6 +323,17 @@ def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, .
         residual=residual, noise=np.full((80, 6), 1e-6), mean=residual, shifts=np.full((80, 6), 2), alarm=alarm,
         axes=normal, starts=[[] for _ in range(6)], baseline=np.zeros(80, dtype=bool),
     )  # fmt: skip
+
+
+def test_alarms_that_begin_with_another_scale_are_told_beside_it():
+    statistics = blank_statistics(np.arange(40) * 3600.0, 3600.0, np.ones(3), True)
+    changed = np.zeros((40, 3), dtype=bool)
+    changed[24:, 1] = changed[36:, 2] = True
+    (told,) = _scales(statistics, np.arange(40) // 4, [ScaleStep(0, 20, 1.1)], changed)
+    assert "torque of axis 1 changed by 1.1" in told["words"]
+    assert told["words"].endswith("The friction of axis 2 rose with it: look at the gain there before the gear.")
+    (alone,) = _scales(statistics, np.arange(40) // 4, [ScaleStep(0, 8, 1.1)], changed)
+    assert "rose with it" not in alone["words"]
 
 
 def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_with_it():

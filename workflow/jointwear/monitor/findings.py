@@ -17,6 +17,8 @@ from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 
+#: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
+WITH_SCALE = 2
 #: Kind of a finding on an axis whose limit cannot be seen.
 COARSE = "coarse"
 
@@ -41,16 +43,19 @@ def findings_of(
 
     Parameters
     ----------
-    steps : changed scales. changed : (w, n) bool, axes with an open alarm. conditions : of all windows.
+    steps : changed scales. changed : (w, n) bool, axes with an open alarm of friction. conditions : of all windows.
     """
-    found = _scales(statistics, steps) + _services(statistics, level, steps)
+    found = _scales(statistics, shift, steps, changed) + _services(statistics, level, steps)
     found += _programs(statistics, conditions, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     return sorted(found, key=lambda f: f["time"])
 
 
-def _scales(statistics: WindowStatistics, steps: Sequence[ScaleStep]) -> list[dict[str, Any]]:
-    """One finding for each moment at which scales changed."""
+def _scales(
+    statistics: WindowStatistics, shift: np.ndarray, steps: Sequence[ScaleStep], changed: np.ndarray
+) -> list[dict[str, Any]]:
+    """One finding for each moment at which scales changed, with the axes that alarmed at that time."""
+    onset = [np.flatnonzero(c)[0] if c.any() else None for c in changed.T]
     result = []
     for window in sorted({s.window for s in steps}):
         here = [s for s in steps if s.window == window]
@@ -60,6 +65,10 @@ def _scales(statistics: WindowStatistics, steps: Sequence[ScaleStep]) -> list[di
             f"The scale of the torque of {_axes_words(axes)} changed by {factor:.3g}: a gain, a unit or a torque "
             "constant, no wear. It is learnt anew from there; enter the event as 'sensor'."
         )
+        others = [j + 1 for j, k in enumerate(onset) if k is not None and j + 1 not in axes]
+        others = [a for a in others if 0 <= shift[onset[a - 1]] - shift[window] <= WITH_SCALE]
+        if others:
+            words += f" The friction of {_axes_words(others)} rose with it: look at the gain there before the gear."
         result.append({"time": time, "axes": axes, "kind": "scale", "words": words})
     return result
 

@@ -177,7 +177,7 @@ def judge(
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     status = raised_status(teller.status, backlash, CHANGED)
-    findings = findings_of(statistics, shift, first, level, steps, status == CHANGED, conditions)
+    findings = findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, conditions)
     findings += coarse_findings(statistics, first, teller.least, limit)
     findings += backlash_findings(hidden, float(statistics.start[0]))
     findings += program_findings(statistics, first)
