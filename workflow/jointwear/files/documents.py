@@ -240,6 +240,8 @@ def _describe(error) -> str:
     if rule in ("minLength", "maxLength", "minProperties", "maxProperties"):
         few, what = rule.startswith("min"), "characters" if rule.endswith("Length") else "entries"
         return f"'{where}' has {len(value)} {what}, at {'least' if few else 'most'} {error.validator_value}"
+    if rule == "not" and "const" in error.validator_value:
+        return f"'{where}' is {said}; allowed: anything but {error.validator_value['const']}{_limits(error.schema)}"
     return f"'{where}' is {said}; it breaks '{rule}' of the schema"
 
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from jointwear.files.errors import InputError, nearest, shown
+
+if TYPE_CHECKING:
+    import numpy as np  # read at every call of Snakemake: nothing heavy is imported
 
 ROLES = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature")
 #: Factor (and offset) that turns a unit into the project's, by role.
@@ -22,9 +27,9 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
         }.items()
     },
     "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
-    "position": {"rad": (1.0, 0.0), "deg": (np.pi / 180, 0.0)},
-    "velocity": {"rad/s": (1.0, 0.0), "deg/s": (np.pi / 180, 0.0)},
-    "acceleration": {"rad/s2": (1.0, 0.0), "deg/s2": (np.pi / 180, 0.0)},
+    "position": {"rad": (1.0, 0.0), "deg": (math.pi / 180, 0.0)},
+    "velocity": {"rad/s": (1.0, 0.0), "deg/s": (math.pi / 180, 0.0)},
+    "acceleration": {"rad/s2": (1.0, 0.0), "deg/s2": (math.pi / 180, 0.0)},
     "torque": {"N m": (1.0, 0.0), "mN m": (1e-3, 0.0), "kN m": (1e3, 0.0)},
     "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
 }
@@ -33,12 +38,58 @@ SPELLINGS = {
     "radian/s": "rad/s", "radians/s": "rad/s", "dps": "deg/s", "degree/s2": "deg/s2", "degrees/s2": "deg/s2",
     "deg/s^2": "deg/s2", "°/s2": "deg/s2", "°/s^2": "deg/s2", "newton meter": "N m", "milliseconds": "ms",
     "millisecond": "ms", "msec": "ms", "microseconds": "us", "nanoseconds": "ns", "µs": "us",
+    "Grad": "deg", "Grad/s": "deg/s",
     "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
     "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
     "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s", "": "s",
     "minute": "min", "minutes": "min", "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
     "microsecond": "us", "usec": "us", "nanosecond": "ns", "nsec": "ns",
 }  # fmt: skip
+
+
+#: Units of what is logged as torque and is none: with a factor of the config it becomes one.
+CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
+
+
+def check_roles(entry: Mapping[str, Any], where: str, axes: int) -> None:
+    """Check `variables` and `units` of an entry of ``monitor.robots`` as far as no log is needed for it.
+
+    Parameters
+    ----------
+    where : the entry in words of the config. axes : of the robot.
+
+    Raises
+    ------
+    InputError : naming the key, what is allowed and the nearest.
+    """
+    for key in ("variables", "units"):
+        for role in entry.get(key) or {}:
+            if role not in ROLES:
+                raise InputError(
+                    f"config: '{where}.{key}' has the role '{role}'{nearest(role, ROLES)} (allowed: {', '.join(ROLES)})"
+                )
+    for role, names in (entry.get("variables") or {}).items():
+        several = names if isinstance(names, (list, tuple)) else [names]
+        fits = (1,) if role in ("time", "trajectory") else (1, axes)
+        if len(several) not in fits:
+            raise InputError(
+                f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one, or {axes}, one a joint"
+                if len(fits) > 1
+                else f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one"
+            )
+        twice = next((n for k, n in enumerate(several) if n in several[:k]), None)
+        if twice is not None and role != "temperature":
+            raise InputError(
+                f"config: '{where}.variables.{role}' has {shown(str(twice))} twice; each joint has a column of its own"
+            )
+    for role, unit in (entry.get("units") or {}).items():
+        known = [*UNITS[role], *((*CURRENTS, *SHARES) if role == "torque" else ())]
+        plain = str(unit).split(" since ")[0].strip() if role == "time" else str(unit).strip()
+        if role != "trajectory" and SPELLINGS.get(plain, plain) not in known:
+            near = nearest(plain, [*known, *(word for word, meant in SPELLINGS.items() if meant in known and word)])
+            raise InputError(
+                f"config: '{where}.units.{role}' is {shown(str(unit))}{near} (allowed: {', '.join(known)})"
+            )
 
 
 def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:

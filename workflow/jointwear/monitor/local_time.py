@@ -24,7 +24,8 @@ def zone_of(name: str | None, key: str = "monitor.time_zone") -> tzinfo:
     try:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):
-        hint = nearest(name, available_timezones())
+        # No abbreviation stands for another, and Etc/GMT+1 lies west of Greenwich.
+        hint = nearest(name, (z for z in available_timezones() if "/" in z and not z.startswith("Etc/")))
         raise InputError(f"config: '{key}' is {shown(name)}{hint} (allowed: IANA names, as Europe/Berlin)") from None
 
 

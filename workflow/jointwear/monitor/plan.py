@@ -9,6 +9,7 @@ import hashlib
 import os
 import re
 import stat
+import time
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
@@ -21,6 +22,7 @@ from jointwear.files.json_documents import read_json
 from jointwear.files.patterns import matches
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import LATEST, moment_of
+from jointwear.measurement.units import check_roles
 from jointwear.monitor.events import events_of
 from jointwear.monitor.local_time import zone_of
 from jointwear.robots.robot_file import read_robot_file, robot_sources
@@ -36,6 +38,8 @@ BATCH_BYTES = 8e6
 LEARNED = "results/learned/{name}/robot.yaml"
 #: Shortest and longest length of time [s] in a config: a stroke of an arm, and the life of one.
 SHORTEST, LONGEST = 1.0, 3650 * 86400.0
+#: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
+ZONES = 14 * 3600.0
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 
@@ -129,6 +133,10 @@ def check_robots(config: Mapping[str, Any]) -> None:
     ------
     InputError : one line naming the robot, the key and what is allowed.
     """
+    try:
+        window_seconds(config["monitor"].get("stale_after", "72h"))
+    except InputError as error:
+        raise InputError(f"config: 'monitor.stale_after': {error}") from None
     read_once = cache(read_robot_file)  # a fleet shares its robot files
     for name, entry in config["monitor"]["robots"].items():
         where = f"monitor.robots.{name}"
@@ -148,6 +156,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
         for source in robot_sources(entry["robot"])[1:]:
             if not Path(source).is_file():
                 raise InputError(f"{path}: 'urdf' names {source}, which does not exist")
+        check_roles(entry, where, len(robot["joints"]))
         joints = entry.get("joints")
         if joints is not None and len(joints) != len(robot["joints"]):
             raise InputError(
@@ -166,8 +175,9 @@ def check_robots(config: Mapping[str, Any]) -> None:
                 if any(axis >= len(robot["joints"]) for axis in event.axes):
                     raise InputError(
                         f"config: 'events' names axis {max(event.axes) + 1}, robot '{robot['name']}' has "
-                        f"{len(robot['joints'])} joints"
+                        f"{len(robot['joints'])} joints (allowed: 1 to {len(robot['joints'])})"
                     )
+            _check_past(entry)
         except InputError as error:
             raise InputError(str(error).replace("config: 'events", f"config: '{where}.events", 1)) from None
         try:
@@ -185,6 +195,26 @@ def check_robots(config: Mapping[str, Any]) -> None:
                     f"config: '{where}.baseline.{key}' is {shown(baseline[key])}; allowed: ISO 8601, as "
                     f"2026-01-15T00:00:00Z, or seconds for logs without a date (at most {LATEST:g} in size)"
                 ) from None
+        borders = [baseline.get(key) for key in ("from", "until")]
+        if None not in borders and moment_of(borders[0]) >= moment_of(borders[1]):
+            raise InputError(
+                f"config: '{where}.baseline.from' is {shown(borders[0])}, not before 'until', {shown(borders[1])}"
+            )
+
+
+def _check_past(entry: Mapping[str, Any]) -> None:
+    """Check that no event is yet to come: it would close every alarm until then.
+
+    Raises
+    ------
+    InputError : naming the event.
+    """
+    for k, given in enumerate(entry.get("events") or ()):
+        if isinstance(given["time"], str) and moment_of(given["time"]) > time.time() + ZONES:
+            raise InputError(
+                f"config: 'events[{k}].time' is {shown(given['time'])}, which is yet to come; allowed: what has been "
+                "done, as its alarms are closed by it"
+            )
 
 
 def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict[str, str]]:

@@ -14,7 +14,7 @@ from jointwear.files.errors import InputError, nearest
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import with_log_name
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
-from jointwear.measurement.units import converted
+from jointwear.measurement.units import CURRENTS, SHARES, converted
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
@@ -179,8 +179,6 @@ def make_chunk(
 
 #: Roles that turn round with an axis.
 _SIGNED = ("position", "velocity", "acceleration", "torque")
-#: Currents and what they are in A; shares of a rated value that nothing turns into a torque.
-CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
 
 
 def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) -> tuple[np.ndarray, str | None]:

@@ -1,0 +1,62 @@
+"""An entry of a robot is checked before any job: one line with the key, what is allowed and the nearest."""
+
+import pytest
+from monitor_logs import ROBOT
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.plan import check_robots
+
+SIX = [f"axis_{k}" for k in range(6)]
+
+
+def check(**more):
+    entry = {"logs": ["logs/*.csv"], "robot": str(ROBOT), "baseline": {"windows": 8}, **more}
+    check_robots({"monitor": {"robots": {"cell_3": entry}}})
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"units": {"positon": "deg"}}, r"cell_3\.units' has the role 'positon'; did you mean 'position'"),
+        (
+            {"units": {"position": "degreess"}},
+            r"units\.position' is 'degreess'; did you mean 'degrees'\? \(allowed: rad,",
+        ),
+        ({"units": {"torque": "V"}}, r"units\.torque' is 'V' .*\(allowed: N m, mN m, kN m, A, mA, %"),
+        ({"variables": {"torques": SIX}}, r"variables' has the role 'torques'; did you mean 'torque'"),
+        ({"variables": {"torque": SIX[:5]}}, r"variables\.torque' has 5 names; allowed: one, or 6, one a joint"),
+        ({"variables": {"time": ["day", "hour"]}}, r"variables\.time' has 2 names; allowed: one"),
+        ({"variables": {"torque": [*SIX[:5], SIX[0]]}}, r"variables\.torque' has 'axis_0' twice"),
+        ({"baseline": {"from": "2026-02-01", "until": "2026-01-01"}}, r"baseline\.from' is '2026-02-01', not before"),
+        ({"events": [{"time": "2126-01-01", "kind": "service"}]}, r"events\[0\]\.time' is '2126-01-01', which is yet"),
+        ({"events": [{"time": "2026-01-01", "axes": [7], "kind": "service"}]}, r"axis 7.*\(allowed: 1 to 6\)"),
+    ],
+)
+def test_what_no_log_is_needed_for_is_refused_before_any_job(more, words):
+    with pytest.raises(InputError, match=words):
+        check(**more)
+
+
+def test_lengths_of_time_name_their_key():
+    robots = {"cell_3": {"logs": ["x"], "robot": str(ROBOT), "baseline": {"windows": 8}}}
+    with pytest.raises(InputError, match=r"'monitor\.stale_after': '3 days' is no length of time"):
+        check_robots({"monitor": {"robots": robots, "stale_after": "3 days"}})
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"), [("MESZ", False), ("GMT+1", False), ("Berlin", True), ("Europe/Berln", True)]
+)
+def test_no_zone_is_advised_that_is_another(name, hint):
+    with pytest.raises(InputError, match="IANA names") as told:
+        check(time_zone=name)
+    assert ("did you mean 'Europe/Berlin'" in str(told.value)) == hint
+    assert ("did you mean" in str(told.value)) == hint
+
+
+def test_what_is_allowed_passes():
+    check(
+        units={"time": "ms", "position": "Grad", "torque": "A", "temperature": "K"},
+        variables={"torque": SIX, "position": "q", "time": "t", "temperature": ["cabinet"] * 6},
+        baseline={"from": "2026-01-01", "until": "2026-02-01"},
+        events=[{"time": "2026-01-01", "axes": [6], "kind": "service"}],
+    )
