@@ -17,7 +17,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline
 from jointwear.monitor.condition import UNRESOLVED, axis_conditions
-from jointwear.monitor.drawing import _alone, _pauses, _thin
+from jointwear.monitor.drawing import _alone, _pauses, _rests_on, _thin
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.fleet.ranking import as_of
@@ -131,6 +131,31 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(built):
     assert "last judged" in found["remark"]
     status[state.baseline :, 0] = UNJUDGED
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
+
+
+def test_play_alone_is_no_change_of_friction_and_is_told_as_it_is_now(built):
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    alarm = {
+        **state.alarms[-1], "axis": 1, "quantity": "backlash", "detector": "model", "unit": "%",
+        "change": 26.0, "change_low": 20.0, "change_high": 30.0, "time": float(state.end[50]),
+    }  # fmt: skip
+    status = np.full_like(state.status, "healthy")
+    status[50:, 0] = CHANGED
+    shape = state.status.shape
+    estimates = {**state.estimates, "backlash": (np.full(shape, 70.0), np.ones(shape), "%")}
+    other = replace(state, alarms=[alarm], status=status, estimates=estimates)
+    summaries = [axis_summary(other, j) for j in range(state.axes)]
+    assert headline(summaries)[0] == "Backlash has grown: axis 1"
+    (found,) = [c for c in axis_conditions(other) if c.level == CHANGED]
+    assert found.change == pytest.approx(70.0)
+    summaries[2]["status"] = CHANGED
+    assert headline(summaries)[0] == "Friction has changed: axis 3; backlash has grown: axis 1"
+    write_page(other, folder / "play.html", folder / "play")
+    assert (folder / "play" / "timeline_backlash.svg").is_file()
+    assert not (folder / "play" / "timeline_viscous.svg").exists()
+    assert _rests_on(alarm, "backlash")
+    assert not _rests_on(alarm, "coulomb")
 
 
 def test_newest_logs_that_are_refused_are_not_healthy(built):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ UNRESOLVED = "unresolved alarm"
 NOW = 86400.0
 #: Fewest windows of now, where the windows are longer than that.
 FEWEST_NOW = 3
+#: Quantity of an alarm other than Coulomb friction -> the estimate that shows it.
+SHOWN_BY = {"viscous friction": "viscous", "backlash": "backlash"}
 #: An axis not judged for longer than this [s] and than this many times its longest pause before is healthy no more.
 UNSEEN, PAUSES = 3 * NOW, 2.0
 
@@ -39,6 +42,7 @@ class AxisCondition:
 
     `axis` 1-based. `level`: CHANGED, UNRESOLVED, UNJUDGED or HEALTHY. `growth`, `growth_std` of the Coulomb friction
     now and `limit`, all [%], NaN where unknown. `episodes`: unresolved ones, the newest first; `past`: resolved.
+    `estimates`: quantity of an alarm -> its change now, NaN where unknown.
     """
 
     axis: int
@@ -50,6 +54,15 @@ class AxisCondition:
     outlook: Outlook | None
     episodes: tuple[Episode, ...]
     past: tuple[Episode, ...]
+    estimates: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def change(self) -> float | None:
+        """What the quantity to act on has changed by: now where an estimate shows it, else at its newest alarm."""
+        if self.main is None:
+            return None
+        now = self.estimates.get(self.main.quantity, math.nan)
+        return now if math.isfinite(now) else self.main.newest["change"]
 
     @property
     def main(self) -> Episode | None:
@@ -107,6 +120,7 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         outlook=_outlook(state, j) if level == CHANGED else None,
         episodes=open_ones,
         past=tuple(e for e in own if e.resolved is not None),
+        estimates={quantity: latest(state, name, j)[0] for quantity, name in SHOWN_BY.items()},
     )
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, tzinfo
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from jointwear.monitor.condition import SHOWN_BY
 from jointwear.monitor.judge import CHANGED, UNJUDGED
 from jointwear.monitor.state import RobotState
 from jointwear.publishing.figures import palette
@@ -164,7 +166,7 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
             alone = _alone(middle)
             if alone.any():
                 axes.plot(where[alone], middle[alone], "o", markersize=2, color=colour)
-        for k, alarm in enumerate(a for a in state.alarms if a["axis"] == j + 1):
+        for k, alarm in enumerate(a for a in state.alarms if a["axis"] == j + 1 and _rests_on(a, name)):
             where = time[np.clip(np.searchsorted(state.end, alarm["time"]), 0, w - 1)]
             marks.setdefault(k % len(palette.DASHES), []).append([(where, row.foot), (where, row.foot + 1)])
         told.append(_told(state, j, mean))
@@ -174,6 +176,12 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
         _date_labels(axes, zone)
     title = f"{name.replace('_', ' ')} of every axis over time"
     panel.save(output, title, f"{title}; {'; '.join(told)}.")
+
+
+def _rests_on(alarm: Mapping[str, Any], name: str) -> bool:
+    """Whether an alarm is marked beside the estimate `name`: in that of its own quantity, else in those of friction."""
+    own = SHOWN_BY.get(alarm["quantity"])
+    return own == name if own == "backlash" or name in SHOWN_BY.values() else own is None or name == "friction"
 
 
 def _pauses(at: np.ndarray) -> np.ndarray:

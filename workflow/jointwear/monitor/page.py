@@ -11,7 +11,7 @@ import numpy as np
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.advice import advice
-from jointwear.monitor.condition import axis_conditions, robot_episodes
+from jointwear.monitor.condition import SHOWN_BY, axis_conditions, robot_episodes
 from jointwear.monitor.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.episodes import Episode
 from jointwear.monitor.judge import DETECTORS
@@ -27,7 +27,9 @@ from jointwear.publishing.report.rendering import render_page
 
 #: Estimates that are drawn over time.
 TIMELINES = {
-    "coulomb": "Change of the Coulomb friction since the normal period, on which the alarms rest",
+    "coulomb": "Change of the Coulomb friction since the normal period",
+    "viscous": "Change of the viscous friction since the normal period",
+    "backlash": "Change of play since the normal period",
     "friction": "Friction at the usual speed",
 }
 #: Alarms of an episode that the page lists; alarms.csv has all.
@@ -118,7 +120,12 @@ def write_page(state: RobotState, output: str | Path, figures: str | Path, time_
     InputError : if there is no such zone.
     """
     folder, zone = Path(figures), zone_of(time_zone)
-    shown = {name: words for name, words in TIMELINES.items() if np.isfinite(state.estimates[name][0]).any()}
+    alarmed = {SHOWN_BY.get(alarm["quantity"]) for alarm in state.alarms}
+    shown = {
+        name: words
+        for name, words in TIMELINES.items()
+        if (name not in SHOWN_BY.values() or name in alarmed) and np.isfinite(state.estimates[name][0]).any()
+    }
     files = {f"timeline_{name}": folder / f"timeline_{name}.svg" for name in shown}
     for name in shown:
         draw_timeline(state, name, files[f"timeline_{name}"], zone)

@@ -131,7 +131,7 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "limit": condition.limit,
         "hours": None if outlook is None else [six_digits(h) for h in (outlook.hours, outlook.low, outlook.high)],
         "quantity": main.quantity if main else "",
-        "change": as_json(main.newest["change"]) if main else None,
+        "change": as_json(condition.change),
         "unit": main.newest["unit"] if main else "",
         "since": main.first if main else None,
         "alarms": sum(len(e.alarms) for e in condition.episodes),

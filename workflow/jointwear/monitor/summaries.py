@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.files.json_values import finite
 from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import (
     CHANGED,
     FEWEST_NOW,
@@ -65,6 +66,7 @@ def axis_summary(
         "axis": j + 1,
         "joint": state.joints[j],
         "status": condition.level,
+        "quantity": condition.main.quantity if condition.main else "",
         "badge": BADGES[condition.level],
         "remark": remark,
         "estimates": [_latest(state, name, j) for name in state.estimates],
@@ -129,7 +131,11 @@ def headline(
     changed, unresolved, healthy, unjudged = map(named, (CHANGED, UNRESOLVED, HEALTHY, UNJUDGED))
     coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
     if changed:
-        heading = f"Friction has changed: {changed}"
+        play = [s["axis"] for s in summaries if s["status"] == CHANGED and s["quantity"] == BACKLASH]
+        rubs = [s["axis"] for s in summaries if s["status"] == CHANGED and s["axis"] not in play]
+        parts = (("Friction has changed", rubs), ("backlash has grown", play))
+        heading = "; ".join(f"{words}: {name_axes(axes)}" for words, axes in parts if axes)
+        heading = heading[0].upper() + heading[1:]
     elif unresolved:
         heading = f"Alarms that nobody has explained: {unresolved}"
     elif whole_robot:
