@@ -396,6 +396,20 @@ def test_the_paper_detector_passes_over_a_program_that_it_never_saw(monkeypatch)
     assert np.isnan(verdict.q[150:]).all()
 
 
+def test_an_event_explains_what_the_paper_detector_saw_and_it_learns_anew(monkeypatch):
+    monkeypatch.setattr(paper_detector, "VARIANCE_SHARE", 0.5)
+    growth = np.zeros((400, 3))
+    growth[150:, 0] = 0.5
+    statistics = statistics_of(residuals(400, growth, 19))
+    paper = [a["time"] for a in judge(statistics, 120, SETTINGS).alarms if a["detector"] == "paper"]
+    assert max(paper) > 300 * 3600
+    told = replace(SETTINGS, events=(Event(150 * 3600.0, (0,), "sensor"),))
+    assert not [a for a in judge(statistics, 120, told).alarms if a["detector"] == "paper"]
+    growth[300:, 0] = 1.2
+    again = judge(statistics_of(residuals(400, growth, 19)), 120, told).alarms
+    assert min(a["time"] for a in again if a["detector"] == "paper") > 300 * 3600
+
+
 def test_no_baseline_yet_is_no_judgement():
     statistics = statistics_of(residuals(40, np.zeros((40, 3)), 19))
     result = judge(statistics, np.zeros(40, dtype=bool), SETTINGS)

@@ -172,7 +172,7 @@ def judge(
     teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
-        alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime)
+        alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime, events)
     estimates, std = _estimates(level, viscous, series, usual)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)

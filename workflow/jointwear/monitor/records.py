@@ -226,9 +226,36 @@ class Teller:
 
 
 def paper_records(
+    statistics: WindowStatistics,
+    baseline: int,
+    rate: float,
+    programs: np.ndarray | None,
+    events: Sequence[Sequence[int]] = (),
+) -> list[dict[str, Any]]:
+    """Return the alarms of the paper's detector.
+
+    Parameters
+    ----------
+    baseline : windows of the normal period, the first ones. rate : false alarms a window that are allowed.
+    programs : (w,) program of each window, or None. events : of each axis the windows at which it begins anew.
+
+    Notes
+    -----
+    Its components are of all axes together, so that an event of one is one of all: what is normal is learnt anew over
+    as many windows as at first, in which it says nothing.
+    """
+    later = {k for own in events for k in own if baseline <= k < statistics.windows}
+    edges = [0, *sorted(later), statistics.windows]
+    result = []
+    for a, b in itertools.pairwise(edges):
+        own = None if programs is None else programs[a:b]
+        result += _paper_records(statistics.part(slice(a, b)), min(baseline, b - a), rate, own)
+    return result
+
+
+def _paper_records(
     statistics: WindowStatistics, baseline: int, rate: float, programs: np.ndarray | None
 ) -> list[dict[str, Any]]:
-    """Return the alarms of the paper's detector."""
     verdict = paper_alarms(statistics, baseline, rate, programs)
     unknown = [np.nan] * 3
     return [
