@@ -18,6 +18,7 @@ from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.page import robot_item
 from jointwear.monitor.fleet.ranking import ORDER, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
+from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.local_time import local_time, zone_of
 from jointwear.monitor.standing import NOTHING, rhythm_hours
 from jointwear.monitor.words import outlook_words
@@ -107,6 +108,8 @@ def test_the_table_counts_what_was_refused_stale_or_not_judged(built):
     assert (rows["still"]["urgency"], rows["still"]["axes_unjudged"]) == (UNJUDGED, "1")
     assert (rows["worn"]["hours_to_limit_low"], rows["worn"]["hours_to_limit_high"]) == ("90.0", "")
     assert rows["calm"]["what_to_check"] == ""
+    known = table_row(as_of(robot("x", axis(1, CHANGED, alarms=0), axis(2, CHANGED)), NOW))
+    assert known["axes_unresolved"] == "2"
 
 
 def test_metrics_are_what_prometheus_reads(built):

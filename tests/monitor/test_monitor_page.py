@@ -149,6 +149,9 @@ def test_play_alone_is_no_change_of_friction_and_is_told_as_it_is_now(built):
     assert headline(summaries)[0] == "Backlash has grown: axis 1"
     (found,) = [c for c in axis_conditions(other) if c.level == CHANGED]
     assert found.change == pytest.approx(70.0)
+    said = {"time": float(other.end[55]), "axes": [1], "kind": "acknowledged"}
+    known = axis_summary(replace(other, entry=other.entry | {"events": [said]}), 0)
+    assert headline([known])[0] == "Backlash has grown: axis 1"
     summaries[2]["status"] = CHANGED
     assert headline(summaries)[0] == "Friction has changed: axis 3; backlash has grown: axis 1"
     write_page(other, folder / "play.html", folder / "play")

@@ -66,13 +66,20 @@ def axis_summary(
         "axis": j + 1,
         "joint": state.joints[j],
         "status": condition.level,
-        "quantity": condition.main.quantity if condition.main else "",
+        "quantity": _quantity(condition),
         "badge": BADGES[condition.level],
         "remark": remark,
         "estimates": [_latest(state, name, j) for name in state.estimates],
         "windows": len(judged),
         "coarse": coarse is not None,
     }
+
+
+def _quantity(condition: AxisCondition) -> str:
+    """Return what an axis alarmed for: of the episode to act on, else of the newest that an event explains."""
+    past = max(condition.past, key=lambda e: e.last, default=None)
+    episode = condition.main or past
+    return episode.quantity if episode else ""
 
 
 def _latest(state: RobotState, name: str, j: int) -> dict[str, Any]:

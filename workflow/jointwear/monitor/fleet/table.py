@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.text_files import replace_text
-from jointwear.monitor.condition import CHANGED, UNJUDGED, UNRESOLVED
+from jointwear.monitor.condition import UNJUDGED
 from jointwear.monitor.state import stamp
 
 #: What each column holds is told in docs/howto/fleet.md.
@@ -26,8 +26,8 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
     first = next((axis for axis in row["axes"] if axis["check"]), None)
     hours = (first and first["hours"]) or [None] * 3
 
-    def axes(*levels: str) -> str:
-        return " ".join(str(a) for a in sorted(axis["axis"] for axis in row["axes"] if axis["level"] in levels))
+    def axes(held: Callable[[Mapping[str, Any]], bool]) -> str:
+        return " ".join(str(a) for a in sorted(axis["axis"] for axis in row["axes"] if held(axis)))
 
     cells = {
         **{name: row[name] for name in COLUMNS if name in row},
@@ -37,8 +37,8 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
         "limit_percent": first["limit"] if first else "",
         **dict(zip(("hours_to_limit", "hours_to_limit_low", "hours_to_limit_high"), hours, strict=True)),
         "alarms_unresolved": len(row["episodes"]),
-        "axes_unresolved": axes(CHANGED, UNRESOLVED),
-        "axes_unjudged": axes(UNJUDGED),
+        "axes_unresolved": axes(lambda axis: axis["alarms"] > 0),
+        "axes_unjudged": axes(lambda axis: axis["level"] == UNJUDGED),
         "last_sample": "" if row["last_sample"] is None else stamp(row["last_sample"], row["dated"]),
     }
     return {name: "" if cells[name] is None else cells[name] for name in COLUMNS}
