@@ -10,6 +10,7 @@ from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks import Refused
+from jointwear.monitor import misreadings
 from jointwear.monitor.survey import survey_log
 
 LENGTH = 12.0
@@ -85,3 +86,15 @@ def test_a_velocity_in_another_unit_than_the_position_is_told(tmp_path, factor, 
 )
 def test_the_keys_mend_it(tmp_path, changed, entry):
     assert max(x for x in survey(tmp_path, entry=entry, **changed).left if x is not None) < 0.02
+
+
+def test_a_load_that_takes_the_wrong_scale_away_is_told_as_the_other_cause(monkeypatch):
+    found = misreadings.WrongScale("the torque is another multiple", "give 'scale'", 0.01)
+    for lighter, left, told in (("lighter", None, True), ("lighter", found, False), (None, None, False)):
+        monkeypatch.setattr(misreadings, "without_load", lambda *_, x=lighter: x)
+        monkeypatch.setattr(misreadings, "_thinned", lambda x: x)
+        monkeypatch.setattr(misreadings, "wrong_scale", lambda *_, x=left: x)
+        scale = misreadings._or_a_load(found, LOG, model().robot)
+        assert ("carries a load that its file does not have" in scale.reason) == told
+        assert ("'payload' of the robot file" in scale.remedy) == told
+        assert scale.remedy.endswith("give 'scale'")

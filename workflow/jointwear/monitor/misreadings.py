@@ -98,6 +98,8 @@ def check_readings(measured: Measured, robot: Robot, check: Callable[[Measured],
             f"{name}: read as degrees the positions fit the torque, read as rad they do not; they look like degrees",
             "state units: {position: deg}",
         )
+    if scale is not None and not scale.unit:
+        scale = _or_a_load(scale, measured, robot)
     try:
         check(measured)
     except Refused as refusal:
@@ -111,6 +113,19 @@ def check_readings(measured: Measured, robot: Robot, check: Callable[[Measured],
         raise Refused(f"{name}: {scale.reason}", scale.remedy)
 
 
+def _or_a_load(scale: WrongScale, measured: Measured, robot: Robot) -> WrongScale:
+    """Return a wrong scale with the load at the flange as another cause, where one takes it away.
+
+    A heavy load multiplies the bodies of all axes, as a current does; which it is only the user knows.
+    """
+    lighter = without_load(measured, robot)
+    if lighter is None or wrong_scale(_thinned(lighter), robot) is not None:
+        return scale
+    reason = f"{scale.reason}; or the robot carries a load that its file does not have"
+    remedy = f"give the load as 'payload' of the robot file where it carries one; else {scale.remedy}"
+    return replace(scale, reason=reason, remedy=remedy)
+
+
 def _thinned(measured: Measured) -> Measured:
     step = max(1, len(measured.time) // THINNED)
     names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
@@ -120,11 +135,12 @@ def _thinned(measured: Measured) -> Measured:
 @dataclass(frozen=True)
 class WrongScale:
     """The torque of most axes is another multiple of the model's than one; `reason` and `remedy` in words, `left`:
-    share of the squared torque that is left once it is applied, a median over the axes."""
+    share of the squared torque that is left once it is applied, a median over the axes; `unit` that it looks like."""
 
     reason: str
     remedy: str
     left: float
+    unit: str = ""
 
 
 def wrong_scale(measured: Measured, robot: Robot) -> WrongScale | None:
@@ -162,7 +178,7 @@ def wrong_scale(measured: Measured, robot: Robot) -> WrongScale | None:
     for unit, size in UNITS.items():
         if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(ALIKE)):
             reason = f"the torque is about {middle:.3g} times that of the model; it looks like {unit}"
-            return WrongScale(reason, f"state units: {{torque: {unit}}}", remains)
+            return WrongScale(reason, f"state units: {{torque: {unit}}}", remains, unit)
     told = ", ".join(f"{abs(factor[j]):.3g} on joint {j + 1}" for j in known)
     reason = (
         f"the torque is another multiple of the model's than one ({told}); it looks like a current, a share of a "
@@ -170,7 +186,9 @@ def wrong_scale(measured: Measured, robot: Robot) -> WrongScale | None:
     )
     remedy = (
         "give 'torque_constant' in N m/A on the joint side and 'units: {torque: A}', or 'scale' in N m of one unit, "
-        "for each axis (about " + ", ".join(f"{1 / abs(factor[j]):.3g} for joint {j + 1}" for j in known) + ")"
+        "for each axis (what is read now times about "
+        + ", ".join(f"{1 / abs(factor[j]):.3g} for joint {j + 1}" for j in known)
+        + ")"
     )
     return WrongScale(reason, remedy, remains)
 
