@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,13 @@ class Dictionary:
     whole: list[tuple[Candidate, dict[int, np.ndarray], np.ndarray]]
     not_tried: list[tuple[str, int | None, str]] = field(default_factory=list)
     spreading: list[tuple[list[Candidate], dict[int, np.ndarray]]] = field(default_factory=list)
+
+    def of_axes(self, axes: Collection[int | None]) -> Dictionary:
+        """Return the candidates on some axes, and all of those on the whole arm."""
+        matrix = {axis: matrix for axis, matrix in self.matrix.items() if axis in axes}
+        entries = {axis: self.entries[axis] for axis in matrix}
+        spreading = [one for one in self.spreading if one[0][0].axis in axes]
+        return replace(self, matrix=matrix, entries=entries, spreading=spreading)
 
 
 def raw_columns(white: White, candidate: Candidate) -> np.ndarray:

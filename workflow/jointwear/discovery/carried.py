@@ -5,7 +5,8 @@ what the drives give: a torque constant that is 3 % off looks like 9 % of the ha
 and friction that grows with the load has the wrong load. And a body that is heavier and longer than bodies usually are
 is drawn to the usual by the prior, its inertia most, and its mass with it. So the search is run again with the body
 that was found among the torques of which columns are made, and with a prior as wide as it is large. It stays an effect
-that is to be named.
+that is to be named. A joint that the first search left without a name and without structure is not asked again: the
+body explains it, and how links that carry it swing is not in the given inertias.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery.candidates import build_dictionary
+from jointwear.discovery.decide import decide, whitened
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import Problem
 from jointwear.effects import get_effect
@@ -45,3 +48,16 @@ def carrying(outcome: Outcome) -> Problem | None:
         return None
     heavier = replace(state, load=state.load + carried, torque=state.torque + carried)
     return replace(problem, state=heavier, body_prior=wider)
+
+
+def search_beside(found: Outcome) -> Outcome:
+    """Return what is found when a named body belongs to the load, or `found` where that is nothing new."""
+    loaded = carrying(found)
+    if loaded is None:
+        return found
+    white = whitened(loaded)
+    dictionary = build_dictionary(white)
+    asked = {n.candidate.axis for n in found.named} | {u.axis for u in found.unexplained}
+    outcome = decide(white, dictionary.of_axes(asked))
+    outcome.dictionary = dictionary
+    return outcome

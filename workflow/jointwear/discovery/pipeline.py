@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.base_parameters import free_identification
-from jointwear.discovery.carried import carrying
+from jointwear.discovery.carried import search_beside
 from jointwear.discovery.decide import search, unexplained, whitened
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.experiment import Experiment, propose
@@ -173,8 +173,7 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
 
 
 def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:
-    loaded = carrying(found)
-    outcome = repeat(found if loaded is None else search(whitened(loaded)))
+    outcome = repeat(search_beside(found))
     problem = outcome.problem
     outcome.unexplained = lasting(outcome)
     final, files, torques = sound_files(problem, outcome)
