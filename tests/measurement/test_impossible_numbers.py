@@ -9,6 +9,7 @@ from pyarrow import parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import read_log
+from jointwear.measurement.possible import check_clock
 from jointwear.measurement.recording_files import load_recording
 
 WRITERS = {
@@ -93,7 +94,7 @@ def test_a_clock_that_no_controller_has_is_refused(tmp_path, table, factor):
     table["time"] = factor * table["time"]
     write_csv(tmp_path / "log.csv", table)
     for read in (recording, chunk):
-        with pytest.raises(InputError, match=r"from sample to sample .* state its unit, as units: \{time: ms\}"):
+        with pytest.raises(InputError, match=r"from sample to sample .* state its unit, as units: \{time: [mun]s\}"):
             read(tmp_path / "log.csv")
 
 
@@ -225,3 +226,9 @@ def test_an_attribute_of_ours_with_several_numbers_is_one_line(tmp_path, attribu
 
     with pytest.raises(InputError, match=r"log\.nc: (was changed|holds the result)"):
         chunk(packed_log(tmp_path / "results/log.nc", change))
+
+
+@pytest.mark.parametrize(("step", "unit"), [(0.02e3, "ms"), (0.02e6, "us"), (0.02e9, "ns"), (3e3, "us")])
+def test_a_clock_in_another_unit_is_told_with_the_unit_that_fits(step, unit):
+    with pytest.raises(InputError, match=rf"units: {{time: {unit}}}"):
+        check_clock("a.csv", 1.8e9 / 0.02 * step + step * np.arange(5))

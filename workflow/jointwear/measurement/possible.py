@@ -15,6 +15,8 @@ ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, 
 LARGEST_LABEL = 2**31 - 1
 #: Time from sample to sample [s]: no drive closes its loop in a microsecond, and in a minute an arm has done its work.
 SHORTEST_STEP, LONGEST_STEP = 1e-6, 60.0
+#: Steps [s] of usual logs, a unit of time apart from each other.
+USUAL = (5e-4, 0.5)
 #: [degC]
 ABSOLUTE_ZERO = -273.15
 
@@ -38,6 +40,13 @@ def without_sentinels(array: np.ndarray) -> np.ndarray:
     return np.where(missing, np.nan, array) if missing.any() else array
 
 
+def _likely_unit(step: float | None) -> str:
+    """Return the unit of time that a step counted in would be that of a controller; ms where none is likely."""
+    units = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+    likely = (unit for unit, size in units.items() if step is not None and USUAL[0] <= step * size <= USUAL[1])
+    return next(likely, "ms")
+
+
 def check_clock(path: str | Path, time: np.ndarray) -> None:
     """Check that samples follow each other as those of a controller can, and that they are of one life of an arm.
 
@@ -51,10 +60,10 @@ def check_clock(path: str | Path, time: np.ndarray) -> None:
     if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
         raise InputError(
             f"{path}: the time rises by {step:.3g} s from sample to sample (allowed: {SHORTEST_STEP:g} to "
-            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: ms}}"
+            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: {_likely_unit(step)}}}"
         )
     if len(known) and np.abs(known).max() > LATEST:
         raise InputError(
             f"{path}: the time reaches {known[np.argmax(np.abs(known))]:.3g} s (allowed: at most {LATEST:.0g} in "
-            "size); state its unit, as units: {time: ms}"
+            f"size); state its unit, as units: {{time: {_likely_unit(step)}}}"
         )

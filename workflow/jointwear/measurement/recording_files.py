@@ -195,7 +195,10 @@ def _read_table(path: Path) -> dict[str, np.ndarray]:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except (ValueError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as CSV ({error})") from None
+        raise InputError(
+            f"{path}: cannot be read as CSV ({error}); a data set is UTF-8 with commas between the columns and decimal "
+            "points: write it so, or let learn_normal read it as the monitor does"
+        ) from None
     if rows.size == 0 or rows.shape[1] != len(header):
         raise InputError(
             f"{path}: the header names {len(header)} columns, the rows have {rows.shape[1] if rows.size else 0}"
