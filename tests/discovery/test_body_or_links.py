@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from discovery_cases import make_case
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from jointwear.discovery import Settings
 from jointwear.discovery.acceptance import refusals
@@ -16,6 +18,7 @@ from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import get_effect
 from jointwear.measurement.recording import split
+from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body
 from jointwear.robots.robot import load_robot
 
 OVER_LINKS = "nats over links that are known less"
@@ -42,7 +45,7 @@ def gates(bare, torque):
 
 def of_body(problem, mass):
     columns = get_effect("payload").columns(problem.train_state, 0, None, {})
-    return columns[..., 0] * mass + columns[..., 3] * 0.08 * mass
+    return columns @ parameters_of_body(mass, np.array([0.0, 0.0, 0.08]), 1e-3 * mass * np.eye(3))
 
 
 def test_a_body_that_the_last_link_would_have_to_be_several_times_of_is_one(bare):
@@ -58,3 +61,31 @@ def test_a_table_of_links_that_are_off_is_no_body(bare, seed):
 
 def test_nothing_is_no_body(bare):
     assert OVER_LINKS in gates(bare, np.zeros_like(bare[0].discrepancy[bare[0].train]))
+
+
+def test_what_no_body_does_is_no_body(bare):
+    """Inertia without mass, and of the wrong sign: what friction of a neighbour left of a wrist (world_2013)."""
+    problem = bare[0]
+    columns = get_effect("payload").columns(problem.train_state, 0, None, {})
+    torque = columns[..., 4:] @ np.array([-0.03, 0.0, -0.02, 0.02, 0.0, -0.03])
+    assert "nats that no body that may exist would have" in gates(bare, torque)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 999))
+def test_the_nearest_body_is_one(seed):
+    """Its pseudo-inertia has no negative eigenvalue, and a body that may exist stays what it is."""
+    rng = np.random.default_rng(seed)
+    robot, nearest = load_robot("config/robots/puma560.yaml"), get_effect("payload").nearest
+    factor = rng.standard_normal((10, 10))
+    precision = factor @ factor.T + 0.1 * np.eye(10)
+    own = parameters_of_body(*bodies(robot)[-1])
+    inertia = np.diag([1.0, 1.0, 0.5]) * rng.uniform(0.001, 0.01)
+    sound = parameters_of_body(rng.uniform(0.1, 2.0), rng.uniform(-0.1, 0.1, 3), inertia)
+    np.testing.assert_array_equal(nearest(robot, sound, precision), sound)
+    found = nearest(robot, rng.standard_normal(10) * 0.1 + [0.5, *[0.0] * 9], precision) + own
+    spread = matrix_of_six(found[4:])
+    pseudo = np.block(
+        [[0.5 * np.trace(spread) * np.eye(3) - spread, found[1:4, None]], [found[None, 1:4], found[None, :1]]]
+    )
+    assert np.linalg.eigvalsh(pseudo)[0] > -1e-9 * np.abs(pseudo).max()

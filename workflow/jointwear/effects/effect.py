@@ -102,6 +102,8 @@ class Effect:
     sound : parameters -> whether something with these parameters may exist at all, as a body; None: any may.
     least : robot -> the lowest values (k,) of the coefficients of an effect on the whole arm: a robot can lack no more
         than it has; None: no coefficient has one.
+    nearest : (robot, coefficients (k,), their precision (k, k)) -> the coefficients nearest to them, by that precision,
+        of something that may exist; None: any may.
     leading : how many of the first coefficients an effect on the whole arm is known by; 0: all.
     writes : (content of a robot file, parameters) -> content in which the effect is part of the robot itself, for an
         effect that is no entry of `effects`.
@@ -149,6 +151,7 @@ class Effect:
     prior: Callable[[Robot], np.ndarray] | None = None
     sound: Callable[[Parameters], bool] | None = None
     least: Callable[[Robot], np.ndarray] | None = None
+    nearest: Callable[[Robot, np.ndarray, np.ndarray], np.ndarray] | None = None
     leading: int = 0
     writes: Callable[[dict[str, Any], Parameters], dict[str, Any]] | None = None
     sequential: bool = False

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.files.errors import InputError
-from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body
+from jointwear.robots.inertia import SIX, bodies, matrix_of_six, parameters_of_body
 
 _NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
 #: What a payload is likely to be: this share of the mass of the arm, at this lever [m].
@@ -32,6 +33,46 @@ def _least(robot):
     """Return the lowest coefficients: no more is missing than the last link and what the robot file hangs on it."""
     carried = robot.payload.mass if robot.payload is not None else 0.0
     return np.array([-(bodies(robot)[-1][0] + carried), *[-np.inf] * 9])
+
+
+#: Entries of the Cholesky factor of a pseudo-inertia, and its least eigenvalue over the largest to start from.
+_LOWER, _THIN = np.tril_indices(4), 1e-6
+
+
+def _pseudo_inertia(ten):
+    inertia = matrix_of_six(ten[4:])
+    spread = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    return np.block([[spread, ten[1:4, None]], [ten[None, 1:4], np.array([[ten[0]]])]])
+
+
+def _ten(pseudo):
+    inertia = np.trace(pseudo[:3, :3]) * np.eye(3) - pseudo[:3, :3]
+    return np.array([pseudo[3, 3], *pseudo[:3, 3], *(inertia[i] for i in SIX)])
+
+
+def _nearest(robot, coefficients, precision):
+    """Return the nearest coefficients with which the last link and all it carries are a body of mass without holes.
+
+    A pseudo-inertia without negative eigenvalues is one, and its factor has no bounds (Wensing, Kim and Slotine 2018;
+    Rucker and Wensing 2022).
+    """
+    own = parameters_of_body(*bodies(robot)[-1])
+    if robot.payload is not None:
+        own = own + parameters_of_body(robot.payload.mass, robot.payload.com, robot.payload.inertia)
+    values, axes = np.linalg.eigh(_pseudo_inertia(coefficients + own))
+    if values[0] >= 0 or values[-1] <= 0:
+        return coefficients
+    root = np.linalg.cholesky(precision).T
+    start = np.linalg.cholesky((axes * np.maximum(values, _THIN * values[-1])) @ axes.T)[_LOWER]
+
+    def body(entries):
+        factor = np.zeros((4, 4))
+        factor[_LOWER] = entries
+        return _ten(factor @ factor.T) - own
+
+    scale = np.maximum(np.abs(start), 1e-3 * np.abs(start).max())
+    found = least_squares(lambda x: root @ (body(x) - coefficients), start, x_scale=scale, max_nfev=200)
+    return body(found.x)
 
 
 def _numbers(parameters):
@@ -99,6 +140,7 @@ EFFECT = Effect(
     whole_arm=True,
     prior=_prior,
     least=_least,
+    nearest=_nearest,
     # Mass and first moments; the inertia of what a hand holds is hardly ever seen.
     leading=4,
     sound=_sound,
