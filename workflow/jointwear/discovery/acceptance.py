@@ -160,6 +160,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     if is_body(trial.candidate):
         gates.append(("nats over links that are known less", _lead_over_links(white, before, trial), half))
+        spare = max(settings.accept, settings.form_error * trial.evidence)
+        gates.append(("nats that no body that may exist would have", -_impossible_nats(white, beside, trial), -spare))
     else:
         wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == INERTIAL else t for t in white.base]
         b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
@@ -197,6 +199,21 @@ def _lead_over_links(white: White, before: list[Term], trial: Named) -> float:
     widths = (1.0, white.problem.settings.mass_sigmas)
     best, other = (max(gain(*sums, width * links.std) for width in widths) for sums in (beside, without))
     return body + best - other
+
+
+def _impossible_nats(white: White, beside: Fit, trial: Named) -> float:
+    """Return the nats of an effect that are lost where its coefficients have to be those of something that may exist.
+
+    Where it stands for something else a body without mass and with negative moments of inertia may fit best.
+    """
+    nearest = get_effect(trial.candidate.effect).nearest
+    if nearest is None:
+        return 0.0
+    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    precision = gram + np.diag(1 / std**2)
+    best = posterior_mean(b, gram, std)
+    off = nearest(white.problem.robot, best, precision) - best
+    return float(0.5 * off @ precision @ off)
 
 
 def _cancels(white: White, trial: Named) -> float:

@@ -26,6 +26,7 @@ from jointwear.discovery.forms import companion, form_of
 from jointwear.discovery.leftovers import stand_alone, unexplained
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Outcome, Refusal
+from jointwear.discovery.outside_force import beside_force, force_of, outside_force
 from jointwear.discovery.posterior import weigh
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.refine import free_parameters, refine
@@ -48,8 +49,29 @@ def whitened(problem: Problem) -> White:
 
 
 def search(white: White) -> Outcome:
-    """Return the effects that whitened data show, out of all of the library: :func:`decide`."""
-    return decide(white, build_dictionary(white))
+    """Return the effects that whitened data show, out of all of the library: :func:`decide`.
+
+    Where a force from outside explains more than any of them they are looked for beside it.
+    """
+    dictionary = build_dictionary(white)
+    term = outside_force(white, dictionary)
+    if term is None:
+        return decide(white, dictionary)
+    outcome = decide(*beside_force(white, dictionary, term))
+    outcome.force = force_of(white, term, outcome.named)
+    if outcome.force is None:
+        return decide(white, dictionary)
+    outcome.white, outcome.dictionary = white, dictionary
+    _settle(outcome)
+    return outcome
+
+
+def _settle(outcome: Outcome) -> None:
+    """Fit the named effects again and test what they leave; names where structure is left become suspects."""
+    outcome.fit = outcome.white.fit([t for n in outcome.named for t in n.terms])
+    outcome.unexplained, outcome.profile = unexplained(outcome)
+    if outcome.unexplained:
+        stand_alone(outcome)
 
 
 def decide(white: White, dictionary: Dictionary) -> Outcome:
@@ -85,10 +107,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
         refused = []
     named = _eliminate(outcome, named)
     outcome.named = _predicting(outcome, named)
-    outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
-    outcome.unexplained, outcome.profile = unexplained(outcome)
-    if outcome.unexplained:
-        stand_alone(outcome)
+    _settle(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
     outcome.refusals += [

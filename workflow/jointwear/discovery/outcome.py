@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from jointwear.discovery.candidates import Candidate, Dictionary
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.problem import Problem
@@ -71,7 +73,8 @@ class Outcome:
     """What the search found; `white`, `fit` and `dictionary` are those of the final model, None where it failed.
 
     `refusals` are candidates that a gate refused, `suspects` effects that were taken off an axis that stays
-    unexplained, with the reason, `not_tried` (effect, 0-based axis or None) -> reason.
+    unexplained, with the reason, `not_tried` (effect, 0-based axis or None) -> reason. `force` (3,) [N] at the
+    flange in the base frame, where what is unexplained is most like one.
     """
 
     problem: Problem
@@ -85,6 +88,7 @@ class Outcome:
     refusals: list[Refusal] = field(default_factory=list)
     suspects: list[tuple[Named, str]] = field(default_factory=list)
     not_tried: dict[tuple[str, int | None], str] = field(default_factory=dict)
+    force: np.ndarray | None = None
 
     @property
     def noise_floor(self) -> list[float | None]:

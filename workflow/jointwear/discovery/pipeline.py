@@ -19,6 +19,7 @@ from jointwear.discovery.findings import make_verdict
 from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.leftovers import lasting
 from jointwear.discovery.outcome import Outcome, Unexplained
+from jointwear.discovery.outside_force import force_in_words
 from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
@@ -176,6 +177,8 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Dis
     outcome = repeat(search_beside(found))
     problem = outcome.problem
     outcome.unexplained = lasting(outcome)
+    if outcome.force is not None and outcome.unexplained:
+        restrictions = [*restrictions, force_in_words(outcome.force)]
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)

@@ -1,0 +1,64 @@
+"""A hose or the wind pulls at the flange: no effect of the library is named for it, a tilted base least of all."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+
+from jointwear.discovery import Settings
+from jointwear.discovery.candidates import build_dictionary
+from jointwear.discovery.decide import search
+from jointwear.discovery.outside_force import force_in_words, outside_force
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.whitening import whiten
+from jointwear.measurement.recording import split
+from jointwear.robots.inertia import gravity_regressor
+from jointwear.robots.robot import Link, load_robot
+
+FORCE = np.array([9.0, -4.0, 3.0])
+
+
+@pytest.fixture(scope="module")
+def bare():
+    robot = load_robot("config/robots/puma560.yaml")
+    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
+    problem = build_problem(recording, robot, Settings())
+    return problem, estimate_noise(problem)
+
+
+def white_with(bare, torque):
+    """Return a log whitened on which `torque` (N, n) [N m] is added."""
+    problem, whiteners = bare
+    return whiten(replace(problem, discrepancy=problem.discrepancy + torque), whiteners)
+
+
+def pull(problem, force):
+    """Return the torque (N, n) [N m] that holds a force (3,) [N] at the flange, by virtual work."""
+    loaded = replace(problem.robot, payload=Link(1.0, np.zeros(3), np.zeros((3, 3))))
+    position = problem.state.position
+    return (gravity_regressor(loaded, position) - gravity_regressor(problem.robot, position)) @ force
+
+
+def test_a_force_at_the_flange_names_nothing_and_is_told(bare):
+    swell = 1.0 + 0.2 * np.sin(0.7 * bare[0].state.time)[:, None]
+    outcome = search(white_with(bare, swell * pull(bare[0], FORCE)))
+    assert outcome.named == []
+    assert outcome.unexplained
+    # Up and down is what links that are a little off do as well.
+    assert np.all(np.abs(outcome.force - FORCE) < [1.0, 1.0, 6.0])
+    assert "force of 10 N at the flange, (9, -4, 3) N" in force_in_words(FORCE)
+
+
+def test_a_tilted_base_is_no_force(bare):
+    problem = bare[0]
+    tilt = gravity_regressor(problem.robot, problem.state.position) @ np.array([0.3, 0.2, 0.0])
+    white = white_with(bare, tilt)
+    assert outside_force(white, build_dictionary(white)) is None
+    assert [n.candidate.effect for n in search(white).named] == ["mounting_tilt"]
+
+
+def test_nothing_is_no_force(bare):
+    white = white_with(bare, np.zeros_like(bare[0].discrepancy))
+    assert outside_force(white, build_dictionary(white)) is None

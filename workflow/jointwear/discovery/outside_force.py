@@ -1,0 +1,82 @@
+"""A force at the flange that no effect of the library is: a hose, the wind, a rope or a contact.
+
+Most of what such a force does is that of a mean force, the same in the base frame at all poses, at the end of the arm:
+three columns J' F (Siciliano and Khatib 2016, Springer Handbook of Robotics, statics of serial chains). Without them
+effects that pull at all joints take it: a tilted base turns the pull of gravity on every link, and is named with
+thousands of nats where a hose hangs at the last. So where these three columns explain more than any effect does,
+effects of single joints are looked for beside them; what the force changes by would look like those of the whole arm.
+They are no effect themselves: the torque stays unexplained, and what it looks like is told in words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery.candidates import Dictionary, scan
+from jointwear.discovery.linear import Term, gain, posterior_mean
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.whitening import White
+from jointwear.effects import library
+from jointwear.robots.inertia import gravity_regressor
+from jointwear.robots.robot import Link
+
+#: Label of the term of such a force among those of the base.
+LABEL = "force at the flange"
+
+
+def outside_force(white: White, dictionary: Dictionary) -> Term | None:
+    """Return the term of a force at the flange that explains more than any effect of the library, None for none."""
+    term = _term(white)
+    if term is None:
+        return None
+    fit, accept = white.fit(), white.problem.settings.accept
+    nats = gain(*fit.gram(term.blocks), term.std)
+    if nats <= accept or any(nats <= gain(*fit.gram(blocks), std) + accept for _, blocks, std in dictionary.whole):
+        return None
+    return term if nats > max((s.evidence for s in scan(white, dictionary, fit)), default=0.0) + accept else None
+
+
+def beside_force(white: White, dictionary: Dictionary, term: Term) -> tuple[White, Dictionary]:
+    """Return the problem with a force at the flange among the terms of its base, and what is looked for beside it."""
+    single = [one for one in dictionary.whole if one[0].axis is not None]
+    return replace(white, base=[*white.base, term], _states={}), replace(dictionary, whole=single)
+
+
+def force_of(white: White, term: Term, named: Sequence[Named]) -> np.ndarray | None:
+    """Return the force (3,) [N] in the base frame beside named effects, None where they do without it.
+
+    Parameters
+    ----------
+    white : the problem without the force.
+    """
+    b, gram = white.fit([t for n in named for t in n.terms]).gram(term.blocks)
+    if gain(b, gram, term.std) <= white.problem.settings.accept:
+        return None
+    return posterior_mean(b, gram, term.std)
+
+
+def force_in_words(force: np.ndarray) -> str:
+    """Return what is told of a force (3,) [N] at the flange."""
+    parts = ", ".join(f"{x:.2g}" for x in force)
+    return (
+        f"what is unexplained is most like a force of {np.linalg.norm(force):.2g} N at the flange, ({parts}) N along "
+        "x, y and z of the base in all poses: look for a hose, a cable, a rope, wind or a contact"
+    )
+
+
+def _term(white: White) -> Term | None:
+    """Return the columns of a force at the flange, as strong as the weight of a usual load; None without gravity."""
+    problem = white.problem
+    usual = [effect.prior(problem.robot)[0] for effect in library().values() if effect.sound is not None]
+    weight = max(usual, default=0.0) * float(np.linalg.norm(problem.robot.gravity))
+    if not weight > 0:
+        return None
+    position = problem.train_state.position
+    body = replace(problem.robot, payload=Link(1.0, np.zeros(3), np.zeros((3, 3))))
+    pull = gravity_regressor(body, position) - gravity_regressor(replace(problem.robot, payload=None), position)
+    blocks = {a: white.columns(a, pull[:, a]) for a in problem.judged}
+    raw = {a: white.raw(a, pull[:, a]) for a in problem.judged}
+    return Term(LABEL, blocks, np.full(3, weight), raw)
