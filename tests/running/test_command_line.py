@@ -28,6 +28,18 @@ def mappings(levels=9):
     return "\n".join(lines)
 
 
+@pytest.mark.parametrize(
+    "arguments", [("--cores", "0"), ("--cores=0",), ("-c0",), ("-c", "0"), ("all", "--core", "00")]
+)
+def test_no_cores_start_no_job(arguments):
+    assert "no job can start (allowed: 1 or more, or all)" in said(*arguments)
+
+
+@pytest.mark.parametrize("arguments", [("--cores", "10"), ("-c2",), ("--cores", "all"), ("--cores",), ("-c", "report")])
+def test_some_cores_start_some(arguments):
+    check_command_line(arguments)
+
+
 FILES = {
     "bomb": (mappings(), "stands for more than 200000 values"),
     "loop": ("wear: &w {shape: *w}\n", "an anchor holds itself"),

@@ -21,6 +21,7 @@ from jointwear.running.script import message_of
 # The parser of Snakemake takes any unambiguous beginning of an option.
 _FILES = re.compile(r"--configf(?:i(?:l(?:es?)?)?)?(?:=(?P<value>.*))?", re.DOTALL)
 _VALUES = re.compile(r"--config(?:=(?P<value>.*))?|-C(?P<joined>.+)?", re.DOTALL)
+_CORES = re.compile(r"--co(?:r(?:es?)?)?(?:=(?P<value>.*))?|-c(?P<joined>.+)?", re.DOTALL)
 #: A value of the command line, as Snakemake takes it.
 _ENTRY = re.compile(r"(?P<key>[a-zA-Z_][\w-]*\w)=(?P<text>.*)", re.DOTALL)
 #: Key that turns a configuration file into a template.
@@ -28,7 +29,7 @@ TEMPLATE = "__use_yte__"
 
 
 def check_command_line(arguments: Sequence[str], files: Sequence[str | Path] | None = None) -> None:
-    """Check the files of ``--configfile`` and the values of ``--config``; end the process with one line if one is bad.
+    """Check the files of ``--configfile``, the values of ``--config`` and the cores; end with one line if one is bad.
 
     Parameters
     ----------
@@ -45,6 +46,10 @@ def check_command_line(arguments: Sequence[str], files: Sequence[str | Path] | N
                 raise InputError(f"{path}: '{TEMPLATE}' makes a template of it, which runs code; only values are read")
         for text in _given(arguments, _VALUES):
             _check_entry(text)
+        for text in _given(arguments, _CORES):
+            # With none Snakemake starts no job and waits for ever.
+            if text.strip("0") == "" and text:
+                raise InputError(f"--cores {shown(text)}: no job can start (allowed: 1 or more, or all)")
     except (InputError, OSError, MemoryError) as error:
         sys.exit(message_of(error) or f"jointwear: {error}")
 
