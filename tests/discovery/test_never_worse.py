@@ -231,6 +231,29 @@ def test_friction_that_records_tell_differently_is_as_given_where_structure_is_l
         assert bool(kept) == (not open_axes or last > 0.9)
 
 
+@pytest.mark.parametrize("leans", [True, False])
+def test_links_on_which_no_axis_leans_are_as_given(found, leans):
+    """One coefficient moves two axes. Both lack something that comes and goes, or the second lacks it at all times."""
+    white = found.final.outcome.white
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    targets, blocks, raw = [np.zeros_like(y) for y in white.targets], {}, {}
+    for axis in (0, 1):
+        told = np.where(white.folds(axis) == white.folds(axis).max(), -0.2, 0.2)
+        if leans and axis == 1:
+            told = 0.2
+        sigma = white.whiteners[axis].marginal
+        targets[axis] = 20.0 * (told + 0.6 * np.sign(white.blocks(axis) % 2 - 0.5) * (axis == 0))
+        odd.discrepancy[np.flatnonzero(white.problem.train)[white.whiteners[axis].rows], axis] = sigma * targets[axis]
+        blocks[axis] = np.ones((len(targets[axis]), 1))
+        raw[axis] = sigma * blocks[axis]
+    trial = replace(white, problem=odd, targets=targets)
+    links = Term(INERTIAL, blocks, np.array([1e3]), raw)
+    given, asked = Asked(trial, [links])([]).ratio, Asked(trial, [links])([links]).ratio
+    assert (asked[1] < given[1]) == leans
+    kept, _ = put_back(trial, [links], {}, "augmented")
+    assert [t.label for t in kept] == ([INERTIAL] if leans else [])
+
+
 @given(st.lists(st.floats(0.01, 0.9), min_size=2, max_size=6), st.floats(0.1, 10.0))
 def test_the_margin_of_a_record_to_come_has_no_unit(ratios, factor):
     squares = np.column_stack([np.square(ratios), np.ones(len(ratios))])

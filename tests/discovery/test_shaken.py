@@ -1,9 +1,19 @@
 """Noise that moves the arm is told from a sensor's."""
 
 import numpy as np
+import pytest
 from scipy.signal import butter, sosfiltfilt
 
+from jointwear.discovery.linear import chi_square
+from jointwear.discovery.pipeline import split
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.shaken import PIECE, frequencies, shaken_shares
+from jointwear.discovery.whitening import whiten
+from jointwear.measurement.recording import Recording
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import load_robot
 
 RATE, N, JOINTS = 200.0, 8000, 3
 
@@ -59,3 +69,50 @@ def test_short_stretches_say_nothing():
     derived = np.zeros((JOINTS, len(frequencies(RATE))))
     shares = shaken_shares(-noise, motion + noise, usable, np.zeros(N, dtype=int), RATE, derived)
     assert shares.max() == 0.0
+
+
+@pytest.fixture(scope="module")
+def disturbed():
+    """Commands of a PUMA whose drives are disturbed: the torque of the motion without what shakes it."""
+    robot = load_robot("config/robots/puma560.yaml")
+    dynamics, time = Dynamics(robot), np.arange(0, 10.0, 1 / RATE)
+    parts = []
+    for k in range(4):
+        rng = np.random.default_rng(np.random.SeedSequence([9, k]))
+        # All joints start and stop together, at speeds of their own.
+        slow = 2 * np.pi * np.array([0.21, 0.37])[:, None, None] * rng.uniform(0.8, 1.2)
+        calm = _waves(time, slow, np.array([0.6, 0.3])[:, None, None] * rng.uniform(0.5, 1.0, (1, 1, 6)), 0.0)
+        quick = 2 * np.pi * np.sort(rng.uniform(3.0, 40.0, (60, 1, 6)), axis=0)
+        shaken = _waves(time, quick, 0.4 / quick**2, rng.uniform(0, 6, quick.shape))
+        moved = [c + s for c, s in zip(calm, shaken, strict=True)]
+        parts.append((time + 11 * k, np.full(len(time), k), moved[0], dynamics.inverse_dynamics(*calm)))
+    time, label, q, torque = (np.concatenate(x) for x in zip(*parts, strict=True))
+    problem = build_problem(split(Recording(time, label, q, torque, name="disturbed")), robot, Settings())
+    return whiten(problem, estimate_noise(problem))
+
+
+def _waves(time, speed, size, phase):
+    x = speed * time[:, None] + phase
+    terms = size * np.sin(x), size * speed * np.cos(x), -size * speed**2 * np.sin(x)
+    return tuple(np.sum(t, axis=0) for t in terms)
+
+
+def test_noise_that_moves_the_arm_is_noise(disturbed):
+    problem, left = disturbed.problem, disturbed.fit().residual
+    assert problem.shaken.min() > 0.5
+    for axis in problem.judged:
+        used = problem.usable[:, axis]
+        noise = np.std(problem.discrepancy[problem.train, axis][used])
+        assert disturbed.whiteners[axis].marginal == pytest.approx(noise, rel=0.25)
+        assert np.mean(left[axis] ** 2) < 1.1
+
+
+def test_noise_that_moves_the_arm_is_no_structure(disturbed):
+    fit = disturbed.fit(disturbed.attenuation)
+    for axis in disturbed.problem.judged:
+        for basis in disturbed.bases(axis):
+            columns = disturbed.columns(axis, basis.columns)
+            columns = columns[:, np.sum(columns**2, axis=0) > 1e-9]
+            if columns.shape[1]:
+                statistic, freedom = chi_square(*fit.gram({axis: columns}), columns.T @ columns)
+                assert 0.5 * (statistic - freedom) < 25.0, (axis, basis.argument)

@@ -288,3 +288,12 @@ def test_a_sound_payload_is_a_body_and_a_light_one_with_its_moments_is_none(mass
     # The same moments on next to no mass would be those of no body.
     assert not payload.sound({**parameters, "mass": 1e-4 * mass})
     assert not payload.sound({**parameters, "mass": -mass})
+
+
+def test_a_plain_form_is_one_that_is_searched(state):
+    """Where the data leave a scale open it is the usual one: another would grow beyond what was recorded."""
+    for name, effect in effects.library().items():
+        if name.startswith("temperature_dependent"):
+            (plain,) = effect.plain(state, 1)
+            assert plain in effect.grid(state, 1)
+            assert plain["scale"] == next(p.default for p in effect.parameters if p.name == "scale")

@@ -19,6 +19,8 @@ from jointwear.discovery.candidates import build_dictionary
 from jointwear.discovery.decide import decide, whitened
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.slow_noise import beside_slow_noise
+from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
 
@@ -55,9 +57,12 @@ def search_beside(found: Outcome) -> Outcome:
     loaded = carrying(found)
     if loaded is None:
         return found
-    white = whitened(loaded)
-    dictionary = build_dictionary(white)
     asked = {n.candidate.axis for n in found.named} | {u.axis for u in found.unexplained}
-    outcome = decide(white, dictionary.of_axes(asked))
-    outcome.dictionary = dictionary
-    return outcome
+
+    def ask(white: White) -> Outcome:
+        dictionary = build_dictionary(white)
+        outcome = decide(white, dictionary.of_axes(asked))
+        outcome.dictionary = dictionary
+        return outcome
+
+    return beside_slow_noise(whitened(loaded), ask)

@@ -97,6 +97,7 @@ def put_back(
         best = ((int(j), _best_step(ask, kept, steps.get(int(j), []), int(j), ratio[j], limit)) for j in bad)
         chosen = next((found for found in best if found[1]), None)
         chosen = chosen or _little_gained(white, ask, kept, steps, open_axes, asked)
+        chosen = chosen or _links_in_vain(ask, kept, asked)
         if chosen is None:
             return kept, tuple(given_up)
         axis, step = chosen
@@ -144,6 +145,19 @@ def _little_gained(
                 fine[axis] = min(then.ratio[axis], then.surely[axis]) <= worst[axis]
             if np.all(fine):
                 return axis, step
+    return None
+
+
+def _links_in_vain(ask: Asked, kept: list[Term], asked: LeftOut) -> tuple[int, Step] | None:
+    """Return the axis that gains most by links closer to those given, and how close, if none loses; None if none.
+
+    What nothing explains on one axis bends the links, and with them the torque of axes that lack nothing.
+    """
+    for step in reversed(OF_LINKS):
+        if step.touches(kept):
+            then = ask(step.taken_off(kept)).ratio
+            if np.all(then <= asked.ratio):
+                return int(np.argmin(then - asked.ratio)), step
     return None
 
 

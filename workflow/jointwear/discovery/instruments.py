@@ -69,12 +69,17 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
     density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
     rate, load = measured.rate, problem.train_state.load[:, axis]
-    torque = cutoff_of(white, density, frequency, rate, 0, float(np.mean(white(load) ** 2)))
-    structure = cutoff_of(white, density, frequency, rate, 0)
     whole = white.density(frequency, rate)
     judged = _judged(density / whole, frequency)
-    # Noise that moves the arm is in rates of torque as that of derived accelerations is.
+    # Noise that moves the arm is in torques and their rates as that of derived accelerations is.
     density = np.maximum(density, problem.shaken[axis] * whole)
+    structure = cutoff_of(white, density, frequency, rate, 0)
+    energy = float(np.mean(white(load) ** 2))
+    if problem.shaken[axis]:
+        # Of the load most is weight; what noise shares a column with is inertia alone.
+        limited = band_limited(problem.train_state, axis, structure, rate).acceleration[:, axis]
+        energy = min(energy, float(problem.mass_squares[axis, axis] * np.mean(white(limited) ** 2)))
+    torque = cutoff_of(white, density, frequency, rate, 0, energy)
     # What is motion in a column of timing is seen where noise alone could do no harm.
     timing = cutoff_of(white, density, frequency, rate)
     if np.isfinite(timing):
@@ -198,6 +203,19 @@ def band_limited(state: State, axis: int, cutoff: float, rate: float) -> State:
     load, acceleration, torque = state.load.copy(), limited[:, 2:], state.torque.copy()
     load[:, axis], torque[:, axis] = limited[:, 0], limited[:, 1] + level
     return replace(state, load=load, torque=torque, acceleration=acceleration)
+
+
+def velocities(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
+    """Return the velocities (N_train, n) [rad/s] of which columns of one axis are made; their signs stay.
+
+    Where noise moves the arm it is in all velocities. Joints that start and stop together have velocities that differ
+    by little else, so that columns over several of them hold noise alone.
+    """
+    state = problem.train_state
+    if not problem.shaken[axis]:
+        return state.velocity
+    limited = limit(state.velocity, np.asarray(state.record), cutoffs.torque, problem.measured.rate)
+    return np.where(limited * state.velocity > 0, limited, state.velocity)
 
 
 def limit(columns: np.ndarray, record: np.ndarray, cutoff: float, rate: float) -> np.ndarray:

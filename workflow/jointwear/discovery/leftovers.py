@@ -13,7 +13,7 @@ from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.structure import Basis, axis_bases, strongest_line
+from jointwear.discovery.structure import Basis, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
@@ -53,9 +53,8 @@ def unexplained(
     state = problem.train_state
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
-        used = problem.usable[:, axis]
         least = _least_square(outcome, axis)
-        for basis in axis_bases(white.structure_state(axis), axis, used):
+        for basis in white.bases(axis):
             if asked is not None and (axis, basis.argument) not in asked:
                 continue
             if basis.argument == "motor angle" and not resolved(white, axis, 6.0):
@@ -269,7 +268,7 @@ def _rms(values: np.ndarray, where: np.ndarray) -> float:
 
 def _structures(outcome: Outcome, one: Named, axes: list[int]) -> list[Term]:
     """Return terms for the unexplained structure of some axes, beside which an effect is asked again."""
-    terms = [t for a in axes for t in _structure(outcome, a)]
+    terms = [t for a in axes for t in structure_terms(outcome, a)]
     return terms + [t for a in axes for t in _waves(outcome, a)] if _shaken(one) else terms
 
 
@@ -296,12 +295,12 @@ def _waves(outcome: Outcome, axis: int) -> list[Term]:
     return [Term(f"lines of {axis}", {axis: white.columns(axis, every)}, std, {axis: white.raw(axis, every)})]
 
 
-def _structure(outcome: Outcome, axis: int) -> list[Term]:
+def structure_terms(outcome: Outcome, axis: int) -> list[Term]:
     """Return terms for the unexplained structure of one axis."""
     problem, white = outcome.problem, outcome.white
     wanted = {u.argument for u in outcome.unexplained if u.axis == axis}
     terms = []
-    for basis in axis_bases(white.structure_state(axis), axis, problem.usable[:, axis]):
+    for basis in white.bases(axis):
         if basis.argument not in wanted:
             continue
         columns = white.columns(axis, basis.columns)

@@ -170,6 +170,21 @@ def band_power(white: np.ndarray, rows: np.ndarray, trajectory: np.ndarray) -> n
     return np.minimum(bands, OUTLYING * np.median(bands, axis=0)).mean(axis=0)
 
 
+def band_freedom(rows: np.ndarray, trajectory: np.ndarray) -> np.ndarray:
+    """Return the degrees of freedom (b,) of the power in the bands of :data:`EDGES`, as of :func:`band_power`."""
+    edges = [0, *(np.flatnonzero(np.diff(trajectory)) + 1), len(trajectory)]
+    counts = np.array([np.diff(np.searchsorted(rows, pair))[0] for pair in pairwise(edges)])
+    return np.diff(EDGES) * counts[counts >= FEWEST_OF_RECORD].sum() / CELLS
+
+
+def steadied(values: np.ndarray, variance: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return the mean (b,) of a random walk with steps of variance `steps` (b - 1,), seen as `values` of `variance`."""
+    precision = np.diag(1.0 / variance)
+    for i, step in enumerate(steps):
+        precision[i : i + 2, i : i + 2] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / step
+    return np.linalg.solve(precision, values / variance)
+
+
 def _smooth(power: np.ndarray, width: int) -> np.ndarray:
     """Return the mean of `width` neighbouring cells of a spectrum around each."""
     if width < 2:
@@ -179,14 +194,17 @@ def _smooth(power: np.ndarray, width: int) -> np.ndarray:
     ]
 
 
-def of_density(density: np.ndarray, rate: float, highest: int, count: int, radius: float) -> Whitener:
+def of_density(
+    density: np.ndarray, rate: float, highest: int, count: int, radius: float, price: float | None = None
+) -> Whitener:
     """Return the autoregressive model, without rows, of a density (k,) [(N m)^2/Hz] from 0 to half the rate.
 
-    The order, up to `highest`, is that of the least Bayesian information criterion of `count` samples; no pole lies
-    beyond `radius`.
+    The order, up to `highest`, is that of the least information criterion of `count` samples, in which a coefficient
+    costs `price`, by default that of the Bayesian one; no pole lies beyond `radius`.
     """
     covariance = np.fft.irfft(density)[: highest + 1] * rate / 2
     lags, variance = np.zeros(0), float(covariance[0])
+    price = np.log(max(count, 2)) if price is None else price
     best = (np.inf, lags, variance)
     for order in range(highest + 1):
         if order:
@@ -194,7 +212,7 @@ def of_density(density: np.ndarray, rate: float, highest: int, count: int, radiu
             last = (covariance[order] - lags @ covariance[order - 1 : 0 : -1]) / variance
             lags = np.append(lags - last * lags[::-1], last)
             variance *= 1.0 - last**2
-        score = count * np.log(variance) + (order + 1) * np.log(max(count, 2))
+        score = count * np.log(variance) + (order + 1) * price
         if score < best[0] - 2.0:
             best = (score, lags, variance)
     return Whitener(np.zeros(0, dtype=int), stable(best[1], radius), float(np.sqrt(best[2])))

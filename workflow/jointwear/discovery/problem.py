@@ -146,6 +146,14 @@ class Problem:
             derived,
         )
 
+    def rounding(self, axis: int) -> np.ndarray:
+        """Return what the filter behind the derivatives may do to the torque of one axis, (N_train, 3) [N m].
+
+        Nothing where noise moves the arm: all of it is in these columns, and a fit would take it off the residual.
+        """
+        columns = self.smear[self.train, axis]
+        return np.zeros_like(columns) if self.shaken[axis] else columns
+
     @cached_property
     def usable(self) -> np.ndarray:
         """(N_train, n) training samples that can be judged."""
@@ -164,10 +172,11 @@ class Problem:
         torque = np.sqrt(np.mean(self.state.torque**2, axis=0))
         return np.maximum(np.maximum(level, 0.03 * torque), 1e-6)
 
-    def friction_columns(self, state: State, axis: int) -> np.ndarray:
-        """Return the columns of :data:`FRICTION`, (N, 4)."""
+    def friction_columns(self, state: State, axis: int, velocity: np.ndarray | None = None) -> np.ndarray:
+        """Return the columns of :data:`FRICTION`, (N, 4); viscous friction of `velocity` (N, n) if it is given."""
         v = state.velocity[:, axis]
-        return np.stack([v > 0, v < 0, v, state.acceleration[:, axis]], axis=1).astype(float)
+        viscous = v if velocity is None else velocity[:, axis]
+        return np.stack([v > 0, v < 0, viscous, state.acceleration[:, axis]], axis=1).astype(float)
 
     def friction_prior(self, axis: int) -> np.ndarray:
         """Return the standard deviations (4,) of the corrections to :data:`FRICTION`: they are wide."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit, velocities
 from jointwear.discovery.motor_lines import shown_waves
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
 from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
@@ -72,10 +72,11 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     rate, raw = problem.measured.rate, problem.train_state
     state = band_limited(raw, axis, cutoffs.torque, rate)
     inertial = limit(problem.inertial[problem.train, axis], label, cutoffs.torque, rate)
-    groups = [problem.friction_columns(state, axis), inertial, problem.smear[problem.train, axis]]
+    speeds = velocities(problem, axis, cutoffs)
+    groups = [problem.friction_columns(state, axis, speeds), inertial, problem.rounding(axis)]
     if extra is not None:
         groups.append(extra)
-    groups += [b.columns for b in axis_bases(state, axis, used, coarse=True)]
+    groups += [b.columns for b in axis_bases(state, axis, used, coarse=True, velocity=speeds)]
     if used.sum() >= ROOM * sum(g.shape[1] for g in groups):
         groups += _sequential_columns(band_limited(raw, axis, cutoffs.timing, rate), axis)
         groups.append(_beside_reversals(raw, axis, label, rate))

@@ -32,13 +32,17 @@ def time_bins(state: State, width: float) -> np.ndarray:
     return columns
 
 
-def axis_bases(state: State, axis: int, usable: np.ndarray, coarse: bool = False) -> list[Basis]:
+def axis_bases(
+    state: State, axis: int, usable: np.ndarray, coarse: bool = False, velocity: np.ndarray | None = None
+) -> list[Basis]:
     """Return the bases of one axis. `coarse` gives fewer knots, for the saturated fit that noise is estimated from.
 
     Parameters
     ----------
     state : ordered samples of all joints. usable : (N,) samples of this axis that can be judged.
+    velocity : (N, n) [rad/s] that bases over velocities are made of; default those of `state`.
     """
+    velocity = state.velocity if velocity is None else velocity
     fine = 0.6 if coarse else 1.0
     found: list[Basis] = []
 
@@ -48,7 +52,7 @@ def axis_bases(state: State, axis: int, usable: np.ndarray, coarse: bool = False
         if columns.shape[1]:
             found.append(Basis(argument, unit, columns if carrier is None else columns * carrier[:, None], values))
 
-    q, v, a = state.position[:, axis], state.velocity[:, axis], state.acceleration[:, axis]
+    q, v, a = state.position[:, axis], velocity[:, axis], state.acceleration[:, axis]
     s, torque, load = state.direction[:, axis], state.torque[:, axis], state.load[:, axis]
     add("position", "rad", q, 16)
     add("position x direction", "rad", q, 16, s)
@@ -74,7 +78,7 @@ def axis_bases(state: State, axis: int, usable: np.ndarray, coarse: bool = False
             continue
         add(f"position of joint {other + 1}", "rad", p, 7)
         add(f"position of joint {other + 1} x direction", "rad", p, 7, s)
-        add(f"velocity of joint {other + 1}", "rad/s", state.velocity[:, other], 8)
+        add(f"velocity of joint {other + 1}", "rad/s", velocity[:, other], 8)
         if not coarse or abs(other - axis) <= 1:
             x, y = _unit(q), _unit(p)
             pair = np.stack([x * y, x * x * y, x * y * y], axis=1)

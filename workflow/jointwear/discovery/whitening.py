@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.fused_load import fused_load
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, clock_of, limit
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, clock_of, limit, velocities
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.structure import Basis, axis_bases
 from jointwear.effects import Effect, State
 from jointwear.measurement.motion import runs
 from jointwear.robots.inertia import mass_direction
@@ -54,15 +55,26 @@ class White:
             return self._fused_state(axis)
         if nonlinear is not None and effect.shifts(nonlinear):
             return self._limited_state(axis, cutoffs.late)
-        return self._limited_state(axis, cutoffs.timing if effect.timing else cutoffs.torque)
+        return self._limited_state(axis, cutoffs.timing) if effect.timing else self.axis_state(axis)
 
     def axis_state(self, axis: int) -> State:
         """Return the training samples without the noise of derived accelerations on one axis."""
-        return self._limited_state(axis, self.cutoffs[axis].torque)
+        cutoffs = self.cutoffs[axis]
+        limited = self._limited_state(axis, cutoffs.torque)
+        if not self.problem.shaken[axis]:
+            return limited
+        if (axis, "shaken") not in self._states:
+            self._states[axis, "shaken"] = replace(limited, velocity=velocities(self.problem, axis, cutoffs))
+        return self._states[axis, "shaken"]
 
     def timing_state(self, axis: int) -> State:
         """Return the training samples of which rates of change on one axis are made, without the noise of these."""
         return self._limited_state(axis, self.cutoffs[axis].timing)
+
+    def bases(self, axis: int) -> list[Basis]:
+        """Return the bases over which structure on one axis is looked for."""
+        speeds = velocities(self.problem, axis, self.cutoffs[axis])
+        return axis_bases(self.structure_state(axis), axis, self.problem.usable[:, axis], velocity=speeds)
 
     def structure_state(self, axis: int) -> State:
         """Return the training samples over which structure on one axis is looked for.
@@ -181,7 +193,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
             Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}, (axis,))
         )
         # It takes the noise of derivatives off the residual too: here as where the noise is estimated.
-        smear = problem.smear[problem.train, axis]
+        smear = problem.rounding(axis)
         if np.any(smear):
             # What the filter does is no part of the robot: a prediction in N m has to do without it.
             nothing = np.zeros((len(white.rows), smear.shape[1]))
@@ -202,7 +214,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
 
 def _base_columns(problem: Problem, axis: int, cutoffs: Cutoffs) -> tuple[np.ndarray, np.ndarray]:
     """Return the columns of the drive (N_train, 4) and of the inertial directions (N_train, r) of one axis."""
-    friction = problem.friction_columns(problem.train_state, axis)
+    friction = problem.friction_columns(problem.train_state, axis, velocities(problem, axis, cutoffs))
     friction[:, 3:] = _limited(problem, cutoffs, friction[:, 3:])
     return friction, _limited(problem, cutoffs, problem.inertial[problem.train, axis])
 

@@ -1,0 +1,69 @@
+"""Torque noise with a slow part beside a white one: of few seconds it is neither structure nor an effect."""
+
+import numpy as np
+from scipy.signal import lfilter
+
+from jointwear.discovery.decide import search, whitened
+from jointwear.discovery.pipeline import discover
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.slow_noise import slower_noise
+from jointwear.measurement.recording import Recording, split
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import load_robot
+
+RATE, SECONDS, RECORDS, MEMORY, SLOW = 80.0, 15.0, 4, 0.9, 0.36
+
+
+def recording(seed, wave=0.0):
+    """Return a log of the PUMA 560 in which nothing is hidden but a `wave` of torque over the position of joint 2."""
+    robot = load_robot("config/robots/puma560.yaml")
+    rng = np.random.default_rng(np.random.SeedSequence([57, seed]))
+    one = np.arange(0.0, SECONDS, 1 / RATE)
+    time, label = np.tile(one, RECORDS), np.repeat(np.arange(RECORDS), len(one))
+    q, v, a = np.zeros((3, len(time), 6))
+    for j in range(6):
+        for k in range(1, 5):
+            size, phase = rng.uniform(0.1, 0.4, RECORDS)[label] / k, rng.uniform(0, 6, RECORDS)[label]
+            w = 2 * np.pi * k / 12.0
+            q[:, j] += size * np.sin(w * time + phase)
+            v[:, j] += size * w * np.cos(w * time + phase)
+            a[:, j] -= size * w**2 * np.sin(w * time + phase)
+    torque = Dynamics(robot).inverse_dynamics(q, v, a)
+    scale = torque.std(axis=0)
+    white, drive = rng.standard_normal((2, *torque.shape))
+    slow = lfilter([np.sqrt(1 - MEMORY**2)], [1, -MEMORY], drive, axis=0)
+    noise = 0.01 * scale * (np.sqrt(1 - SLOW) * white + np.sqrt(SLOW) * slow)
+    noise[:, 1] += wave * scale[1] * np.sin(9 * q[:, 1])
+    return robot, Recording(time + 20.0 * SECONDS * label, label, q, torque + noise, v, a)
+
+
+def density(frequency):
+    """Return the density of the noise over that of white noise of its variance at frequencies [Hz]."""
+    turn = np.exp(-2j * np.pi * frequency / RATE)
+    return (1 - SLOW) + SLOW * (1 - MEMORY**2) / np.abs(1 - MEMORY * turn) ** 2
+
+
+def test_slow_noise_is_no_structure():
+    """The saturated fit leaves so little of it that structure over position had p of 2e-10."""
+    robot, log = recording(0)
+    problem = build_problem(split(log), robot, Settings())
+    outcome = search(whitened(problem))
+    axes = {u.axis for u in outcome.unexplained}
+    assert axes
+    slower = slower_noise(outcome)
+    frequency = np.array([0.3, 0.6, 1.0])
+    for axis in axes:
+        truth = density(frequency) * 2 * (0.01 * problem.measured.torque[:, axis].std()) ** 2 / RATE
+        before, after = (w[axis].density(frequency, RATE) / truth for w in (outcome.white.whiteners, slower))
+        assert np.all(before < 0.5)
+        assert np.all((after > 1.5 * before) & (after < 2.0))
+    assert discover(log, robot).verdict == "none"
+
+
+def test_a_torque_over_position_stays_one_in_such_noise():
+    """A wave as strong as all of the noise is the same in all records."""
+    robot, log = recording(0, wave=0.01)
+    found = discover(log, robot)
+    assert found.verdict in ("effects", "unknown")
+    assert {e["axis"] for e in found.effects} | {u.axis + 1 for u in found.final.outcome.unexplained} == {2}

@@ -1,0 +1,126 @@
+"""Noise that is slower than the saturated fit can tell, asked anew beside what was found.
+
+A fit with 240 columns leaves a fifth of the noise below 1 Hz, of records of 15 s a handful of waves: how dense slow
+noise is beside white noise they do not tell. Where structure without a name or a weak name rests on that, the noise is
+looked at beside a small fit: the base regression, what was named, and the basis that describes an axis best. If what is
+left is denser below 2 Hz than the noise was taken to be, it is noise, up to what a sensor's may be, and the search is
+run again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery.leftovers import LINE, structure_terms
+from jointwear.discovery.linear import Fit
+from jointwear.discovery.noise import HIGHEST_ORDER_DERIVED, Whitener, simulate, whitenable
+from jointwear.discovery.noise_spectrum import (
+    CELLS,
+    DRAWS,
+    EDGES,
+    LEFT,
+    LONGEST_MEMORY,
+    POINTS,
+    QUICK,
+    SLOW,
+    band_freedom,
+    band_power,
+    most_of_noise,
+    of_density,
+    steadied,
+)
+from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.tolerance import with_tolerances
+from jointwear.discovery.whitening import White, whiten
+
+#: How often the search is run again at most: each time less is held beside the noise.
+ROUNDS = 3
+#: Times the density of the noise model from which slow noise is denser than chance has it.
+NOTABLE = 1.2
+#: Standard deviation of what the logarithm of a density of noise changes by in an octave: noise of one pole, 1.4.
+SLOPE = 1.0
+#: Price of an order of the noise model, none: slow noise beside white noise has a long tail of small coefficients,
+#: which say little of the next sample and much of what is slow.
+PRICE = 0.0
+
+
+def beside_slow_noise(white: White, ask: Callable[[White], Outcome]) -> Outcome:
+    """Return what `ask` finds in whitened data, asked again for as long as slow noise may stand for some of it.
+
+    Slow noise stands for structure and weak names: where a name of `weak_nats` would go with them it is no explanation.
+    """
+    outcome = ask(white)
+    weak_nats = white.problem.settings.weak_nats
+    for _ in range(ROUNDS):
+        slower = slower_noise(outcome)
+        if slower is None:
+            break
+        again = ask(whiten(outcome.problem, slower))
+        strong = {n.candidate.key for n in outcome.named if n.evidence >= weak_nats}
+        if not strong <= {n.candidate.key for n in again.named}:
+            break
+        outcome = again
+    return outcome
+
+
+def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
+    """Return the noise models with more slow noise on the axes where it may stand for what was found, or None for none.
+
+    Asked are axes with structure and those of names of less than `weak_nats`. What swings at one frequency is no
+    sensor's noise: an axis on which a line over time is nearly all of the structure is left as it is.
+    """
+    white, settings = outcome.white, outcome.problem.settings
+    weak = [n for n in outcome.named if n.evidence < settings.weak_nats]
+    # Of the structure of an axis only the strongest is held: many bases together take slow noise off again.
+    strongest = {u.axis: u for u in sorted(outcome.unexplained, key=lambda u: u.nats)}
+    lines = [u for u in outcome.unexplained if u.argument == LINE]
+    asked = strongest.keys() | {axis for n in weak for axis in n.term.blocks}
+    asked -= {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
+    if not asked:
+        return None
+    beside = replace(outcome, unexplained=list(strongest.values()))
+    terms = [*with_tolerances(white, outcome.named), *white.attenuation]
+    fit = white.fit(terms + [t for axis in sorted(strongest) for t in structure_terms(beside, axis)])
+    whiteners = list(white.whiteners)
+    for axis in sorted(asked):
+        found, times = _slower(white, fit, axis)
+        # A chi-square of that much more noise is that much smaller, and so is the logarithm of its p-value. What
+        # `accept` asks for is half of `visible` before the price of complexity and search.
+        surest = min((u.p_value for u in outcome.unexplained if u.axis == axis), default=1.0)
+        stands = [np.log(surest) / np.log(settings.unexplained_p)] if axis in strongest else []
+        over = [n.evidence - settings.accept for n in weak if axis in n.term.blocks]
+        stands += [1.0 + 2.0 * nats / settings.visible for nats in over]
+        if times > NOTABLE and min(stands) < times:
+            whiteners[axis] = found
+    return whiteners if any(a is not b for a, b in zip(whiteners, white.whiteners, strict=True)) else None
+
+
+def _slower(white: White, fit: Fit, axis: int) -> tuple[Whitener, float]:
+    """Return the noise model of one axis with the slow noise that a fit leaves, and how many times as dense it is."""
+    problem, model = white.problem, white.whiteners[axis]
+    rate, label, rows = problem.measured.rate, problem.measured.trajectory[problem.train], model.rows
+    rng = np.random.default_rng(np.random.SeedSequence([9, len(model.lags)]))
+    drawn = model(simulate(model, label, DRAWS, rng))
+    design, index = fit.design[axis], fit.columns[axis]
+    left = drawn - design @ (fit.covariance[np.ix_(index, index)] @ (design.T @ drawn))
+    whole, kept, seen = (band_power(x, rows, label) for x in (drawn, left, fit.residual[axis][:, None]))
+    freedom = band_freedom(rows, label) * np.minimum(kept / whole, 1.0)
+    known = (kept > LEFT * whole) & (freedom > 0.0)
+    if not known.any():
+        return model, 1.0
+    centres, freedom = (0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS)[known], freedom[known]
+    ratio = np.log(np.maximum(seen, 1e-9) / kept)[known]
+    ratio = steadied(ratio, 2.0 / freedom, SLOPE**2 * np.diff(np.log2(centres)))
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    # Above, the saturated fit leaves enough of the noise to tell.
+    slow = np.clip((QUICK[0] - frequency) / (QUICK[0] - SLOW), 0.0, 1.0)
+    density = model.density(frequency, rate)
+    more = density * np.exp(slow * np.interp(frequency, centres, ratio))
+    more = np.maximum(density, np.minimum(more, most_of_noise(density, frequency)))
+    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    found = of_density(more, rate, HIGHEST_ORDER_DERIVED, len(rows), radius, PRICE)
+    times = float(np.max((found.density(frequency, rate) / density)[frequency < SLOW]))
+    return Whitener(whitenable(problem.usable[:, axis], label, len(found.lags)), found.lags, found.sigma), times
