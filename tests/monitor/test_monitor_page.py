@@ -190,6 +190,28 @@ def test_newest_logs_that_are_refused_are_not_healthy(built):
     assert standing(silent)["refused_newest"] == 0
 
 
+def test_newest_logs_without_any_sample_are_not_healthy(built):
+    """They have no time of their own; where they stand in the list tells that they are the newest."""
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    # The log of the fixture that is cut short comes after the one that was read.
+    assert state.refused[1]
+    assert standing(state)["refused_newest"] == 1
+    empty, nan = "b.csv: holds no samples", np.nan
+    begin, end = float(state.start[0]), float(state.end[-1])
+
+    def refused(told, first, last):
+        names = [f"{k}.csv" for k in range(len(told))]
+        times = {"first": np.array(first), "last": np.array(last)}
+        return standing(replace(state, logs=names, refused=told, copy_of=[""] * len(told), **times))["refused_newest"]
+
+    assert refused(["", empty], [begin, nan], [end, nan]) == 1
+    assert refused(["", empty, empty], [begin, nan, nan], [end, nan, nan]) == 2
+    # An old one, before logs that could be read, is no news.
+    assert refused(["", empty, ""], [begin, nan, end - 60], [begin + 60, nan, end]) == 0
+    assert refused([empty, ""], [nan, begin], [nan, end]) == 0
+
+
 def test_a_reason_of_another_version_is_no_failure(built):
     folder, _, _ = built
     state = read_state(folder / "state.nc")

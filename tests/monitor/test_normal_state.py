@@ -19,6 +19,7 @@ from jointwear.monitor.dispersion import (
     updated_between,
 )
 from jointwear.monitor.findings import _scales
+from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.regimes import find_regimes
@@ -358,3 +359,21 @@ def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_
     steps = scale_steps(quiet, quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5), begin=43), shift, none)
     assert {s.axis for s in steps} == set(range(6))
     assert {s.window for s in steps} == {43}
+
+
+def test_a_gain_of_all_axes_is_told_though_a_load_takes_part_of_it_away_and_the_weather_is_none():
+    shift, none = np.repeat(np.arange(10), 8), np.zeros(80, dtype=bool)
+    # As on a robot whose torque was scaled by 1.1: the bodies of the wrist hardly show it.
+    rubbed = dict(enumerate((0.125, 0.076, 0.1, 0.11, 0.115, 0.125)))
+    moved = dict(enumerate((0.085, 0.056, 0.034, 0.013, -0.015, 0.095)))
+    level = quantity(rubbed, {}, begin=43)
+    steps = gain_of_all(level, quantity(moved, {}, begin=43), shift, none)
+    assert [s.axis for s in steps] == list(range(6))
+    assert {s.window for s in steps} == {43}
+    assert steps[0].factor == pytest.approx(np.exp(0.09))
+    # Weather moves all friction and no body, a gain of one axis one of each, wear one axis.
+    assert gain_of_all(level, quantity({}, {}), shift, none) == []
+    assert gain_of_all(quantity({2: 0.1}, {}), quantity({2: 0.1}, {}), shift, none) == []
+    # One axis that keeps both has another amplifier.
+    kept = [s.axis for s in gain_of_all(quantity({**rubbed, 4: 0.0}, {}), quantity(moved, {}), shift, none)]
+    assert kept == [0, 1, 2, 3, 5]

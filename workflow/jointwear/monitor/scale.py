@@ -76,8 +76,8 @@ def scale_steps(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
         for k, sign in sorted(hits):
             begin = k if sign < 0 else _begin(level, k, j, shift)
             # A changed scale lasts. The windows up to an alarm are few and of like conditions, whose error they share.
-            step, error = _mean(scale, slice(begin, _end(k, shift)), j, shift)
-            size = _mean(level, slice(begin, k + 1), j, shift)[0] if sign > 0 else step
+            step, error = mean_residual(scale, slice(begin, _end(k, shift)), j, shift)
+            size = mean_residual(level, slice(begin, k + 1), j, shift)[0] if sign > 0 else step
             if np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR:
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
@@ -95,7 +95,7 @@ def _common(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
     means = np.full((len(names), len(named), 2), np.nan)
     for a, s in enumerate(names):
         rows = (shift == s) & ~baseline
-        means[a] = [_mean(scale, rows, j, shift) for j in named]
+        means[a] = [mean_residual(scale, rows, j, shift) for j in named]
     with np.errstate(invalid="ignore"):
         weight = np.where(np.isfinite(means[..., 0]), means[..., 1] ** -2.0, 0.0)
         total = weight.sum(axis=1)
@@ -111,7 +111,7 @@ def _common(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
     # The step itself may lie within a shift: of that one, which shows it in part, and of the one before.
     part = np.flatnonzero(np.isin(shift, names[max(a - 1, 0) : a + 1]) & ~baseline)
     value, variance = scale.residual[np.ix_(part, named)], scale.noise[np.ix_(part, named)]
-    begin = int(part[_cut(value, variance, float(size[a + 1]))])
+    begin = int(part[cut_of(value, variance, float(size[a + 1]))])
     factor = float(np.exp(size[a + 1]))
     against = {j for k, j in enumerate(named) if apart[a : a + 2, k].all()}
     return [ScaleStep(j, begin, factor) for j in range(n) if level.axes[j] is not None and j not in against]
@@ -134,7 +134,7 @@ def _joined(found: Sequence[ScaleStep], level: Watch, scale: Watch, shift: np.nd
             if axis is None or any(s.axis == j for s in near):
                 continue
             rows = slice(one.window, _end(one.window, shift))
-            steps = [_mean(w, rows, j, shift) for w in (scale, level) if w.axes[j] is not None]
+            steps = [mean_residual(w, rows, j, shift) for w in (scale, level) if w.axes[j] is not None]
             # One axis alone is no common cause, unless the friction of another steps with it by as much.
             if len(near) < 2 and not abs(steps[-1][0] - size) < ALIKE * abs(size):
                 continue
@@ -152,7 +152,7 @@ def _begin(level: Watch, k: int, j: int, shift: np.ndarray) -> int:
     known = np.flatnonzero(np.isfinite(level.residual[: k + 1, j]) & ~level.baseline[: k + 1])
     known = known[known >= after]
     names = np.unique(shift[known])
-    means = np.array([_mean(level, known[shift[known] == s], j, shift) for s in names])
+    means = np.array([mean_residual(level, known[shift[known] == s], j, shift) for s in names])
     good = np.isfinite(means[:, 0])
     if not good.any():
         return k
@@ -164,10 +164,10 @@ def _begin(level: Watch, k: int, j: int, shift: np.ndarray) -> int:
     later = min(best + 1, len(names) - 1)
     part = known[shift[known] == names[best]]
     value, variance = level.residual[part, j][:, None], level.noise[part, j][:, None]
-    return int(part[_cut(value, variance, float(moment[later] / total[later]))])
+    return int(part[cut_of(value, variance, float(moment[later] / total[later]))])
 
 
-def _cut(value: np.ndarray, variance: np.ndarray, size: float) -> int:
+def cut_of(value: np.ndarray, variance: np.ndarray, size: float) -> int:
     """Return the window from which on residuals (w, k) are likelier `size` than zero, windows before it the reverse."""
     weight = np.where(np.isfinite(value), 1.0 / variance, 0.0)
     gain = (weight * (2 * np.nan_to_num(value) * size - size**2)).sum(axis=1)
@@ -179,7 +179,7 @@ def _end(k: int, shift: np.ndarray) -> int:
     return int(np.flatnonzero(shift == names[-1])[-1]) + 1
 
 
-def _mean(watched: Watch, rows: slice | np.ndarray, j: int, shift: np.ndarray) -> tuple[float, float]:
+def mean_residual(watched: Watch, rows: slice | np.ndarray, j: int, shift: np.ndarray) -> tuple[float, float]:
     """Return the mean residual of axis `j` over windows and its standard error, each shift counting as a whole."""
     value, variance, label = watched.residual[rows, j], watched.noise[rows, j], shift[rows]
     good = np.isfinite(value)

@@ -89,10 +89,21 @@ def last_judged(state: RobotState) -> int | None:
 
 
 def refused_newest(state: RobotState) -> int:
-    """Return how many logs are refused since some axis was judged last: what the robot is like now nobody knows."""
+    """Return how many logs are refused since some axis was judged last: what the robot is like now nobody knows.
+
+    A log of which nothing could be read has no time of its own: it comes after the log before it in the list, so that
+    it is newer than the last judgement if that one reaches as far.
+    """
     newest = last_judged(state)
-    since = -np.inf if newest is None else state.end[newest]
-    return sum(bool(told) and last > since for told, last in zip(state.refused, state.last, strict=True))
+    since, reached = (-np.inf, -np.inf) if newest is None else (state.end[newest], state.start[newest])
+    count, before = 0, -np.inf
+    for told, last in zip(state.refused, state.last, strict=True):
+        if np.isfinite(last):
+            before = last
+            count += bool(told) and last > since
+        else:
+            count += bool(told) and before >= reached
+    return count
 
 
 def _unjudged_logs(state: RobotState, blind: np.ndarray) -> int:

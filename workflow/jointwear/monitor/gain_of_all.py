@@ -1,0 +1,78 @@
+"""A gain of the torque of all axes: somebody changes a unit, a supply or the scale of a logger.
+
+The friction of all axes then steps at once by about the same share. Weather and oil do that too, but leave the torque
+that moves the bodies as it is. A gain multiplies that too, though some axes show little of it: what part of it looks
+like another load at the flange is taken out with the load, on the wrist most of it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.monitor.scale import ALIKE, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_of, mean_residual
+from jointwear.monitor.shared_error import FINDING
+from jointwear.monitor.watching import Watch
+from jointwear.statistics.known import known_median
+
+#: Share of the axes whose friction must step alike, and of those that show their bodies whose bodies must, too.
+MOST, SOME = 2 / 3, 1 / 3
+#: Shifts whose median a step is held against: friction that fell or rose long before is no part of it.
+BEFORE = 3
+
+
+def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
+    """Return the first gain of all axes, as a step of each; empty where there is none.
+
+    Parameters
+    ----------
+    level : friction, watched without looking for services and for what axes have in common. scale : of the bodies.
+    shift : (w,) labels. baseline : (w,) bool.
+
+    Notes
+    -----
+    Two shifts in a row must show it. An axis that neither its friction nor its bodies show to have it keeps its scale.
+    """
+    n = len(level.axes)
+    axes, named = ([j for j in range(n) if w.axes[j] is not None] for w in (level, scale))
+    names = np.unique(shift)
+    if len(axes) < FEWEST_TOGETHER or not named:
+        return []
+    usual, friction = _steps(level, axes, names, shift)
+    _, bodies = _steps(scale, named, names, shift)
+    known = np.isfinite(friction[..., 0])
+    sizes = np.array([np.median(f[k]) if k.any() else 0.0 for f, k in zip(friction[..., 0], known, strict=True)])
+    least = ALIKE * np.abs(sizes)[:, None]
+    with np.errstate(invalid="ignore"):
+        alike = np.abs(friction[..., 0] - sizes[:, None]) < least
+        own = np.sign(sizes)[:, None] * bodies[..., 0]
+        clear = np.abs(bodies[..., 0]) > TOGETHER * bodies[..., 1]
+        shown, against = clear & (own > least), clear & (own < -least)
+    told = np.isfinite(bodies[..., 0]).sum(axis=1)
+    good = (np.abs(sizes) > FINDING) & (known.sum(axis=1) >= FEWEST_TOGETHER) & ~np.isin(names, shift[baseline])
+    good &= alike.sum(axis=1) > MOST * known.sum(axis=1)
+    good &= (shown.sum(axis=1) >= np.maximum(2, SOME * told)) & (against.sum(axis=1) <= SOME * told)
+    pairs = good[1:] & good[:-1] & (np.sign(sizes[1:]) == np.sign(sizes[:-1]))
+    if not pairs.any():
+        return []
+    a = int(np.argmax(pairs))
+    # The step itself may lie within a shift: of that one, which shows it in part, and of the one before.
+    part = np.flatnonzero(np.isin(shift, names[max(a - 1, 0) : a + 1]) & ~baseline)
+    value = level.residual[np.ix_(part, axes)] - usual[a, axes]
+    begin = int(part[cut_of(value, level.noise[np.ix_(part, axes)], float(sizes[a + 1]))])
+    factor = float(np.exp(np.median(bodies[a + 1, shown[a + 1], 0])))
+    off = known[a : a + 2] & ~alike[a : a + 2] & ~shown[a : a + 2]
+    return [ScaleStep(j, begin, factor) for j in axes if not off[:, j].all()]
+
+
+def _steps(watched: Watch, axes: list[int], names: np.ndarray, shift: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what was usual (s, n) before each shift of `names` (s,), its median over :data:`BEFORE` of them, and the
+    step from there (s, n, 2) with the error of the shift."""
+    n = len(watched.axes)
+    means = np.full((len(names), n, 2), np.nan)
+    for a, s in enumerate(names):
+        for j in axes:
+            means[a, j] = mean_residual(watched, shift == s, j, shift)
+    usual = np.full((len(names), n), np.nan)
+    for a in range(1, len(names)):
+        usual[a] = known_median(means[max(a - BEFORE, 0) : a, :, 0], axis=0)
+    return usual, np.stack([means[..., 0] - usual, means[..., 1]], axis=-1)
