@@ -13,7 +13,6 @@ from jointwear.discovery.structure import hats
 from jointwear.files.errors import InputError
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording, elapsed_time, split
-from jointwear.measurement.recording_files import load_recording, read_recording, write_recording
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import (
     bodies,
@@ -139,40 +138,6 @@ def test_inertial_regressor_reproduces_changed_links():
     before, after = (np.array(Dynamics(r).rigid_body_torque(q, v, a)) for r in (robot, changed))
     np.testing.assert_allclose(after - before, inertial_regressor(Dynamics(robot), q, v, a) @ delta, atol=1e-8)
     assert bodies(changed)[2][0] > bodies(robot)[2][0]
-
-
-def test_netcdf_round_trip_and_csv(tmp_path):
-    found = split(replace(recording(), temperature=np.full(1200, 25.0)))
-    write_recording(found, tmp_path / "r.nc", {"dataset": "x"})
-    again = read_recording(tmp_path / "r.nc")
-    np.testing.assert_array_equal(again.position, found.position)
-    assert (again.train, again.test) == (found.train, found.test)
-    header = "time,trajectory,position_1,position_2,torque_1,torque_2,temperature"
-    table = np.column_stack(
-        [found.time, found.trajectory, np.degrees(found.position), 1e3 * found.torque, np.full(1200, 300.0)]
-    )
-    np.savetxt(tmp_path / "r.csv", table, delimiter=",", header=header, comments="")
-    entry = {"measured": "r.csv", "units": {"position": "deg", "torque": "mN m", "temperature": "K"}}
-    csv = load_recording(entry, "c", tmp_path)
-    np.testing.assert_allclose(csv.position, found.position, atol=1e-12)
-    np.testing.assert_allclose(csv.torque, found.torque)
-    assert csv.temperature[0] == pytest.approx(26.85)
-
-
-@pytest.mark.parametrize(
-    ("entry", "words"),
-    [
-        ({"measured": "none.nc"}, "no such file"),
-        ({"measured": "r.nc", "variables": {"torque": "tau"}}, "has no variable 'tau'"),
-        ({"measured": "r.nc", "variables": {"torqe": "torque"}}, "did you mean 'torque'"),
-        ({"measured": "r.nc", "units": {"position": "grad"}}, "unit 'grad' of position"),
-        ({"measured": "r.txt"}, "unknown kind of file"),
-    ],
-)
-def test_wrong_entries_are_named(tmp_path, entry, words):
-    write_recording(split(recording()), tmp_path / "r.nc", {"dataset": "x"})
-    with pytest.raises(InputError, match=words):
-        load_recording(entry, "data", tmp_path)
 
 
 def test_links_of_an_estimate_are_bodies():

@@ -108,7 +108,7 @@ def test_a_date_beyond_all_clocks_is_refused(tmp_path, table):
 def test_a_joint_without_numbers_is_told(tmp_path, table):
     table["torque_6"] = np.array(["x"] * len(table["time"]), dtype=object)
     WRITERS["parquet"](tmp_path / "log.parquet", table)
-    with pytest.raises(InputError, match=r"torque has shape \(200, 5\); 200 samples of 6 joints are expected"):
+    with pytest.raises(InputError, match="column 'torque_6' holds string, not numbers"):
         recording(tmp_path / "log.parquet")
 
 
@@ -118,9 +118,9 @@ def test_a_list_names_one_column_for_each_axis(tmp_path, table):
     turned = [f"torque_{j}" for j in range(6, 0, -1)]
     found = load_recording({**entry, "variables": {"torque": turned}})
     np.testing.assert_allclose(found.torque[:, 0], table["torque_6"])
-    with pytest.raises(InputError, match="has no column 'moment' of numbers for torque"):
+    with pytest.raises(InputError, match="has no column 'moment' for torque"):
         load_recording({**entry, "variables": {"torque": ["moment"] * 6}})
-    with pytest.raises(InputError, match=r"torque has shape \(200, 1\)"):
+    with pytest.raises(InputError, match="has 1 columns of torque, the position has 6 joints"):
         load_recording({**entry, "variables": {"torque": ["torque_1"]}})
 
 

@@ -92,7 +92,7 @@ def test_a_load_that_takes_the_wrong_scale_away_is_told_as_the_other_cause(monke
     found = misreadings.WrongScale("the torque is another multiple", "give 'scale'", 0.01)
     for lighter, left, told in (("lighter", None, True), ("lighter", found, False), (None, None, False)):
         monkeypatch.setattr(misreadings, "without_load", lambda *_, x=lighter: x)
-        monkeypatch.setattr(misreadings, "_thinned", lambda x: x)
+        monkeypatch.setattr(misreadings, "thinned", lambda x: x)
         monkeypatch.setattr(misreadings, "wrong_scale", lambda *_, x=left: x)
         scale = misreadings._or_a_load(found, LOG, model().robot)
         assert ("carries a load that its file does not have" in scale.reason) == told

@@ -59,6 +59,28 @@ def test_a_robot_that_nothing_makes_is_named(root):
         check_datasets(datasets(first=PUMA, second="results/discover/frist/robot.yaml"))
 
 
+def test_a_robot_file_that_is_not_there_is_told_with_the_nearest(root):
+    with pytest.raises(InputError, match=r"robots/puma56\.yaml: no such file; did you mean 'puma560\.yaml'"):
+        check_datasets(datasets(first="config/robots/puma56.yaml"))
+
+
 def test_data_sets_do_not_wait_for_each_other(root):
     with pytest.raises(InputError, match="waits for"):
         check_datasets(datasets(first="results/discover/second/robot.yaml", second="results/discover/first/robot.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        (
+            {"variables": {"positon": "q"}},
+            "'discover.datasets.arm.variables' has the role 'positon'; did you mean 'position'",
+        ),
+        ({"units": {"torque": "Nn"}}, "'discover.datasets.arm.units.torque' is 'Nn'"),
+        ({"scale": [1.0, 2.0]}, "'discover.datasets.arm.scale' has 2 numbers, robot 'puma560' has 6 joints"),
+        ({"joints": ["one"]}, "'discover.datasets.arm.joints' names 1 joints"),
+    ],
+)
+def test_what_an_entry_tells_of_its_data_is_checked_before_any_job(root, entry, words):
+    with pytest.raises(InputError, match=words):
+        check_datasets({"discover": {"datasets": {"arm": {"measured": MEASURED, "robot": PUMA, **entry}}}})

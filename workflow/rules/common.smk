@@ -15,6 +15,7 @@ from jointwear.running.closing import closing_lines
 from jointwear.running.command_line import check_command_line
 from jointwear.running.configuration import (
     check_experiment,
+    config_layers,
     layer_files,
     prepare,
     reading_of,
@@ -24,6 +25,7 @@ from jointwear.running.project import check_writable
 from jointwear.running.script import message_of
 from jointwear.running.modules import imported_by, lend_to_children
 from jointwear.running.shipped import shipped, shipped_glob
+from jointwear.running.told_of import named_in_file
 from jointwear.running.stale_lock import clear_stale_lock, note_run
 
 # Without the default profile this is the first look at what Snakemake was given; it has read the files by now, and
@@ -51,6 +53,21 @@ onsuccess:
     print(*closing_lines(Path.cwd(), BEGIN), sep="\n")
 
 
+def from_here(path):
+    """A path as seen from the working directory: relative within it, absolute elsewhere."""
+    here = Path.cwd()
+    return str(path.relative_to(here) if path.is_relative_to(here) else path)
+
+
+def told(error):
+    """The line that ends a call: a key of the configuration with the file that holds it."""
+    files = [
+        from_here(path.resolve())
+        for path in map(Path, [*config_layers(), *workflow.configfiles])
+    ]
+    return f"jointwear: {named_in_file(str(error), files, workflow.config_settings.config)}"
+
+
 try:
     if workflow.is_main_process:
         check_writable(Path.cwd())
@@ -60,7 +77,11 @@ try:
     # What `verify` looks at is no part of the experiment.
     CRATE, TRUST = config.pop("crate", None), config.pop("trust", False)
 except (InputError, OSError) as error:
-    sys.exit(message_of(error) or f"jointwear: {error}")
+    sys.exit(
+        told(error)
+        if isinstance(error, InputError)
+        else message_of(error) or f"jointwear: {error}"
+    )
 
 
 wildcard_constraints:
@@ -94,12 +115,6 @@ def simulation_modules(rule):
     return lambda wildcards: [
         from_here(path) for path in imported_by(script, ROBOT_EFFECTS)
     ]
-
-
-def from_here(path):
-    """A path as seen from the working directory: relative within it, absolute elsewhere."""
-    here = Path.cwd()
-    return str(path.relative_to(here) if path.is_relative_to(here) else path)
 
 
 def task_file(wildcards):

@@ -5,7 +5,7 @@ from jointwear.running.datasets import check_datasets
 try:
     check_datasets(config)
 except InputError as error:
-    sys.exit(f"jointwear: {error}")
+    sys.exit(told(error))
 
 
 # Only data sets of the config and of the examples are made; a robot file of any other is taken as it is.

@@ -22,7 +22,7 @@ try:
     check_channels(config["monitor"])
     check_robots(config)
 except InputError as error:
-    sys.exit(f"jointwear: {error}")
+    sys.exit(told(error))
 FOUND_LOGS, SILENT = find_all_logs(config)
 if workflow.is_main_process:
     for reason in SILENT.values():

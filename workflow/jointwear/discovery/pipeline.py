@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -31,14 +31,15 @@ from jointwear.discovery.shared_delay import (
     shared_delay,
     without_delay,
 )
+from jointwear.discovery.slow_noise import beside_slow_noise
 from jointwear.discovery.sound_files import sound_files, write_files
 from jointwear.discovery.verdict import Verdict
 from jointwear.discovery.whitening import White
 from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks import check_recording
-from jointwear.measurement.motion import measure
+from jointwear.measurement.checked import checked
 from jointwear.measurement.recording import Recording, split
+from jointwear.measurement.silent_joints import moving_torques
 from jointwear.robots.robot import Robot
 
 MODELS = ("nominal", "retuned", "augmented")
@@ -138,15 +139,14 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     settings = settings or Settings()
     recording = split(recording)
     check_groups(recording, settings.groups)
-    measured = cache(lambda: measure(recording))
-    restrictions = check_recording(recording, robot, measured)
-    problem = build_problem(recording, robot, settings, measured())
+    measured, restrictions = checked(recording, robot)
+    problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem)
     try:
         white = whitened(problem)
         in_time = _read_in_time(recording, white)
         if in_time is None:
-            return _judge(recording, search(white), restrictions)
+            return _judge(recording, beside_slow_noise(white, search), restrictions)
         return _judge(*in_time[:2], [*restrictions, in_time[2]])
     except InputError:
         raise
@@ -167,7 +167,8 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
     if not delay:
         return None
     recording, problem = without_delay(recording, delay), white.problem
-    outcome = search(whitened(build_problem(recording, problem.robot, problem.settings, measure(recording))))
+    in_time = whitened(build_problem(recording, problem.robot, problem.settings, moving_torques(recording)))
+    outcome = beside_slow_noise(in_time, search)
     if is_feigned(outcome.white, period, delay, outcome.named):
         return None
     return recording, outcome, delay_in_words(delay, period)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +25,7 @@ from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
-from jointwear.measurement.checks import check_recording
-from jointwear.measurement.motion import measure
+from jointwear.measurement.checked import checked
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.publishing.report.numbers import number
@@ -119,9 +117,8 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     Refused : an InputError with a suggestion, as discovery itself would.
     """
     recording = split(recording)
-    measured = cache(lambda: measure(recording))
-    restrictions = check_recording(recording, robot, measured)
-    problem = build_problem(recording, robot, settings or Settings(), measured())
+    measured, restrictions = checked(recording, robot)
+    problem = build_problem(recording, robot, settings or Settings(), measured)
     restrictions += motion_restrictions(problem)
     white = whiten(problem, estimate_noise(problem))
     dictionary = build_dictionary(white)

@@ -18,14 +18,15 @@ def motion_restrictions(problem) -> list[str]:
     if not problem.judged:
         raise Refused(
             "no axis moves for long enough to be judged",
-            "record motion of every joint, away from rest, for several seconds",
+            "record motion of every joint, away from rest, for several seconds, 20 times a second or more; if that was "
+            "done, state the unit of the time, as units: {time: ms}",
         )
     found = []
     for axis in range(n):
         if axis not in problem.judged:
-            found.append(
-                f"joint {axis + 1} is at rest in the training trajectories: nothing can be said about its drive"
-            )
+            silent = np.ptp(problem.measured.torque[:, axis]) == 0.0
+            why = "has a torque that keeps one value" if silent else "is at rest in the training trajectories"
+            found.append(f"joint {axis + 1} {why}: nothing can be said about its drive")
     moving = problem.measured.usable[problem.test].any(axis=0)
     if not moving.any():
         found.append("no joint moves in the test trajectories: the gap on held-out motion is unknown")

@@ -52,10 +52,10 @@ class Reading:
         """How to mend such a recording."""
         joints = [str(axis + 1) for axis in self.axes]
         return {
-            "swap": f"exchange the columns of joints {' and '.join(joints)}",
-            "flip": f"turn the sign of position and torque of joint {joints[0]}",
-            "torque": f"turn the sign of the torque of joint {joints[0]}",
-            "motor": "multiply the torque by the gear ratio",
+            "swap": f"exchange the columns of joints {' and '.join(joints)}: name them in order under 'variables'",
+            "flip": f"turn the sign of position and torque of joint {joints[0]}: give 'sign' with -1 for it",
+            "torque": f"turn the sign of the torque of joint {joints[0]}: give 'scale' with -1 for it",
+            "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
         }[self.kind]
 
     def read(self, parts: np.ndarray, usable: np.ndarray, robot: Robot) -> tuple[np.ndarray, np.ndarray]:

@@ -38,6 +38,10 @@ _WHY = {
 RIGHT, SAME_WRIST = 0.01, 0.03
 
 
+#: Temperature [degC] that no drive works at for long; below it are 400 K.
+HOTTEST = 200.0
+
+
 class Refused(InputError):
     """A recording that must not be judged; `suggestion` says what to mend."""
 
@@ -88,7 +92,7 @@ def check_recording(recording: Recording, robot: Robot, measured: Callable[[], M
 
 
 def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
-    """Positions far outside the limits that come inside when read as degrees are degrees."""
+    """Positions far outside the limits that come inside when read as degrees are degrees; 200 and more is kelvin."""
     q = recording.position[good]
     reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
     largest = np.abs(q).max(axis=0)
@@ -99,6 +103,13 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
             f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}, its limits are "
             f"{robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like degrees",
             "state units: {position: deg}",
+        )
+    warm = None if recording.temperature is None else recording.temperature[np.isfinite(recording.temperature)]
+    if warm is not None and len(warm) and np.median(warm) > HOTTEST:
+        raise Refused(
+            f"data set '{recording.name}': the temperature is {np.median(warm):.4g} in the median; it looks like "
+            "kelvin",
+            "state units: {temperature: K}",
         )
 
 

@@ -40,7 +40,7 @@ def without_sentinels(array: np.ndarray) -> np.ndarray:
     return np.where(missing, np.nan, array) if missing.any() else array
 
 
-def _likely_unit(step: float | None) -> str:
+def likely_unit(step: float | None) -> str:
     """Return the unit of time that a step counted in would be that of a controller; ms where none is likely."""
     units = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
     likely = (unit for unit, size in units.items() if step is not None and USUAL[0] <= step * size <= USUAL[1])
@@ -60,10 +60,10 @@ def check_clock(path: str | Path, time: np.ndarray) -> None:
     if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
         raise InputError(
             f"{path}: the time rises by {step:.3g} s from sample to sample (allowed: {SHORTEST_STEP:g} to "
-            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: {_likely_unit(step)}}}"
+            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: {likely_unit(step)}}}"
         )
     if len(known) and np.abs(known).max() > LATEST:
         raise InputError(
             f"{path}: the time reaches {known[np.argmax(np.abs(known))]:.3g} s (allowed: at most {LATEST:.0g} in "
-            f"size); state its unit, as units: {{time: {_likely_unit(step)}}}"
+            f"size); state its unit, as units: {{time: {likely_unit(step)}}}"
         )

@@ -19,6 +19,8 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 DEGREE = 7
 #: Spacings of knots that are tried [samples], from the widest [s] on, each this share of the one before.
 NARROWEST, WIDEST, SHRINK = 2.5, 1.0, 0.8
+#: Rate [Hz] below which no knots fit, so that no motion is resolved.
+SLOWEST = NARROWEST / WIDEST
 #: Closer to an end than this share of the spacing an acceleration is ten times as uncertain as elsewhere.
 END = 0.5
 

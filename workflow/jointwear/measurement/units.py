@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jointwear.files.errors import InputError, nearest, shown
 
@@ -49,47 +48,6 @@ SPELLINGS = {
 
 #: Units of what is logged as torque and is none: with a factor of the config it becomes one.
 CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
-
-
-def check_roles(entry: Mapping[str, Any], where: str, axes: int) -> None:
-    """Check `variables` and `units` of an entry of ``monitor.robots`` as far as no log is needed for it.
-
-    Parameters
-    ----------
-    where : the entry in words of the config. axes : of the robot.
-
-    Raises
-    ------
-    InputError : naming the key, what is allowed and the nearest.
-    """
-    for key in ("variables", "units"):
-        for role in entry.get(key) or {}:
-            if role not in ROLES:
-                raise InputError(
-                    f"config: '{where}.{key}' has the role '{role}'{nearest(role, ROLES)} (allowed: {', '.join(ROLES)})"
-                )
-    for role, names in (entry.get("variables") or {}).items():
-        several = names if isinstance(names, (list, tuple)) else [names]
-        fits = (1,) if role in ("time", "trajectory") else (1, axes)
-        if len(several) not in fits:
-            raise InputError(
-                f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one, or {axes}, one a joint"
-                if len(fits) > 1
-                else f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one"
-            )
-        twice = next((n for k, n in enumerate(several) if n in several[:k]), None)
-        if twice is not None and role != "temperature":
-            raise InputError(
-                f"config: '{where}.variables.{role}' has {shown(str(twice))} twice; each joint has a column of its own"
-            )
-    for role, unit in (entry.get("units") or {}).items():
-        known = [*UNITS[role], *((*CURRENTS, *SHARES) if role == "torque" else ())]
-        plain = str(unit).split(" since ")[0].strip() if role == "time" else str(unit).strip()
-        if role != "trajectory" and SPELLINGS.get(plain, plain) not in known:
-            near = nearest(plain, [*known, *(word for word, meant in SPELLINGS.items() if meant in known and word)])
-            raise InputError(
-                f"config: '{where}.units.{role}' is {shown(str(unit))}{near} (allowed: {', '.join(known)})"
-            )
 
 
 def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:

@@ -22,6 +22,7 @@ from scipy.interpolate import CubicSpline
 from jointwear.measurement.filtering import SHORTEST, low_pass
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.turns import unwrapped
 
 #: Spread of the steps, over their median, up to which stamps count as even.
 EVEN = 0.05
@@ -95,18 +96,6 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
         else:
             out_acceleration[one.part] = first
     return Motion(position, out_velocity, out_acceleration, temperature, usable, flags)
-
-
-def unwrapped(position: np.ndarray) -> np.ndarray:
-    """Return positions (m, n) [rad] without the jumps by a whole turn of a joint that is counted within one turn."""
-    result = np.array(position, dtype=float)
-    for j in range(result.shape[1]):
-        finite = np.flatnonzero(np.isfinite(result[:, j]))
-        x = result[finite, j]
-        # Positions beyond a turn are not counted within one: their jumps are something else, such as degrees.
-        if len(x) and np.abs(x).max() <= 2 * np.pi + 0.1 and np.any(np.abs(np.diff(x)) > 1.5 * np.pi):
-            result[finite, j] = np.unwrap(x)
-    return result
 
 
 def _bridge(time: np.ndarray, values: np.ndarray, longest: float = BRIDGE) -> np.ndarray:

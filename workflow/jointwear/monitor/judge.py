@@ -25,6 +25,7 @@ from jointwear.monitor.backlash import (
 from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import coarse_findings, findings_of
+from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.programs import labelled_regimes, program_findings
@@ -158,7 +159,9 @@ def judge(
             break
         scaled = watched("scale", 1.0, services=False, common=False)
         told = {(s.axis, s.window) for s in steps}
-        fresh = [s for s in scale_steps(level, scaled, shift, first) if (s.axis, s.window) not in told]
+        plain = watched("level", LEVEL_SHARE, services=False, common=False)
+        seen = gain_of_all(plain, scaled, shift, first) or scale_steps(level, scaled, shift, first)
+        fresh = [s for s in seen if (s.axis, s.window) not in told]
         if not fresh:
             break
         steps += fresh

@@ -20,9 +20,9 @@ from typing import Any
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.json_documents import read_json
 from jointwear.files.patterns import matches
+from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import LATEST, moment_of
-from jointwear.measurement.units import check_roles
 from jointwear.monitor.events import events_of
 from jointwear.monitor.local_time import zone_of
 from jointwear.robots.robot_file import read_robot_file, robot_sources
@@ -156,20 +156,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
         for source in robot_sources(entry["robot"])[1:]:
             if not Path(source).is_file():
                 raise InputError(f"{path}: 'urdf' names {source}, which does not exist")
-        check_roles(entry, where, len(robot["joints"]))
-        joints = entry.get("joints")
-        if joints is not None and len(joints) != len(robot["joints"]):
-            raise InputError(
-                f"config: '{where}.joints' names {len(joints)} joints, robot '{robot['name']}' has "
-                f"{len(robot['joints'])}"
-            )
-        for key in ("torque_constant", "scale", "sign", "dead_band"):
-            given = entry.get(key)
-            if isinstance(given, (list, tuple)) and len(given) != len(robot["joints"]):
-                raise InputError(
-                    f"config: '{where}.{key}' has {len(given)} numbers, robot '{robot['name']}' has "
-                    f"{len(robot['joints'])} joints"
-                )
+        check_log_entry(entry, where, robot, (*PER_JOINT, "dead_band"))
         try:
             for event in events_of(entry):
                 if any(axis >= len(robot["joints"]) for axis in event.axes):

@@ -15,12 +15,14 @@ import numpy as np
 
 from jointwear.measurement.axis_readings import Reading
 from jointwear.measurement.checks import FEWEST, Refused, check_recording, explained, explained_otherwise
+from jointwear.measurement.derivative_checks import check_derivatives
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.silent_joints import check_torque_moves
 from jointwear.monitor.accumulate import moving
-from jointwear.monitor.derivation import Motion, unwrapped
-from jointwear.monitor.misreadings import check_readings, check_torque_moves, velocity_remedy, with_key
+from jointwear.monitor.derivation import Motion
+from jointwear.monitor.misreadings import check_readings
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -53,7 +55,7 @@ def check_first(
     if len(measured.time) < FEWEST:
         return [None] * robot.joints
     _check_units(measured, robot, name)
-    _check_velocity(chunk, stretch, name)
+    check_derivatives(chunk, stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
         check_readings(measured, robot, lambda samples: _as_discovery(samples, robot, name, samples), name)
@@ -97,7 +99,7 @@ class LaterCheck:
         if len(measured.time) < FEWEST:
             return False
         _check_units(measured, self._dynamics.robot, self._name)
-        _check_velocity(chunk, stretch, self._name)
+        check_derivatives(chunk, stretch, self._name)
         parts, usable = _thinned(measured)
         self._last = self._growth(parts, usable)
         plain = float(np.nansum(self._last))
@@ -123,42 +125,6 @@ class LaterCheck:
             growth = self._grown(left)
             # An axis that another reading leaves without motion is not explained by it.
             yield float(np.nansum(np.where(np.isfinite(growth), growth, self._last))), reading
-
-
-def _check_velocity(chunk: Chunk, stretch: np.ndarray, name: str) -> None:
-    """Compare the path that a measured velocity adds up to with the change of position, over pieces of 0.2 s.
-
-    Raises
-    ------
-    Refused : where the two differ by more than a fifth.
-    """
-    if chunk.velocity is None or len(chunk.time) < FEWEST:
-        return
-    steps = np.diff(chunk.time)
-    whole = np.diff(stretch) == 0
-    usual = float(np.median(steps[whole])) if whole.any() else np.inf
-    if usual > 0.1:
-        return
-    reach = max(1, round(0.2 / usual))
-    position = unwrapped(chunk.position)
-    path = np.zeros(chunk.velocity.shape)
-    mean = 0.5 * (chunk.velocity[1:] + chunk.velocity[:-1])
-    path[1:] = np.cumsum(np.nan_to_num(mean) * np.where(whole, steps, 0.0)[:, None], axis=0)
-    same = stretch[reach:] == stretch[:-reach]
-    for j in range(path.shape[1]):
-        told = (path[reach:, j] - path[:-reach, j])[same]
-        moved = (position[reach:, j] - position[:-reach, j])[same]
-        good = np.isfinite(told) & np.isfinite(moved)
-        told, moved = told[good], moved[good]
-        if len(told) < FEWEST or np.abs(moved).sum() < 0.05 * reach:
-            continue
-        power = float(np.sum(moved**2))
-        ratio = float(np.sum(told * moved)) / power
-        if not 0.8 < ratio < 1.25:
-            hint, remedy = velocity_remedy(ratio)
-            raise Refused(
-                f"{name}: the velocity of joint {j + 1} is {ratio:.3g} times the change of its position{hint}", remedy
-            )
 
 
 def _measured(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.ndarray) -> Measured:
@@ -206,7 +172,7 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
     try:
         check_recording(recording, robot, lambda: against)
     except Refused as refusal:
-        raise Refused(str(refusal).replace(f"data set '{name}'", name, 1), with_key(refusal.suggestion)) from None
+        raise Refused(str(refusal).replace(f"data set '{name}'", name, 1), refusal.suggestion) from None
 
 
 def _busiest(velocity: np.ndarray, most: int) -> slice:

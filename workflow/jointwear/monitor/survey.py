@@ -18,8 +18,9 @@ from jointwear.measurement.checks import Refused
 from jointwear.measurement.clock import Clock, Ordered
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.motion import spectral_floor
+from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.accumulate import moving
-from jointwear.monitor.derivation import Motion, derive_motion, unwrapped
+from jointwear.monitor.derivation import Motion, derive_motion
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.plausibility import check_first
 

@@ -60,6 +60,13 @@ def _laid_over(base: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, An
     return merged
 
 
+def config_layers() -> list[Path]:
+    """Return the shipped configuration and, where it is another, the working directory's own."""
+    if Path(CONFIG).is_file():
+        return [Path(CONFIG)] if Path(CONFIG).samefile(ROOT / CONFIG) else [ROOT / CONFIG, Path(CONFIG)]
+    return [ROOT / CONFIG]
+
+
 def layer_files(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return the shipped configuration, the working directory's own and `config`, each laid over the last.
 
@@ -72,11 +79,8 @@ def layer_files(config: Mapping[str, Any]) -> dict[str, Any]:
     ------
     InputError : if a file is no YAML mapping or holds a key twice.
     """
-    layers = [ROOT / CONFIG]
-    if Path(CONFIG).is_file() and not Path(CONFIG).samefile(layers[0]):
-        layers.append(Path(CONFIG))
     merged: dict[str, Any] = {}
-    for path in layers:
+    for path in config_layers():
         merged = _laid_over(merged, read_yaml(path))
     return _laid_over(merged, config)
 

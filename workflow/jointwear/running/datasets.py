@@ -14,7 +14,8 @@ from typing import Any
 from jointwear.files.errors import InputError, nearest
 from jointwear.files.registered import will_be_fetched
 from jointwear.files.regular_files import check_regular
-from jointwear.robots.robot_file import robot_sources
+from jointwear.measurement.log_entries import check_log_entry
+from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 _WRITTEN = re.compile(r"^(?:\./)?results/discover/([A-Za-z][A-Za-z0-9_]*)/robot\.yaml$")
 
@@ -30,7 +31,7 @@ def check_datasets(config: Mapping[str, Any]) -> None:
 
     Raises
     ------
-    InputError : one line naming the data set, the key and the nearest file.
+    InputError : one line naming the data set, the key and what is allowed or the nearest file.
     """
     datasets = config["discover"]["datasets"]
     for name, entry in datasets.items():
@@ -51,12 +52,18 @@ def check_datasets(config: Mapping[str, Any]) -> None:
                     continue  # a bag
                 check_regular(entry[key])
             except InputError as error:
-                raise InputError(f"config: 'discover.datasets.{name}.{key}' is {error}") from None
+                path = Path(entry[key])
+                there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() and not path.exists() else []
+                raise InputError(
+                    f"config: 'discover.datasets.{name}.{key}' is {error}{nearest(path.name, there)}"
+                ) from None
         if written_for(entry["robot"]) in datasets:
             continue
         for path in robot_sources(entry["robot"])[1:]:
             if not os.path.exists(path) and not will_be_fetched(path):
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
+        if not any(will_be_fetched(path) for path in robot_sources(entry["robot"])):
+            check_log_entry(entry, f"discover.datasets.{name}", read_robot_file(entry["robot"]))
 
 
 def _check_order(name: str, datasets: Mapping[str, Any]) -> None:

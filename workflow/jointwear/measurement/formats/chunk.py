@@ -18,6 +18,8 @@ from jointwear.measurement.units import CURRENTS, SHARES, converted
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
+#: In place of a label that is none: no whole number, or one that cannot be stored.
+UNLABELLED = -LARGEST_LABEL - 1
 #: Numbers of time between these count as seconds since 1970 UTC: 2001 to 2286.
 UNIX_TIMES = (1e9, 1e10)
 _EPOCHS = (1e3, 1e6, 1e9)
@@ -28,8 +30,8 @@ class Chunk:
     """Samples of a robot with n joints, in the order of the log.
 
     `time` (m,) [s], since 1970 UTC where `dated`. `position`, `torque` (m, n) [rad], [N m]; `velocity`,
-    `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label or None;
-    `program` (m,) text, empty where unknown, or None.
+    `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label,
+    :data:`UNLABELLED` where there is none, or None; `program` (m,) text, empty where unknown, or None.
     """
 
     time: np.ndarray
@@ -102,9 +104,11 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
     twice = next((name for name, count in Counter(there).items() if count > 1 and name in wanted), None)
     if twice is not None:
         raise InputError(f"{path}: names the column '{twice}' twice")
+    axes = layout.axes or len(found["position"])
     for role, names in found.items():
-        if role in JOINT_ROLES and len(names) != layout.axes and not (role == "temperature" and len(names) == 1):
-            raise InputError(f"{path}: has {len(names)} columns of {role}, the robot has {layout.axes} joints")
+        if role in JOINT_ROLES and len(names) != axes and not (role == "temperature" and len(names) == 1):
+            whose = "the robot" if layout.axes else "the position"
+            raise InputError(f"{path}: has {len(names)} columns of {role}, {whose} has {axes} joints")
     return found
 
 
@@ -129,6 +133,11 @@ def make_chunk(
     units : role -> unit as the log says; the config goes before it.
     dated : whether time is already in seconds since 1970 UTC.
     """
+    axes = layout.axes or int(np.prod(np.shape(values["position"])[1:]))
+    for key in ("torque_constant", "scale", "sign"):
+        given = getattr(layout, key)
+        if given is not None and len(given) not in (1, axes):
+            raise InputError(f"{path}: '{key}' has {len(given)} numbers; there are {axes} joints")
     found: dict[str, np.ndarray] = {}
     for role, raw in values.items():
         if role == "program":
@@ -158,12 +167,12 @@ def make_chunk(
         if array is None:
             continue
         if role == "temperature" and (array.ndim == 1 or array.shape[1] == 1):
-            array = np.broadcast_to(array.reshape(len(time), 1), (len(time), layout.axes))
-        if array.shape == (len(time), layout.axes):
+            array = np.broadcast_to(array.reshape(len(time), 1), (len(time), axes))
+        if array.shape == (len(time), axes):
             array = possible(array, role)
         else:
             raise InputError(
-                f"{path}: {role} has shape {array.shape}; {len(time)} samples of {layout.axes} joints are expected"
+                f"{path}: {role} has shape {array.shape}; {len(time)} samples of {axes} joints are expected"
             )
         if layout.sign is not None and role in _SIGNED:
             array = array * np.array(layout.sign)
@@ -171,8 +180,8 @@ def make_chunk(
     trajectory = found.pop("trajectory", None)
     if trajectory is not None:
         with np.errstate(invalid="ignore"):
-            known = np.abs(trajectory) <= LARGEST_LABEL
-        trajectory = np.where(known, trajectory, -1).astype(np.int64)
+            known = (trajectory == np.round(trajectory)) & (np.abs(trajectory) <= LARGEST_LABEL)
+        trajectory = np.where(known, trajectory, UNLABELLED).astype(np.int64)
     program = with_log_name(path, layout, values.get("program"), len(time))
     return Chunk(**found, trajectory=trajectory, program=program, dated=dated)
 

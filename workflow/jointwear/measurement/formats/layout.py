@@ -14,6 +14,7 @@ from jointwear.measurement.units import ROLES
 class Layout:
     """Names and units of a robot's logs.
 
+    `axes` of the robot, or None where it is as many as the log has positions.
     `names`: role -> name in the log, or a list of names, one an axis. `given`: roles that the config names, which
     must be there. `units`: role -> unit. `joints`: names of the joints in messages, in order of the axes. `topic` of
     a bag, or None. `torque_constant` [N m/A], where the torque is logged as current; `scale` of the torque; `sign` of
@@ -21,7 +22,7 @@ class Layout:
     `program`: columns that together name the program; `program_of`: (pattern, program) of the names of logs.
     """
 
-    axes: int
+    axes: int | None
     joints: tuple[str, ...]
     names: Mapping[str, str | Sequence[str]]
     given: frozenset[str] = frozenset()
@@ -35,8 +36,12 @@ class Layout:
     program_of: tuple[tuple[str, str], ...] = ()
 
 
-def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
-    """Return the layout that an entry of ``monitor.robots`` describes, for a robot with these joints.
+def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str] | None) -> Layout:
+    """Return the layout that an entry of ``monitor.robots`` or ``discover.datasets`` describes.
+
+    Parameters
+    ----------
+    joint_names : of its robot, in order of the axes; None takes as many as the log has, which a bag does not tell.
 
     Raises
     ------
@@ -48,11 +53,12 @@ def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
                 raise InputError(
                     f"config: '{key}' has the role '{role}'{nearest(role, ROLES)} (allowed: {', '.join(ROLES)})"
                 )
+    axes = None if joint_names is None else len(joint_names)
     variables, program = dict(entry.get("variables") or {}), entry.get("program") or {}
     columns = program.get("columns") or ()
     return Layout(
-        axes=len(joint_names),
-        joints=tuple(entry.get("joints") or joint_names),
+        axes=axes,
+        joints=tuple(entry.get("joints") or joint_names or ()),
         names={role: role for role in ROLES} | variables,
         given=frozenset(variables),
         units=dict(entry.get("units") or {}),
@@ -60,12 +66,12 @@ def layout_of(entry: Mapping[str, Any], joint_names: Sequence[str]) -> Layout:
         time_zone=entry.get("time_zone"),
         program=(columns,) if isinstance(columns, str) else tuple(columns),
         program_of=tuple((program.get("logs") or {}).items()),
-        **{key: _each(entry.get(key), len(joint_names)) for key in ("torque_constant", "scale", "sign")},
+        **{key: _each(entry.get(key), axes) for key in ("torque_constant", "scale", "sign")},
     )
 
 
-def _each(given: Any, axes: int) -> tuple[float, ...] | None:
-    """Return one number an axis of a key that may be one number, or None."""
+def _each(given: Any, axes: int | None) -> tuple[float, ...] | None:
+    """Return one number an axis of a key that may be one number, or just that one; None without the key."""
     if given is None:
         return None
-    return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * axes
+    return tuple(float(x) for x in given) if isinstance(given, (list, tuple)) else (float(given),) * (axes or 1)

@@ -12,7 +12,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.clock import Clock, Ordered, part_of
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.timestamps import utc_seconds
-from jointwear.monitor.derivation import unwrapped
+from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.plan import window_seconds
 
 #: Longest piece of one stretch that is taken [s], so that many hours fit, and shortest that shows anything.

@@ -1,0 +1,89 @@
+"""Data sets of discovery: read in every form that a log may have, kept as netCDF and read again."""
+
+import numpy as np
+import pytest
+from monitor_logs import columns, make_log, write_csv
+
+from jointwear.files.errors import InputError
+from jointwear.measurement.recording import Recording, split
+from jointwear.measurement.recording_files import load_recording, read_recording, write_recording
+
+
+@pytest.fixture
+def log():
+    return make_log(4.0)
+
+
+@pytest.fixture
+def recorded(tmp_path, log):
+    """The log as a recording, stored as r.nc."""
+    temperature = np.full(log.position.shape, 25.0)
+    found = Recording(log.time, np.zeros(len(log.time), int), log.position, log.torque, temperature=temperature)
+    write_recording(split(found), tmp_path / "r.nc", {"dataset": "x"})
+    return split(found)
+
+
+def load(folder, measured, **entry):
+    return load_recording({"measured": measured, **entry}, "data", folder)
+
+
+def test_what_is_kept_is_read_again(tmp_path, recorded):
+    for again in (read_recording(tmp_path / "r.nc"), load(tmp_path, "r.nc")):
+        for role in ("time", "trajectory", "position", "torque", "temperature"):
+            np.testing.assert_array_equal(getattr(again, role), getattr(recorded, role))
+        assert again.velocity is None
+    assert (read_recording(tmp_path / "r.nc").train, recorded.test) == (recorded.train, (4,))
+
+
+def test_a_table_in_other_units(tmp_path, log):
+    table = columns(log)
+    table |= {name: np.degrees(values) for name, values in table.items() if name.startswith("position")}
+    table |= {name: 1e3 * values for name, values in table.items() if name.startswith("torque")}
+    write_csv(tmp_path / "r.csv", {**table, "temperature": np.full(len(log.time), 300.0)})
+    found = load(tmp_path, "r.csv", units={"position": "deg", "torque": "mN m", "temperature": "K"})
+    np.testing.assert_allclose(found.position, log.position, atol=1e-12)
+    np.testing.assert_allclose(found.torque, log.torque)
+    np.testing.assert_allclose(found.temperature, 26.85)
+
+
+def test_a_table_as_a_european_spreadsheet_writes_it(tmp_path, log):
+    """Semicolons, decimal commas, a row of units, dates, and the current in place of the torque."""
+    table = columns(log)
+    table |= {name: 2.0 * values for name, values in table.items() if name.startswith("torque")}
+    names = [name for name in table if name.partition("_")[0] in ("time", "position", "torque")]
+    units = {"time": "", "position": "rad", "torque": "A"}
+    lines = ["export of cell 3", ";".join(names), ";".join(units[name.partition("_")[0]] for name in names)]
+    for k in range(len(log.time)):
+        stamp = f"15.01.2026 06:00:{log.time[k]:06.3f}".replace(".", ",").replace("15,01,", "15.01.")
+        lines.append(";".join([stamp, *(f"{table[name][k]:.12f}".replace(".", ",") for name in names[1:])]))
+    (tmp_path / "r.csv").write_text("\n".join(lines) + "\n", encoding="cp1252")
+    with pytest.raises(InputError, match="give 'torque_constant' in N m/A"):
+        load(tmp_path, "r.csv")
+    found = load(tmp_path, "r.csv", torque_constant=0.5, sign=[-1, 1, 1, 1, 1, 1])
+    turned = np.array([-1, 1, 1, 1, 1, 1])
+    np.testing.assert_allclose(found.torque, log.torque * turned, atol=1e-9)
+    np.testing.assert_allclose(found.position, log.position * turned, atol=1e-9)
+    np.testing.assert_allclose(found.time, log.time - log.time[0], atol=1e-6)
+
+
+def test_a_word_among_the_numbers_is_told(tmp_path, log):
+    table = {name: list(values) for name, values in columns(log).items()}
+    table["torque_2"][7] = "broken"
+    write_csv(tmp_path / "r.csv", table)
+    with pytest.raises(InputError, match="'broken'"):
+        load(tmp_path, "r.csv")
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ({"measured": "none.nc"}, "no such file"),
+        ({"measured": "r.nc", "variables": {"torque": "tau"}}, "has no variable 'tau'"),
+        ({"measured": "r.nc", "variables": {"torqe": "torque"}}, "did you mean 'torque'"),
+        ({"measured": "r.nc", "units": {"position": "grad"}}, "unit 'grad' of position"),
+        ({"measured": "r.txt"}, "no kind of log"),
+    ],
+)
+def test_wrong_entries_are_named(tmp_path, recorded, entry, words):
+    with pytest.raises(InputError, match=words):
+        load(tmp_path, **entry)

@@ -1,0 +1,76 @@
+"""Check what an entry of the config tells of logs, as far as no log is needed for it.
+
+Read by the Snakefile at every call: nothing heavy is imported here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from jointwear.files.errors import InputError, nearest, shown
+from jointwear.measurement.units import CURRENTS, ROLES, SHARES, SPELLINGS, UNITS
+
+#: Keys that may hold one number for each joint.
+PER_JOINT = ("torque_constant", "scale", "sign")
+
+
+def check_log_entry(
+    entry: Mapping[str, Any], where: str, robot: Mapping[str, Any], per_joint: Iterable[str] = PER_JOINT
+) -> None:
+    """Check `variables`, `units`, `joints` and what is given for each joint.
+
+    Parameters
+    ----------
+    entry : of ``monitor.robots`` or ``discover.datasets``. where : the entry in words of the config.
+    robot : its robot file as read. per_joint : keys that have a number for each joint if they hold a list.
+
+    Raises
+    ------
+    InputError : naming the key, what is allowed and the nearest.
+    """
+    joints = robot["joints"]
+    _check_roles(entry, where, len(joints))
+    named = entry.get("joints")
+    if named is not None and len(named) != len(joints):
+        raise InputError(
+            f"config: '{where}.joints' names {len(named)} joints, robot '{robot['name']}' has {len(joints)}"
+        )
+    for key in per_joint:
+        given = entry.get(key)
+        if isinstance(given, (list, tuple)) and len(given) != len(joints):
+            raise InputError(
+                f"config: '{where}.{key}' has {len(given)} numbers, robot '{robot['name']}' has {len(joints)} joints"
+            )
+
+
+def _check_roles(entry: Mapping[str, Any], where: str, axes: int) -> None:
+    """Check `variables` and `units`; raises as :func:`check_log_entry`."""
+    for key in ("variables", "units"):
+        for role in entry.get(key) or {}:
+            if role not in ROLES:
+                raise InputError(
+                    f"config: '{where}.{key}' has the role '{role}'{nearest(role, ROLES)} (allowed: {', '.join(ROLES)})"
+                )
+    for role, names in (entry.get("variables") or {}).items():
+        several = names if isinstance(names, (list, tuple)) else [names]
+        fits = (1,) if role in ("time", "trajectory") else (1, axes)
+        if len(several) not in fits:
+            raise InputError(
+                f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one, or {axes}, one a joint"
+                if len(fits) > 1
+                else f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one"
+            )
+        twice = next((n for k, n in enumerate(several) if n in several[:k]), None)
+        if twice is not None and role != "temperature":
+            raise InputError(
+                f"config: '{where}.variables.{role}' has {shown(str(twice))} twice; each joint has a column of its own"
+            )
+    for role, unit in (entry.get("units") or {}).items():
+        known = [*UNITS[role], *((*CURRENTS, *SHARES) if role == "torque" else ())]
+        plain = str(unit).split(" since ")[0].strip() if role == "time" else str(unit).strip()
+        if role != "trajectory" and SPELLINGS.get(plain, plain) not in known:
+            near = nearest(plain, [*known, *(word for word, meant in SPELLINGS.items() if meant in known and word)])
+            raise InputError(
+                f"config: '{where}.units.{role}' is {shown(str(unit))}{near} (allowed: {', '.join(known)})"
+            )

@@ -1,0 +1,140 @@
+"""Torques that are another multiple of the model's than one: another unit, a current, a share of a rating."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.measurement.checks import FEWEST, Refused
+from jointwear.measurement.motion import Measured
+from jointwear.measurement.recording import Recording
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
+from jointwear.robots.robot import Robot
+
+#: Factor on the torque of the bodies beyond which it is another unit or a current, and no wrong mass.
+FACTOR = 2.0
+#: Factor from which that of one joint alone is believed. The factors of 60 right recordings of drawing 11 of the tier
+#: "world" lie between 0.42 and 1.23.
+OF_ONE = 5.0
+#: Standard errors by which the factor of an axis must stand out; fewest axes that must have one; share of the squared
+#: torque that may be left once it is applied.
+CLEAR, FEWEST_AXES, LEFT = 10.0, 2, 0.1
+#: Factor by which friction may differ from the robot file beside the factor of the torque.
+FRICTION = 2.5
+#: Units of torque that a common factor stands for, and how far (ratio) it may lie from one.
+UNITS, ALIKE = {"mN m": 1e3, "kN m": 1e-3}, 1.3
+#: Samples that are compared with the model.
+THINNED = 1500
+
+
+def check_scale(recording: Recording, robot: Robot, measured: Measured) -> None:
+    """Check that the torque of a recording has the size of the model's, whatever load the arm carries.
+
+    Raises
+    ------
+    Refused : with the factors, and the key that mends them.
+    """
+    found = factors(thinned(measured), robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
+    scale = _of_most(*found)
+    if scale is not None:
+        raise Refused(f"data set '{recording.name}': {scale.reason}", scale.remedy)
+    size = np.nan_to_num(np.abs(np.log(np.abs(found[0]))))
+    worst = int(np.argmax(size))
+    if size[worst] > np.log(OF_ONE):
+        factor = abs(found[0][worst])
+        raise Refused(
+            f"data set '{recording.name}': the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
+            "looks like another unit than that of the other joints",
+            f"give 'scale' with {1 / factor:.3g} for joint {worst + 1}, 'torque_constant' for each, or its column",
+        )
+
+
+def thinned(measured: Measured) -> Measured:
+    """Return about :data:`THINNED` of the samples."""
+    step = max(1, len(measured.time) // THINNED)
+    names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
+    return replace(measured, **{n: getattr(measured, n)[::step] for n in names})
+
+
+@dataclass(frozen=True)
+class WrongScale:
+    """The torque of most axes is another multiple of the model's than one; `reason` and `remedy` in words, `left`:
+    share of the squared torque that is left once it is applied, a median over the axes; `unit` that it looks like."""
+
+    reason: str
+    remedy: str
+    left: float
+    unit: str = ""
+
+
+def factors(
+    measured: Measured, robot: Robot, load_free: bool = False, behind_gears: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the factor of the torque of each joint on the model's (n,), and the share of its squared torque that is
+    left once it is applied (n,); NaN where it is not clear.
+
+    Each axis is regressed on the torque of its bodies and friction of free size; its factor counts where it is clear
+    and leaves little. A wrong robot file leaves factors near one, or much of the torque.
+
+    Parameters
+    ----------
+    load_free : whether a load at the flange of any mass and centre is part of each regression.
+    behind_gears : whether the torque is measured there, without the friction of the drives.
+    """
+    motion = measured.position, measured.velocity, measured.acceleration
+    rigid = Dynamics(robot).rigid_body_torque(*motion)
+    load = FlangeLoad(robot).unit_sum(*motion) if load_free else None
+    n = rigid.shape[1]
+    factor, left = np.full(n, np.nan), np.full(n, np.nan)
+    for j in range(n):
+        used = measured.usable[:, j]
+        if used.sum() < FEWEST:
+            continue
+        v, torque = measured.velocity[used, j], measured.torque[used, j]
+        design = np.stack([rigid[used, j], np.sign(v), v, np.ones(len(v))], axis=1)
+        if load is not None:
+            design = np.concatenate([design, load[used][:, :, j]], axis=1)
+        size = np.maximum(np.sqrt((design**2).mean(axis=0)), 1e-12)
+        inverse = np.linalg.pinv((design / size).T @ (design / size), rcond=1e-9)
+        fit = inverse @ ((design / size).T @ torque)
+        error = torque - (design / size) @ fit
+        spread = np.sqrt(max(float(error @ error) / max(len(v) - design.shape[1], 1) * inverse[0, 0], 0.0))
+        clear = abs(fit[0]) > CLEAR * spread and error @ error < LEFT * float(torque @ torque)
+        # A load at the flange multiplies the bodies of a wrist and leaves its friction; a wrong unit scales both.
+        nominal = np.abs([robot.coulomb_positive[j], robot.coulomb_negative[j]]).mean()
+        rubbed = abs(fit[1] / size[1]) / nominal if nominal > 0 else abs(fit[0] / size[0])
+        alike = behind_gears or (rubbed > 0 and abs(np.log(rubbed * size[0] / abs(fit[0]))) < np.log(FRICTION))
+        if clear and alike:
+            factor[j], left[j] = fit[0] / size[0], error @ error / float(torque @ torque)
+    return factor, left
+
+
+def wrong_scale(measured: Measured, robot: Robot) -> WrongScale | None:
+    """Return what the scale of the torque looks like where it is not that of the model on most joints, else None."""
+    return _of_most(*factors(measured, robot))
+
+
+def _of_most(factor: np.ndarray, left: np.ndarray) -> WrongScale | None:
+    known = np.flatnonzero(np.isfinite(factor))
+    off = np.abs(np.log(np.abs(factor[known]))) > np.log(FACTOR)
+    if len(known) < FEWEST_AXES or off.mean() <= 0.5:
+        return None
+    middle, remains = float(np.median(np.abs(factor[known]))), float(np.median(left[known]))
+    for unit, size in UNITS.items():
+        if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(ALIKE)):
+            reason = f"the torque is about {middle:.3g} times that of the model; it looks like {unit}"
+            return WrongScale(reason, f"state units: {{torque: {unit}}}", remains, unit)
+    told = ", ".join(f"{abs(factor[j]):.3g} on joint {j + 1}" for j in known)
+    reason = (
+        f"the torque is another multiple of the model's than one ({told}); it looks like a current, a share of a "
+        "rating or a torque of the motor's side"
+    )
+    remedy = (
+        "give 'torque_constant' in N m/A on the joint side and 'units: {torque: A}', or 'scale' in N m of one unit, "
+        "for each axis (what is read now times about "
+        + ", ".join(f"{1 / abs(factor[j]):.3g} for joint {j + 1}" for j in known)
+        + ")"
+    )
+    return WrongScale(reason, remedy, remains)

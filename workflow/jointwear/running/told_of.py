@@ -1,0 +1,55 @@
+"""Which of several configuration files a message is about.
+
+Read by the Snakefile at every call: nothing heavy is imported here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from jointwear.files.documents import read_yaml
+from jointwear.files.errors import InputError
+
+_KEY = re.compile(r"config: (?:unknown key )?'(?P<key>[^']+)'")
+
+
+def named_in_file(message: str, files: Iterable[str | Path], given: Mapping[str, Any] | None = None) -> str:
+    """Return a message of the configuration with the name of the file that holds its key.
+
+    Parameters
+    ----------
+    message : as of an :class:`InputError`; one that does not begin with `config:` and a key comes back as it is.
+    files : in the order in which their values are laid over each other. Of a key that none of them holds, the one that
+        holds the mapping around it is named.
+    given : values of ``--config``, which lie over those of the files.
+    """
+    found = _KEY.match(message)
+    if found is None:
+        return message
+    parts = [part for part in re.split(r"\.|\[\d+\]", found["key"]) if part]
+    depths = {str(path): _depth(_read(path), parts) for path in files} | {"--config": _depth(given or {}, parts)}
+    deepest = max(depths.values(), default=0)
+    if deepest < max(len(parts) - 1, 1):
+        return message
+    last = [path for path, depth in depths.items() if depth == deepest][-1]
+    return last + message.removeprefix("config")
+
+
+def _read(path: str | Path) -> Mapping[str, Any]:
+    """Return what a file holds, nothing where it cannot be read."""
+    try:
+        return read_yaml(path)
+    except (InputError, OSError):
+        return {}
+
+
+def _depth(inside: Any, parts: list[str]) -> int:
+    """Return how many parts of a key are there, one inside the other."""
+    for depth, part in enumerate(parts):
+        if not isinstance(inside, Mapping) or part not in inside:
+            return depth
+        inside = inside[part]
+    return len(parts)
