@@ -231,6 +231,20 @@ def test_friction_that_records_tell_differently_is_as_given_where_structure_is_l
         assert bool(kept) == (not open_axes or last > 0.9)
 
 
+def test_an_axis_counts_as_without_a_name_by_the_effects_that_a_model_has(found, monkeypatch):
+    asked = []
+
+    def gives_up_effects(white, terms, steps, model, open_axes=()):
+        asked.append((model, list(open_axes)))
+        return [t for t in terms if not t.effect], ()
+
+    monkeypatch.setattr("jointwear.discovery.estimation.put_back", gives_up_effects)
+    left = Unexplained(2, "position", "rad", 0.0, 1.0, 1e-12, 50.0)
+    assert [n.candidate.axis for n in found.final.outcome.named] == [2]
+    finalise(replace(found.final.outcome, unexplained=[left]))
+    assert asked == [("augmented", []), ("augmented", [2]), ("retuned", [2])]
+
+
 @pytest.mark.parametrize("leans", [True, False])
 def test_links_on_which_no_axis_leans_are_as_given(found, leans):
     """One coefficient moves two axes. Both lack something that comes and goes, or the second lacks it at all times."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -67,7 +68,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     without : labels of base terms that are left as the robot file has them.
     """
     doubt = doubts(outcome)
-    white, nameless = tempered(outcome.white, doubt), open_axes(outcome)
+    white = tempered(outcome.white, doubt)
     named = [_doubted(n, doubt) for n in outcome.named]
     effects = [n for n in named if n.candidate.effect != LINK_MASS]
     masses = [n for n in named if n.candidate.effect == LINK_MASS]
@@ -90,6 +91,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         base, refined = _whole_model(white, refined, forms, mass_terms)
         terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
         base = [t for t in base if t.label not in without]
+        nameless = open_axes(outcome, [c.axis for _, c, _ in refined] + [n.candidate.axis for n in masses])
         kept, given_up = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented", nameless)
         left = {id(t) for t in kept}
         everything = all(id(t) in left for _, _, t in refined)
@@ -106,7 +108,8 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     base = [t for t in kept if id(t) not in ours]
     final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
-    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], _steps(white, alone, [], []), "retuned", nameless)
+    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(white, alone, [], [])
+    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], steps, "retuned", nameless)
     friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
     return replace(
         final,
@@ -118,9 +121,9 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     )
 
 
-def open_axes(outcome: Outcome) -> list[int]:
-    """Return the 0-based axes on which structure is left and nothing has a name."""
-    return sorted({u.axis for u in outcome.unexplained} - {n.candidate.axis for n in outcome.named})
+def open_axes(outcome: Outcome, named: Iterable[int | None]) -> list[int]:
+    """Return the 0-based axes on which structure is left and no effect of a model acts; it has effects on `named`."""
+    return sorted({u.axis for u in outcome.unexplained} - set(named))
 
 
 def doubts(outcome: Outcome) -> np.ndarray:
@@ -131,7 +134,7 @@ def doubts(outcome: Outcome) -> np.ndarray:
     share, to what the axis lacks. Elsewhere it is 1.
     """
     doubt = np.ones(outcome.problem.robot.joints)
-    where = open_axes(outcome)
+    where = open_axes(outcome, [n.candidate.axis for n in outcome.named])
     if where:
         doubt[where] = misfit_of(outcome.white, outcome.fit)[where]
         white = tempered(outcome.white, doubt)
