@@ -22,19 +22,23 @@ PAYLOAD_SHARE, PAYLOAD_LEVER = 0.1, 0.15
 #: Share of the squared torque of an axis that a nominal model always leaves, 3 % of the torque: ripple, friction of
 #: another form, work pieces that change. Below it a better fit says nothing about the way in which an axis is read.
 MODEL_ERROR = 1e-3
+#: What the zero of a joint differs by between conventions [rad].
+ZEROS = (0.5 * np.pi, -0.5 * np.pi, np.pi)
 #: Rounds in which the parameters of the model and the noise of each axis are found in turn.
 ROUNDS = 8
 
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read a recording: "swap" two axes, "flip" one, turn its "torque" around, or take it as of the "motor".
+    """One way to read a recording: "swap" two axes, "flip" one, turn its "torque" around, take it as of the "motor", or
+    add an angle [rad] to its position, that is count it from another "zero".
 
     `axes` are 0-based.
     """
 
     kind: str
     axes: tuple[int, ...]
+    angle: float = 0.0
 
     @property
     def reason(self) -> str:
@@ -45,6 +49,7 @@ class Reading:
             "flip": f"the sign of joint {joints[0]} looks flipped",
             "torque": f"the sign of the torque of joint {joints[0]} looks flipped",
             "motor": f"the torque of joint {joints[0]} looks like that of the motor, before the gear",
+            "zero": f"the position of joint {joints[0]} looks counted from another zero, {self._degrees} deg off",
         }[self.kind]
 
     @property
@@ -56,7 +61,13 @@ class Reading:
             "flip": f"turn the sign of position and torque of joint {joints[0]}: give 'sign' with -1 for it",
             "torque": f"turn the sign of the torque of joint {joints[0]}: give 'scale' with -1 for it",
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
+            "zero": f"add {self._degrees} deg to the position of joint {joints[0]}, or {self.angle:.5g} rad to its "
+            "'offset' in the robot file",
         }[self.kind]
+
+    @property
+    def _degrees(self) -> str:
+        return f"{np.degrees(self.angle):.4g}"
 
     def read(self, parts: np.ndarray, usable: np.ndarray, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
         """Return positions, velocities, accelerations and torques (m, 4, n), and usable (m, n), read this way."""
@@ -68,6 +79,8 @@ class Reading:
         (axis,) = self.axes
         if self.kind == "flip":
             turned[:, :, axis] *= -1.0
+        elif self.kind == "zero":
+            turned[:, 0, axis] += self.angle
         else:
             turned[:, 3, axis] *= -1.0 if self.kind == "torque" else robot.gear_ratio[axis]
         return turned, usable
@@ -80,6 +93,8 @@ def readings(robot: Robot) -> Iterator[Reading]:
     for axis in range(robot.joints):
         yield Reading("flip", (axis,))
         yield Reading("torque", (axis,))
+        for angle in ZEROS:
+            yield Reading("zero", (axis,), angle)
         if abs(robot.gear_ratio[axis]) > 2:
             yield Reading("motor", (axis,))
 

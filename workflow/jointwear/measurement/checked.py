@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from jointwear.measurement.checks import check_recording
+from jointwear.measurement.clipped_torque import clipped_torques
 from jointwear.measurement.derivative_checks import check_derivatives, check_rate
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
@@ -32,4 +33,4 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     restrictions = check_recording(recording, robot, measured)
     check_scale(recording, robot, measured())
     check_follows(measured(), robot, name)
-    return measured(), restrictions
+    return measured(), [*restrictions, *clipped_torques(recording)]

@@ -25,13 +25,14 @@ WRONG = 0.5
 #: file lacks reached 26 (a flip) and 19 (a swap) in right logs of some 600 simulated robots, as residuals repeat with
 #: the motion; of 347 flips on 56 simulated arms 289 reach 40, 294 reach 25. A torque of the motor is told from the size
 #: of its friction, which no load changes.
-FAVOURS = {"swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0}
+FAVOURS = {"swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0}
 #: Why another reading is believed, as the end of the sentence that says what it is.
 _WHY = {
     "swap": "; exchanged they fit the model",
     "flip": "; turned around it fits the model",
     "torque": " against its motion",
     "motor": "",
+    "zero": "; from there it fits the model",
 }
 #: Share of the squared torque that wrong parameters leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
@@ -138,7 +139,7 @@ def explained_otherwise(
     plain: np.ndarray | None = None
     for reading in readings(robot):
         turned = reading.read(parts, usable, robot)
-        if reading.kind in ("swap", "flip"):
+        if reading.kind in ("swap", "flip", "zero"):
             yield reading, explained(dynamics, *turned)
             continue
         # The motion is the same, and so are all axes but one.
@@ -176,7 +177,7 @@ def _score(left: np.ndarray, floor: float) -> float:
 
 
 def _against_model(recording: Recording, robot: Robot, measured: Measured) -> None:
-    """Recognise a flipped axis, swapped joints and motor-side torque.
+    """Recognise a flipped axis, swapped joints, motor-side torque and a joint that counts from another zero.
 
     Another reading must explain the data far better with the numbers of the nominal model as they are, and be the
     likelier one when these may be somewhat wrong; or it must be far more likely when they may.
@@ -202,7 +203,9 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
             continue
         as_read = likelihood(parts, usable) if as_read is None else as_read
         nats = likelihood(*reading.read(parts, usable, robot)) - as_read
-        if nats > (0.0 if gained > CLEARLY else FAVOURS[reading.kind]):
+        # A load or a mounting may do what another zero does: that has to fit far better in size, and be far likelier.
+        enough = FAVOURS[reading.kind] if reading.kind == "zero" or gained <= CLEARLY else 0.0
+        if nats > enough and (gained > CLEARLY or reading.kind != "zero"):
             believed.append((nats, reading))
     if believed:
         reading = max(believed, key=lambda x: x[0])[1]
