@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.measurement.axis_readings import Likelihood
 from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
@@ -36,19 +37,37 @@ def check_scale(recording: Recording, robot: Robot, measured: Measured) -> None:
     ------
     Refused : with the factors, and the key that mends them.
     """
-    found = factors(thinned(measured), robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
+    samples = thinned(measured)
+    found = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
     scale = _of_most(*found)
-    if scale is not None:
-        raise Refused(f"data set '{recording.name}': {scale.reason}", scale.remedy)
     size = np.nan_to_num(np.abs(np.log(np.abs(found[0]))))
     worst = int(np.argmax(size))
-    if size[worst] > np.log(OF_ONE):
-        factor = abs(found[0][worst])
-        raise Refused(
-            f"data set '{recording.name}': the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
-            "looks like another unit than that of the other joints",
-            f"give 'scale' with {1 / factor:.3g} for joint {worst + 1}, 'torque_constant' for each, or its column",
-        )
+    if scale is None and size[worst] <= np.log(OF_ONE):
+        return
+    concerned = size > np.log(FACTOR) if scale is not None else np.arange(len(size)) == worst
+    if not _is_likelier(samples, robot, np.where(concerned, found[0], 1.0)):
+        return
+    if scale is not None:
+        raise Refused(f"data set '{recording.name}': {scale.reason}", scale.remedy)
+    factor = abs(found[0][worst])
+    raise Refused(
+        f"data set '{recording.name}': the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
+        "looks like another unit than that of the other joints",
+        f"give 'scale' with {1 / factor:.3g} for joint {worst + 1}, 'torque_constant' for each, or its column",
+    )
+
+
+def _is_likelier(measured: Measured, robot: Robot, factor: np.ndarray) -> bool:
+    """Return whether the model makes the torque over its factors (n,) likelier than as it is, whatever the load.
+
+    A body at the flange that the file does not have turns a wrist many times as hard as its own links do.
+    """
+    parts = np.stack(
+        [measured.position, measured.velocity, measured.acceleration, np.nan_to_num(measured.torque)], axis=1
+    )
+    likelihood, scaled = Likelihood(Dynamics(robot), FEWEST), parts.copy()
+    scaled[:, 3] /= np.abs(factor)
+    return likelihood(scaled, measured.usable) > likelihood(parts, measured.usable)
 
 
 def thinned(measured: Measured) -> Measured:
