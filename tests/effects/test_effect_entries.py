@@ -297,18 +297,3 @@ def test_a_plain_form_is_one_that_is_searched(state):
             (plain,) = effect.plain(state, 1)
             assert plain in effect.grid(state, 1)
             assert plain["scale"] == next(p.default for p in effect.parameters if p.name == "scale")
-
-
-@settings(max_examples=30, deadline=None)
-@given(half=st.floats(0.1, 3.0), order=st.floats(0.8, 12.0), beyond=st.floats(0.1, 3.0))
-def test_friction_along_the_travel_goes_on_beyond_it_only_where_a_whole_wave_was_seen(state, half, order, beyond):
-    values = {"amplitude": 1.0, "order": order, "phase": 0.3, "low": -half, "high": half}
-    places = np.array([-half - beyond, -half, 0.0, half, half + beyond])
-    position, velocity = np.zeros((5, 6)), np.zeros((5, 6))
-    position[:, 1], velocity[:, 1] = places, 0.5
-    there = replace(state, position=position, velocity=velocity)
-    effect = effects.get_effect("position_dependent_friction")
-    torque = effect.torque(there, 1, None, values)
-    endless = effect.torque(there, 1, None, {**values, "low": -100.0, "high": 100.0})
-    held = 2 * half * order < 2 * np.pi
-    np.testing.assert_allclose(torque, endless[[1, 1, 2, 3, 3]] if held else endless)

@@ -6,26 +6,14 @@ from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
 
-def _held(state, axis, p):
-    """Return the position [rad], held at the ends of the travel where that shows less than one wave."""
-    position = state.position[..., axis]
-    return position if p["order"] * (p["high"] - p["low"]) >= 2 * np.pi else np.clip(position, p["low"], p["high"])
-
-
 def _columns(state, axis, source, p):
-    angle = p["order"] * _held(state, axis, p)
+    angle = p["order"] * state.position[..., axis]
     return np.stack([np.sin(angle), np.cos(angle)], axis=-1) * state.direction[..., axis, None]
 
 
 def _torque(state, axis, source, p):
-    angle = p["order"] * _held(state, axis, p) + p["phase"]
+    angle = p["order"] * state.position[..., axis] + p["phase"]
     return p["amplitude"] * np.sin(angle) * state.direction[..., axis]
-
-
-def _grid(state, axis):
-    q = state.position[..., axis]
-    travel = {"low": float(np.round(q.min(), 3)), "high": float(np.round(q.max(), 3))}
-    return [{"order": float(n), **travel} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)]
 
 
 def _shape(state, axis, p):
@@ -40,8 +28,6 @@ EFFECT = Effect(
         Parameter("amplitude", "N m", 0.0, 1e4, "A"),
         Parameter("order", "1", 0.8, 40.0, "n, waves in one turn of the joint", 1.0),
         Parameter("phase", "rad", -6.3, 6.3, "phi"),
-        Parameter("low", "rad", -100.0, 100.0, "end of the travel on which it was found", -100.0, fixed=True),
-        Parameter("high", "rad", -100.0, 100.0, "the other end", 100.0, fixed=True),
     ),
     confused_with=("joint_spring",),
     excitation="the whole travel in both directions",
@@ -56,7 +42,7 @@ EFFECT = Effect(
         "amplitude": float(np.hypot(c[0], c[1])),
         "phase": float(np.arctan2(c[1], c[0])),
     },
-    grid=_grid,
+    grid=lambda state, axis: [{"order": float(n)} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)],
     shape=_shape,
     as_seen=True,
     bend=table_bend(_shape, per_wave=8),
