@@ -29,10 +29,12 @@ class Whitener:
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N, k) or (N,) into (m, k) or (m,)."""
-        if not columns.size:
+        order = len(self.lags)
+        if not columns.size or not len(self.rows):
             return columns[self.rows]
-        kernel = np.concatenate([[1.0], -self.lags]) / self.sigma
-        return lfilter(kernel, [1.0], columns, axis=0)[self.rows]
+        kernel = np.concatenate([-self.lags[::-1], [1.0]]) / self.sigma
+        windows = np.lib.stride_tricks.sliding_window_view(columns, order + 1, axis=0)
+        return np.einsum("...k,k->...", windows, kernel)[self.rows - order]
 
     def density(self, frequency: np.ndarray, rate: float) -> np.ndarray:
         """Return the density (k,) [(N m)^2/Hz, one-sided] of the noise at frequencies (k,) [Hz]."""

@@ -34,6 +34,8 @@ class Between:
 
     def earlier(self, delay: float) -> np.ndarray:
         """Return the values as they were `delay` [s] earlier; beyond the ends of a record its end values hold."""
+        if delay == 0:
+            return np.array(self._values, dtype=float)
         result = np.empty(np.shape(self._values))
         for part, spline in self._records:
             time = self._time[part]

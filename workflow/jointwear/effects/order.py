@@ -95,9 +95,10 @@ def earlier_sense(state: State, axis: int, delay: float) -> np.ndarray:
 def _sense(state: State, axis: int, velocity: np.ndarray, delay: float) -> np.ndarray:
     """Return :func:`earlier_sense` from the velocity (m,) [rad/s] at that time."""
     sense = np.sign(velocity)
+    time = state.time - delay
     for rest in state.rests_of(axis):
-        time = state.time[rest.record] - delay
-        sense[rest.record] = np.where(rest.inside(time), rest.sense(time), sense[rest.record])
+        part = rest.found_in(time)
+        sense[part] = rest.sense(time[part])
     return sense
 
 

@@ -28,9 +28,11 @@ class Rest:
     before: float
     after: float
 
-    def inside(self, time: np.ndarray) -> np.ndarray:
-        """Return which instants (m,) lie in the stop."""
-        return (time > self.start) & (time < self.end)
+    def found_in(self, time: np.ndarray) -> slice:
+        """Return which of the instants (m,) of all samples, which rise within the record, lie in the stop."""
+        own = time[self.record]
+        first, after = np.searchsorted(own, self.start, "right"), np.searchsorted(own, self.end, "left")
+        return slice(self.record.start + int(first), self.record.start + int(after))
 
     def sense(self, time: np.ndarray) -> np.ndarray:
         """Return the share of Coulomb friction, -1 to 1, at instants (m,) within the stop."""
