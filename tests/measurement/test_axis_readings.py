@@ -17,9 +17,9 @@ from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement import checks
 from jointwear.measurement.axis_readings import Reading, readings
-from jointwear.measurement.checks import Refused, check_recording, explained, explained_otherwise
+from jointwear.measurement.checks import Refused, check_axes, explained, explained_otherwise
 from jointwear.measurement.filtering import RINGING, low_pass
-from jointwear.measurement.motion import TRANSIENT
+from jointwear.measurement.motion import TRANSIENT, measure
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
@@ -41,6 +41,10 @@ def recording(request, puma):
     return make_case(puma, 3, request.param)
 
 
+def check(recording, puma):
+    check_axes("arm", puma, measure(recording))
+
+
 def turned(recording, axis, position=1.0, torque=1.0):
     q, tau = recording.position.copy(), recording.torque.copy()
     q[:, axis] *= position
@@ -49,13 +53,13 @@ def turned(recording, axis, position=1.0, torque=1.0):
 
 
 def test_right_recordings_are_not_refused(recording, puma):
-    assert check_recording(recording, puma) == []
+    check(recording, puma)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 3, 4])
 def test_flipped_joints_are_named(recording, puma, axis):
     with pytest.raises(Refused, match=f"sign of joint {axis + 1} looks flipped"):
-        check_recording(turned(recording, axis, -1.0, -1.0), puma)
+        check(turned(recording, axis, -1.0, -1.0), puma)
 
 
 @pytest.mark.parametrize("axis", [2, 5])
@@ -63,7 +67,7 @@ def test_motor_side_torque_is_named(puma, axis):
     # What tells of the last joint is the size of its friction: there is next to no other torque.
     recording = make_case(puma, 3)
     with pytest.raises(Refused, match=f"torque of joint {axis + 1} looks like that of the motor"):
-        check_recording(turned(recording, axis, 1.0, 1 / puma.gear_ratio[axis]), puma)
+        check(turned(recording, axis, 1.0, 1 / puma.gear_ratio[axis]), puma)
 
 
 @pytest.mark.parametrize("pair", [(3, 5), (4, 5)])
@@ -72,7 +76,17 @@ def test_swapped_wrist_joints_are_named(recording, puma, pair):
     order[list(pair)] = pair[::-1]
     mixed = replace(recording, position=recording.position[:, order], torque=recording.torque[:, order])
     with pytest.raises(Refused, match=f"joints {pair[0] + 1} and {pair[1] + 1} look swapped"):
-        check_recording(mixed, puma)
+        check(mixed, puma)
+
+
+@pytest.mark.parametrize("pair", [(1, 2), (3, 4)])
+@pytest.mark.parametrize("role", ["torque", "position"])
+def test_exchanged_columns_of_one_quantity_are_named(puma, pair, role):
+    recording = make_case(puma, 3)
+    values = getattr(recording, role).copy()
+    values[:, list(pair)] = values[:, pair[::-1]]
+    with pytest.raises(Refused, match=f"the {role}s of joints {pair[0] + 1} and {pair[1] + 1} look swapped"):
+        check(replace(recording, **{role: values}), puma)
 
 
 @pytest.mark.parametrize("seen", [True, False])
@@ -86,13 +100,13 @@ def test_an_exchange_of_axes_that_hardly_move_is_not_believed(recording, puma, m
     monkeypatch.setattr(checks, "explained_otherwise", lambda *_: iter([(exchange, other)]))
     monkeypatch.setattr(checks, "Likelihood", lambda *_: lambda *_: float(next(nats)))
     with pytest.raises(Refused, match="joints 4 and 5 look swapped") if seen else contextlib.nullcontext():
-        check_recording(recording, puma)
+        check(recording, puma)
 
 
 def test_every_reading_is_undone_by_itself_or_its_gear(puma):
     rng = np.random.default_rng(0)
     parts, usable = rng.standard_normal((5, 4, 6)), rng.random((5, 6)) > 0.5
-    kinds = {"swap": 15, "flip": 6, "torque": 6, "motor": 6, "zero": 18}
+    kinds = {"swap": 15, "torques": 15, "positions": 15, "flip": 6, "torque": 6, "motor": 6, "zero": 18}
     found = list(readings(puma))
     assert {k: sum(r.kind == k for r in found) for k in kinds} == kinds
     for reading in found:

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from jointwear.measurement.checks import Refused
+from jointwear.measurement.late_torque import check_delay
+from jointwear.measurement.model_size import check_model_size
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.silent_joints import moving_torques
 from jointwear.measurement.torque_follows import check_follows
-from jointwear.measurement.torque_scale import check_scale
+from jointwear.measurement.torque_scale import check_scale, check_scale_of_one
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import load_robot
 
@@ -24,12 +26,22 @@ def example():
 
 def check(example, factor, more=0.0):
     recording, robot, measured = example
-    check_scale(recording, robot, replace(measured, torque=measured.torque * factor + more))
+    scaled = replace(measured, torque=measured.torque * factor + more)
+    told = check_scale(recording, robot, scaled)
+    check_scale_of_one(recording, robot, scaled)
+    return told
 
 
 def test_a_torque_of_the_models_size_is_taken(example):
-    check(example, 1.0)
-    check(example, np.array([0.7, 1.3, 0.9, 1.2, 0.8, 1.1]))
+    assert check(example, 1.0) == []
+    assert check(example, np.array([0.7, 1.3, 0.9, 1.2, 0.8, 1.1])) == []
+
+
+@pytest.mark.parametrize("factor", [0.7, 1 / 1.356, 1.6])
+def test_a_factor_that_all_joints_share_is_told(example, factor):
+    (words,) = check(example, factor)
+    assert "times that of the model on all joints" in words
+    assert "unit" in words
 
 
 @pytest.mark.parametrize(
@@ -37,13 +49,21 @@ def test_a_torque_of_the_models_size_is_taken(example):
     [
         (0.1, "0.1.* on joint 2", "'torque_constant'"),
         (1000.0, "looks like mN m", "torque: mN m"),
+        ("gears", "looks like that of the motor, before the gear", "'scale' for each joint"),
         (1 / np.array([3.0, 4.0, 5.0, 6.0, 7.0, 8.0]), "looks like a current", "'torque_constant'"),
     ],
 )
 def test_another_unit_or_a_current_is_told_with_its_key(example, factor, words, key):
+    factor = 1 / example[1].gear_ratio if isinstance(factor, str) else factor
     with pytest.raises(Refused, match=words) as refusal:
         check(example, factor)
     assert key in refusal.value.suggestion
+
+
+def test_torques_of_the_other_sign_are_told_of_all_joints_at_once(example):
+    with pytest.raises(Refused, match=r"sign of the torque of joints .* looks flipped") as refusal:
+        check(example, -1.0)
+    assert "-1" in refusal.value.suggestion
 
 
 def test_one_joint_in_another_unit_is_told(example):
@@ -64,6 +84,53 @@ def test_torques_of_other_rows_are_told(example, turn):
     check_follows(measured, robot, "arm")
     with pytest.raises(Refused, match="does not follow the motion"):
         check_follows(replace(measured, torque=turn(measured.torque)), robot, "arm")
+
+
+@pytest.mark.parametrize("seconds", [0.1, -0.1, 0.3])
+def test_a_torque_of_another_time_is_told(example, seconds):
+    recording, robot, _ = example
+    assert check_delay(measure(recording), robot, "arm") == []
+    with pytest.raises(Refused, match=f"about {abs(1e3 * seconds):.0f} ms {'late' if seconds > 0 else 'early'}"):
+        check_delay(measure(shifted(recording, seconds)), robot, "arm")
+
+
+def test_a_short_delay_of_all_joints_is_told_in_words(example):
+    recording, robot, _ = example
+    (words,) = check_delay(measure(shifted(recording, 0.035)), robot, "arm")
+    assert "35 ms late" in words
+    assert "clock of the log" in words
+
+
+def shifted(recording, seconds):
+    """The recording with the torque of some time before."""
+    torque = recording.torque.copy()
+    for label in recording.labels:
+        rows = recording.trajectory == label
+        time = recording.time[rows]
+        torque[rows] = np.stack([np.interp(time - seconds, time, x) for x in recording.torque[rows].T], axis=1)
+    return replace(recording, torque=torque)
+
+
+WRONG_UNITS = {
+    "link inertia in kg mm2": (
+        "bodies", lambda r: {"links": tuple(replace(x, inertia=1e6 * x.inertia) for x in r.links)}
+    ),
+    "friction of the joint side": ("friction", lambda r: {
+        "coulomb_positive": r.coulomb_positive * r.gear_ratio, "coulomb_negative": r.coulomb_negative * r.gear_ratio,
+        "viscous": r.viscous * r.gear_ratio**2,
+    }),
+    "motor inertia of the joint side": ("motor inertia", lambda r: {"armature": r.armature * r.gear_ratio**2}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG_UNITS)
+def test_a_model_of_another_size_is_told_with_what_is_too_large(example, case):
+    _, robot, measured = example
+    check_model_size(measured, robot, "arm")
+    part, change = WRONG_UNITS[case]
+    changes = {k: np.abs(v) if k in ("armature", "viscous") else v for k, v in change(robot).items()}
+    with pytest.raises(Refused, match=f"torque of .*{part} is far too large"):
+        check_model_size(measured, replace(robot, **changes), "arm")
 
 
 def test_a_joint_whose_torque_keeps_one_value_is_not_judged_and_all_of_them_are_refused(example):

@@ -12,7 +12,7 @@ from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.noise_floor import floor_with_names
 from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import Problem
-from jointwear.discovery.retuned import retuned_parameters, unlikely_masses
+from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, unlikely_masses
 from jointwear.discovery.verdict import (
     Gap,
     Lost,
@@ -32,6 +32,8 @@ from jointwear.files.json_values import six_digits
 
 #: Entries of lists that a reader looks through: unexplained structure, candidates that came close.
 LONGEST_LIST = 12
+#: Joints, and share of those that can be judged, that answer late from which it may be the clock of the log.
+FEWEST_ALIKE, MOST_ALIKE = 3, 2 / 3
 
 
 def make_verdict(
@@ -76,8 +78,8 @@ def make_verdict(
         not_tried=tuple(_not_tried(outcome)),
         not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
         fallbacks=final.fallbacks,
-        misfits=final.misfits,
-        restrictions=(*restrictions, *unlikely_masses(retuned, problem.settings)),
+        misfits=(*final.misfits, *ended_on_bounds(retuned)),
+        restrictions=(*restrictions, *_alike_in_time(final), *unlikely_masses(retuned, problem.settings)),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
 
@@ -94,6 +96,17 @@ def measure_gap(problem: Problem, torques: Mapping[str, np.ndarray], floor: Iter
         )
 
     return Gap(errors("nominal"), errors("retuned"), errors("augmented"), tuple(map(_rounded, floor)))
+
+
+def _alike_in_time(final: Final) -> Iterable[str]:
+    """Yield in words that the torques of most joints are told at another time: a clock of the log does that."""
+    found = [e.named.candidate for e in final.estimates]
+    late = {c.axis for c in found if c.axis is not None and get_effect(c.effect).shifts(c.nonlinear)}
+    if len(late) >= max(FEWEST_ALIKE, MOST_ALIKE * len(final.outcome.problem.judged)):
+        yield (
+            f"the torques of {len(late)} joints belong to another time than the motion: one clock of the log, that of "
+            "positions or of torques, does that as well as a delay of every drive"
+        )
 
 
 def _rounded(value: float | None) -> float | None:

@@ -17,6 +17,7 @@ import numpy as np
 from jointwear.discovery.candidates import build_dictionary
 from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.problem import Problem, build_problem
+from jointwear.discovery.repeatability import check_groups
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
@@ -116,9 +117,10 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     ------
     Refused : an InputError with a suggestion, as discovery itself would.
     """
-    recording = split(recording)
+    recording, settings = split(recording), settings or Settings()
+    check_groups(recording, settings.groups)
     measured, restrictions = checked(recording, robot)
-    problem = build_problem(recording, robot, settings or Settings(), measured)
+    problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem)
     white = whiten(problem, estimate_noise(problem))
     dictionary = build_dictionary(white)

@@ -33,7 +33,8 @@ def retuned_parameters(final: Final) -> list[Retuned]:
             # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
             std = float(np.hypot(final.std_friction[axis, k], problem.settings.parameter_error * nominal[axis, k]))
             nats = 0.5 * (delta[axis, k] / std) ** 2 - np.log(max(prior[k] / std, 1.0))
-            if nats > need:
+            value = max(nominal[axis, k] + delta[axis, k], 0.0)
+            if nats > need and value != nominal[axis, k]:
                 gear = abs(robot.gear_ratio[axis])
                 # The parameters of a robot file: motor side.
                 side = gear if k < 2 else gear**2
@@ -43,7 +44,8 @@ def retuned_parameters(final: Final) -> list[Retuned]:
                         parameter=name,
                         axis=axis + 1,
                         nominal=six_digits(sign * nominal[axis, k] / side),
-                        value=six_digits(sign * (nominal[axis, k] + delta[axis, k]) / side),
+                        # As the robot file has it: no friction drives, no inertia is negative.
+                        value=six_digits(sign * value / side) + 0.0,
                         std=six_digits(std / side),
                         unit=_FRICTION_UNITS[k],
                     )
@@ -83,6 +85,15 @@ def _wrong_mass(final: Final) -> list[Retuned]:
             std=six_digits(mass / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2)),
             unit="kg",
         )
+    ]
+
+
+def ended_on_bounds(retuned: list[Retuned]) -> list[str]:
+    """Return a sentence for each parameter of a drive that the data would have below zero: something else is wrong."""
+    return [
+        f"the fit of {one.parameter} of joint {one.axis} ended on its bound, 0: it stands in for something else"
+        for one in retuned
+        if one.value == 0.0
     ]
 
 

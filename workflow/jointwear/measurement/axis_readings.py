@@ -30,8 +30,9 @@ ROUNDS = 8
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read a recording: "swap" two axes, "flip" one, turn its "torque" around, take it as of the "motor", or
-    add an angle [rad] to its position, that is count it from another "zero".
+    """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one, turn its
+    "torque" around, take it as of the "motor", or add an angle [rad] to its position, that is count it from another
+    "zero".
 
     `axes` are 0-based.
     """
@@ -46,6 +47,8 @@ class Reading:
         joints = [str(axis + 1) for axis in self.axes]
         return {
             "swap": f"joints {' and '.join(joints)} look swapped",
+            "torques": f"the torques of joints {' and '.join(joints)} look swapped",
+            "positions": f"the positions of joints {' and '.join(joints)} look swapped",
             "flip": f"the sign of joint {joints[0]} looks flipped",
             "torque": f"the sign of the torque of joint {joints[0]} looks flipped",
             "motor": f"the torque of joint {joints[0]} looks like that of the motor, before the gear",
@@ -58,6 +61,10 @@ class Reading:
         joints = [str(axis + 1) for axis in self.axes]
         return {
             "swap": f"exchange the columns of joints {' and '.join(joints)}: name them in order under 'variables'",
+            "torques": f"exchange the torques of joints {' and '.join(joints)}: name the columns of 'torque' in order "
+            "under 'variables'",
+            "positions": f"exchange the positions of joints {' and '.join(joints)}: name the columns of 'position' in "
+            "order under 'variables'",
             "flip": f"turn the sign of position and torque of joint {joints[0]}: give 'sign' with -1 for it",
             "torque": f"turn the sign of the torque of joint {joints[0]}: give 'scale' with -1 for it",
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
@@ -76,6 +83,14 @@ class Reading:
             order[list(self.axes)] = self.axes[::-1]
             return parts[:, :, order], usable[:, order]
         turned = parts.copy()
+        if self.kind == "torques":
+            turned[:, 3, list(self.axes)] = parts[:, 3, self.axes[::-1]]
+            return turned, usable
+        if self.kind == "positions":
+            turned[:, :3, list(self.axes)] = parts[:, :3, self.axes[::-1]]
+            moved = usable.copy()
+            moved[:, list(self.axes)] = usable[:, self.axes[::-1]]
+            return turned, moved
         (axis,) = self.axes
         if self.kind == "flip":
             turned[:, :, axis] *= -1.0
@@ -90,6 +105,8 @@ def readings(robot: Robot) -> Iterator[Reading]:
     """Yield every other way to read a recording of `robot`."""
     for pair in combinations(range(robot.joints), 2):
         yield Reading("swap", pair)
+        yield Reading("torques", pair)
+        yield Reading("positions", pair)
     for axis in range(robot.joints):
         yield Reading("flip", (axis,))
         yield Reading("torque", (axis,))

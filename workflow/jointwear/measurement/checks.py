@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.axis_readings import Likelihood, Reading, readings
-from jointwear.measurement.motion import Measured, measure
+from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
@@ -25,7 +25,15 @@ WRONG = 0.5
 #: file lacks reached 26 (a flip) and 19 (a swap) in right logs of some 600 simulated robots, as residuals repeat with
 #: the motion; of 347 flips on 56 simulated arms 289 reach 40, 294 reach 25. A torque of the motor is told from the size
 #: of its friction, which no load changes.
-FAVOURS = {"swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0}
+FAVOURS = {
+    "swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0, "torques": 40.0, "positions": 40.0
+}  # fmt: skip
+#: Share of them that is enough for a flip that fits far better in size too, but not :data:`BY_FAR`: a friction that
+#: differs between the directions in the robot file and not in the robot reached a drop of 1.05 and 7 nats.
+SIZE_TOO, BY_FAR = 0.5, 1.8
+#: Readings that another cause resembles, a load, a mounting or a drive that two joints share: they have to fit far
+#: better in size and be far likelier.
+RESEMBLED = ("zero", "torques", "positions")
 #: Why another reading is believed, as the end of the sentence that says what it is.
 _WHY = {
     "swap": "; exchanged they fit the model",
@@ -33,12 +41,16 @@ _WHY = {
     "torque": " against its motion",
     "motor": "",
     "zero": "; from there it fits the model",
+    "torques": "; exchanged they fit the model",
+    "positions": "; exchanged they fit the model",
 }
 #: Share of the squared torque that wrong parameters leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
 RIGHT, SAME_WRIST = 0.01, 0.03
 
 
+#: Share of the samples that positions are judged by.
+NEARLY_ALL = 0.995
 #: Temperature [degC] that no drive works at for long; below it are 400 K.
 HOTTEST = 200.0
 
@@ -51,17 +63,12 @@ class Refused(InputError):
         self.reason, self.suggestion = reason, suggestion
 
 
-def check_recording(recording: Recording, robot: Robot, measured: Callable[[], Measured] | None = None) -> list[str]:
-    """Check units, order and signs of a recording against the nominal model; return restrictions in words.
-
-    Parameters
-    ----------
-    measured : gives the samples with their derivatives, where the caller keeps them; called after the first checks.
+def check_recording(recording: Recording, robot: Robot) -> list[str]:
+    """Check size, gaps and units of a recording; return restrictions in words.
 
     Raises
     ------
-    Refused : for another number of joints, degrees, swapped joints, a flipped axis, motor-side torque, too few or
-        no finite samples.
+    Refused : for another number of joints, degrees, kelvin, too few or no finite samples.
     """
     name = recording.name
     if recording.joints != robot.joints:
@@ -79,24 +86,34 @@ def check_recording(recording: Recording, robot: Robot, measured: Callable[[], M
         raise Refused(f"data set '{name}': the time holds values that are not finite", "repair the time stamps")
     if good.mean() < 0.2:
         raise Refused(
-            f"data set '{name}': only {100 * good.mean():.0f} % of the samples are finite in every joint",
+            f"data set '{name}': only {100 * good.mean():.0f} % of the samples are finite in every joint"
+            f"{_of_whom(recording)}",
             "map the measured columns, or leave the gaps out",
         )
     _units(recording, robot, good)
     restrictions = []
     if good.mean() < 1.0:
         restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are not finite and were left out")
-    _against_model(recording, robot, measured() if measured is not None else measure(recording))
     if len(recording.time) < 400:
         restrictions.append(f"only {len(recording.time)} samples: weak effects cannot be seen")
     return restrictions
+
+
+def _of_whom(recording: Recording) -> str:
+    """Return in words which columns are hardly ever finite."""
+    found = []
+    for role in ("position", "torque"):
+        finite = np.isfinite(getattr(recording, role)).mean(axis=0)
+        found += [f"the {role} of joint {j + 1} in {100 * finite[j]:.0f} %" for j in np.flatnonzero(finite < 0.5)]
+    return f"; {', '.join(found)}" if found else ""
 
 
 def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
     """Positions far outside the limits that come inside when read as degrees are degrees; 200 and more is kelvin."""
     q = recording.position[good]
     reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
-    largest = np.abs(q).max(axis=0)
+    # Some samples may be no positions at all.
+    largest = np.quantile(np.abs(q), NEARLY_ALL, axis=0)
     over = largest > np.maximum(1.5 * reach, reach + 1.0)
     if over.any() and np.mean(np.radians(largest) <= reach + 0.5) > 0.5 and largest.max() > 10:
         axis = int(np.argmax(largest / reach))
@@ -139,14 +156,13 @@ def explained_otherwise(
     plain: np.ndarray | None = None
     for reading in readings(robot):
         turned = reading.read(parts, usable, robot)
-        if reading.kind in ("swap", "flip", "zero"):
+        if reading.kind in ("swap", "positions", "flip", "zero"):
             yield reading, explained(dynamics, *turned)
             continue
-        # The motion is the same, and so are all axes but one.
+        # The motion is the same, and so are all axes but those of the reading.
         plain = _left(robot, rigid, parts, usable, axes) if plain is None else plain
-        (axis,) = reading.axes
-        left = plain.copy()
-        left[axis] = _left(robot, rigid, *turned, [axis])[axis]
+        left, concerned = plain.copy(), list(reading.axes)
+        left[concerned] = _left(robot, rigid, *turned, concerned)[concerned]
         yield reading, left
 
 
@@ -176,11 +192,28 @@ def _score(left: np.ndarray, floor: float) -> float:
     return float(np.nansum(np.log(np.maximum(left, floor))))
 
 
-def _against_model(recording: Recording, robot: Robot, measured: Measured) -> None:
-    """Recognise a flipped axis, swapped joints, motor-side torque and a joint that counts from another zero.
+def _enough(reading: Reading, gained: float) -> float:
+    """Return the nats by which a reading must be likelier that lowers the log of what is left by `gained`."""
+    if gained <= CLEARLY:
+        return np.inf if reading.kind in RESEMBLED else FAVOURS[reading.kind]
+    if reading.kind in RESEMBLED:
+        return FAVOURS[reading.kind]
+    return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * FAVOURS[reading.kind]
+
+
+def check_axes(name: str, robot: Robot, measured: Measured) -> None:
+    """Check order, signs and zeros of the axes, and the side of their torques, against the nominal model.
 
     Another reading must explain the data far better with the numbers of the nominal model as they are, and be the
     likelier one when these may be somewhat wrong; or it must be far more likely when they may.
+
+    Parameters
+    ----------
+    name : of the data set or the log, for messages.
+
+    Raises
+    ------
+    Refused : for swapped joints, torques or positions, a flipped axis, motor-side torque, another zero.
     """
     parts, time, usable = _features(measured)
     if len(time) < FEWEST:
@@ -193,20 +226,18 @@ def _against_model(recording: Recording, robot: Robot, measured: Measured) -> No
     as_read: float | None = None
     believed: list[tuple[float, Reading]] = []
     for reading, other in explained_otherwise(dynamics, parts, usable):
-        floor = SAME_WRIST if reading.kind == "swap" else RIGHT
+        floor = SAME_WRIST if len(reading.axes) > 1 else RIGHT
         gained = _score(left, floor) - _score(other, floor)
         concerned = other[list(reading.axes)]
         if gained < -CLEARLY or not np.nanmax(concerned, initial=0.0) < WRONG:
             continue
-        if reading.kind == "swap" and not np.isfinite(concerned).any():
+        if len(reading.axes) > 1 and not np.isfinite(concerned).any():
             # What an exchange of two axes does to the others does not tell of them where both hardly move.
             continue
         as_read = likelihood(parts, usable) if as_read is None else as_read
         nats = likelihood(*reading.read(parts, usable, robot)) - as_read
-        # A load or a mounting may do what another zero does: that has to fit far better in size, and be far likelier.
-        enough = FAVOURS[reading.kind] if reading.kind == "zero" or gained <= CLEARLY else 0.0
-        if nats > enough and (gained > CLEARLY or reading.kind != "zero"):
+        if nats > _enough(reading, gained):
             believed.append((nats, reading))
     if believed:
         reading = max(believed, key=lambda x: x[0])[1]
-        raise Refused(f"data set '{recording.name}': {reading.reason}{_WHY[reading.kind]}", reading.remedy)
+        raise Refused(f"{name}: {reading.reason}{_WHY[reading.kind]}", reading.remedy)

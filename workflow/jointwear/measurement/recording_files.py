@@ -51,8 +51,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     if (trajectory == UNLABELLED).any():
         label = (entry.get("variables") or {}).get("trajectory", "trajectory")
         raise InputError(f"{path}: '{label}' must hold whole numbers of at most {LARGEST_LABEL}")
-    if np.any((np.diff(whole.time) <= 0) & (np.diff(trajectory) == 0)):
-        raise InputError(f"{path}: the time does not rise within a trajectory")
+    _check_rises(path, whole.time, trajectory)
 
     def labels_of(key: str) -> tuple[int, ...] | None:
         return None if entry.get(key) is None else tuple(int(x) for x in entry[key])
@@ -72,6 +71,25 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         encoder_step=None if entry.get("encoder_step") is None else float(entry["encoder_step"]),
         torque_kind=entry.get("torque_kind") or "motor",
         encoder_side=entry.get("encoder_side") or "motor",
+    )
+
+
+def _check_rises(path: Path, time: np.ndarray, trajectory: np.ndarray) -> None:
+    """Check that time rises within each trajectory.
+
+    Raises
+    ------
+    InputError : with the first sample at which it does not, and how many there are.
+    """
+    wrong = np.flatnonzero((np.diff(time) <= 0) & (np.diff(trajectory) == 0))
+    if not len(wrong):
+        return
+    first = int(wrong[0])
+    how = "is that of" if time[first + 1] == time[first] else "lies before that of"
+    raise InputError(
+        f"{path}: the time of sample {first + 2} ({time[first + 1]:.9g} s) {how} the sample before it, as of "
+        f"{len(wrong)} of {len(time)} samples; within a trajectory the time has to rise: leave out rows that come "
+        "twice, or label the trajectories"
     )
 
 

@@ -22,6 +22,9 @@ OF_ONE = 5.0
 #: Standard errors by which the factor of an axis must stand out; fewest axes that must have one; share of the squared
 #: torque that may be left once it is applied.
 CLEAR, FEWEST_AXES, LEFT = 10.0, 2, 0.1
+#: Factor from which one that joints have in common is told, and fewest of these. Masses of a robot file are rarely all
+#: wrong by as much to the same side.
+SHARED, FEWEST_SHARING = 1.2, 3
 #: Factor by which friction may differ from the robot file beside the factor of the torque.
 FRICTION = 2.5
 #: Units of torque that a common factor stands for, and how far (ratio) it may lie from one.
@@ -30,8 +33,10 @@ UNITS, ALIKE = {"mN m": 1e3, "kN m": 1e-3}, 1.3
 THINNED = 1500
 
 
-def check_scale(recording: Recording, robot: Robot, measured: Measured) -> None:
+def check_scale(recording: Recording, robot: Robot, measured: Measured) -> list[str]:
     """Check that the torque of a recording has the size of the model's, whatever load the arm carries.
+
+    A factor that most joints share and that no unit explains comes back in words: masses may be as wrong.
 
     Raises
     ------
@@ -39,22 +44,55 @@ def check_scale(recording: Recording, robot: Robot, measured: Measured) -> None:
     """
     samples = thinned(measured)
     found = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
-    scale = _of_most(*found)
+    known = np.flatnonzero(np.isfinite(found[0]))
+    if len(known) >= FEWEST_SHARING and np.all(found[0][known] < 0):
+        joints = ", ".join(str(j + 1) for j in known)
+        raise Refused(
+            f"data set '{recording.name}': the sign of the torque of joints {joints} looks flipped against the motion",
+            "turn the sign of the torque: give 'scale' with -1 for every joint",
+        )
+    scale = _of_most(*found, robot.gear_ratio)
+    if scale is None:
+        return _shared(found[0])
     size = np.nan_to_num(np.abs(np.log(np.abs(found[0]))))
-    worst = int(np.argmax(size))
-    if scale is None and size[worst] <= np.log(OF_ONE):
-        return
-    concerned = size > np.log(FACTOR) if scale is not None else np.arange(len(size)) == worst
-    if not _is_likelier(samples, robot, np.where(concerned, found[0], 1.0)):
-        return
-    if scale is not None:
+    if _is_likelier(samples, robot, np.where(size > np.log(FACTOR), found[0], 1.0)):
         raise Refused(f"data set '{recording.name}': {scale.reason}", scale.remedy)
-    factor = abs(found[0][worst])
+    return []
+
+
+def check_scale_of_one(recording: Recording, robot: Robot, measured: Measured) -> None:
+    """Check that the torque of no single joint has another size than the model's.
+
+    Raises
+    ------
+    Refused : with the factor, and the key that mends it.
+    """
+    samples = thinned(measured)
+    found, _ = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
+    size = np.nan_to_num(np.abs(np.log(np.abs(found))))
+    worst = int(np.argmax(size))
+    if size[worst] <= np.log(OF_ONE):
+        return
+    if not _is_likelier(samples, robot, np.where(np.arange(len(size)) == worst, found, 1.0)):
+        return
+    factor = abs(found[worst])
     raise Refused(
         f"data set '{recording.name}': the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
         "looks like another unit than that of the other joints",
         f"give 'scale' with {1 / factor:.3g} for joint {worst + 1}, 'torque_constant' for each, or its column",
     )
+
+
+def _shared(factor: np.ndarray) -> list[str]:
+    """Return in words a factor (n,) that three joints or more have in common, and that is not one."""
+    known = np.log(np.abs(factor[np.isfinite(factor)]))
+    if len(known) < FEWEST_SHARING:
+        return []
+    middle = float(np.median(known))
+    if abs(middle) <= np.log(SHARED) or np.any(np.abs(known - middle) > 0.5 * abs(middle)):
+        return []
+    told = f"the torque is about {np.exp(middle):.2g} times that of the model on all joints that tell it"
+    return [f"{told}: masses may be as wrong, and so may its unit or scale, which moves every parameter that is found"]
 
 
 def _is_likelier(measured: Measured, robot: Robot, factor: np.ndarray) -> bool:
@@ -132,10 +170,10 @@ def factors(
 
 def wrong_scale(measured: Measured, robot: Robot) -> WrongScale | None:
     """Return what the scale of the torque looks like where it is not that of the model on most joints, else None."""
-    return _of_most(*factors(measured, robot))
+    return _of_most(*factors(measured, robot), robot.gear_ratio)
 
 
-def _of_most(factor: np.ndarray, left: np.ndarray) -> WrongScale | None:
+def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray) -> WrongScale | None:
     known = np.flatnonzero(np.isfinite(factor))
     off = np.abs(np.log(np.abs(factor[known]))) > np.log(FACTOR)
     if len(known) < FEWEST_AXES or off.mean() <= 0.5:
@@ -145,6 +183,13 @@ def _of_most(factor: np.ndarray, left: np.ndarray) -> WrongScale | None:
         if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(ALIKE)):
             reason = f"the torque is about {middle:.3g} times that of the model; it looks like {unit}"
             return WrongScale(reason, f"state units: {{torque: {unit}}}", remains, unit)
+    behind = np.abs(np.log(np.abs(factor[known] * gear[known]))) < np.log(ALIKE)
+    if np.all(behind) and np.all(np.abs(gear[known]) > FACTOR):
+        reason = (
+            f"the torque of joints {', '.join(str(j + 1) for j in known)} looks like that of the motor, before the gear"
+        )
+        remedy = "multiply the torque by the gear ratio: give it as 'scale' for each joint"
+        return WrongScale(reason, remedy, remains, "of the motor")
     told = ", ".join(f"{abs(factor[j]):.3g} on joint {j + 1}" for j in known)
     reason = (
         f"the torque is another multiple of the model's than one ({told}); it looks like a current, a share of a "

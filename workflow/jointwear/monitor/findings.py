@@ -148,8 +148,8 @@ def _shared(
         if abs(mean) > FINDING and not before:
             time = float(statistics.start[rows][0])
             words = (
-                f"All axes moved together by {100 * mean:+.0f} %, which is no wear of one axis: look at the "
-                "temperature, the oil, the model and the unit of the torque."
+                f"All axes moved together by {100 * mean:+.0f} %, which is no wear of one axis: look at the load that "
+                "the robot carries, the temperature, the oil, the model and the unit of the torque."
             )
             result.append({"time": time, "axes": [], "kind": "shared", "words": words})
         before = abs(mean) > FINDING

@@ -30,7 +30,7 @@ from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.programs import labelled_regimes, program_findings
 from jointwear.monitor.recall import Recall
-from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
+from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records, viscous_part
 from jointwear.monitor.regimes import find_regimes, signatures
 from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
 from jointwear.monitor.series import Series, friction_series, sums_of, usual_speed
@@ -205,10 +205,11 @@ def _estimates(
     for j in range(shape[1]):
         axis = level.axes[j]
         if axis is not None:
-            growth = np.expm1(level.residual[:, j])
-            values["coulomb"][:, j], std["coulomb"][:, j] = axis.unit * growth, axis.unit * level.std[:, j]
+            part, spread = viscous_part(level, viscous, j)
+            growth, error = np.expm1(level.residual[:, j]) - part, np.hypot(level.std[:, j], spread)
+            values["coulomb"][:, j], std["coulomb"][:, j] = axis.unit * growth, axis.unit * error
             scale = 100 * axis.to_coulomb
-            values["coulomb_percent"][:, j], std["coulomb_percent"][:, j] = scale * growth, scale * level.std[:, j]
+            values["coulomb_percent"][:, j], std["coulomb_percent"][:, j] = scale * growth, scale * error
         if viscous.axes[j] is not None and speed[j] > 0:
             scale = series["viscous"].unit[j] / speed[j]
             values["viscous"][:, j], std["viscous"][:, j] = scale * viscous.residual[:, j], scale * viscous.std[:, j]

@@ -13,8 +13,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.measurement.axis_readings import Reading
-from jointwear.measurement.checks import FEWEST, Refused, check_recording, explained, explained_otherwise
+from jointwear.measurement.axis_readings import Likelihood, Reading
+from jointwear.measurement.checks import (
+    FAVOURS,
+    FEWEST,
+    Refused,
+    check_axes,
+    check_recording,
+    explained,
+    explained_otherwise,
+)
 from jointwear.measurement.derivative_checks import check_derivatives
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.motion import Measured
@@ -108,9 +116,18 @@ class LaterCheck:
         if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
             return True
         best, reading = min(self._read_otherwise(parts, usable), key=lambda x: x[0])
-        if best < MENDED and plain - best > WORSE:
+        if best < MENDED and plain - best > WORSE and self._is_likelier(reading, parts, usable):
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy)
         return True
+
+    def _is_likelier(self, reading: Reading, parts: np.ndarray, usable: np.ndarray) -> bool:
+        """Return whether another reading is likelier than the plain one whatever the arm carries.
+
+        A few seconds with a load that the robot file does not have may look like another zero of a joint.
+        """
+        likelihood = Likelihood(self._dynamics, FEWEST)
+        turned = reading.read(parts, usable, self._dynamics.robot)
+        return likelihood(*turned) - likelihood(parts, usable) > FAVOURS[reading.kind]
 
     def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
         """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
@@ -170,9 +187,10 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
         name=name,
     )
     try:
-        check_recording(recording, robot, lambda: against)
+        check_recording(recording, robot)
     except Refused as refusal:
         raise Refused(str(refusal).replace(f"data set '{name}'", name, 1), refusal.suggestion) from None
+    check_axes(name, robot, against)
 
 
 def _busiest(velocity: np.ndarray, most: int) -> slice:

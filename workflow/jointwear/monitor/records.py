@@ -225,6 +225,26 @@ class Teller:
         return result
 
 
+def viscous_part(level: Watch, viscous: Watch, j: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the part (w,) of the growth of the level of axis `j` that is viscous, and its error, both 0 without any.
+
+    Where the level holds viscous friction too, its growth is not that of Coulomb friction: from the window on in which
+    the viscous part is named until the next start it is told apart.
+    """
+    part, spread = (np.array(x[:, j], dtype=float) for x in (viscous.mean, viscous.mean_std))
+    if level.axes[j] is None or level.axes[j].source != "friction":
+        return np.zeros(len(part)), np.zeros(len(part))
+    with np.errstate(invalid="ignore"):
+        clear = (part > VISCOUS_CLEAR * spread) & (part > VISCOUS_PART * np.expm1(level.mean[:, j]))
+    named = clear & level.alarm[:, j]
+    for a, b in itertools.pairwise([0, *sorted({s.window for s in level.starts[j]}), len(part)]):
+        named[a:b] = np.logical_or.accumulate(named[a:b])
+    known = np.isfinite(part) & np.isfinite(spread)
+    last = np.maximum.accumulate(np.where(known, np.arange(len(part)), 0))
+    told = named & known[last]
+    return np.where(told, part[last], 0.0), np.where(told, spread[last], 0.0)
+
+
 def paper_records(
     statistics: WindowStatistics,
     baseline: int,

@@ -13,6 +13,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
+from jointwear.monitor.clocks import clock_findings
 from jointwear.monitor.findings import missing_temperature
 from jointwear.monitor.judge import judge, settings_of
 from jointwear.monitor.logs import log_statistics
@@ -137,6 +138,7 @@ def judge_pieces(
         begin = float(statistics.start[0])
         told = {"time": begin, "axes": [], "kind": "baseline", "words": baseline.words}
         judgement = replace(judgement, findings=[told, *judgement.findings])
-    judgement = replace(judgement, findings=[*missing_temperature(statistics, arm), *judgement.findings])
+    more = [*clock_findings(whole), *missing_temperature(statistics, arm)]
+    judgement = replace(judgement, findings=[*more, *judgement.findings])
     write_state(state, judgement, whole, baseline.count, arm, entry, name or arm.name)
     write_alarms(alarms, judgement.alarms, whole.statistics.dated)

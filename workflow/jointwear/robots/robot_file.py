@@ -36,6 +36,11 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
     InputError : one line naming the file, the key, what is allowed and the nearest valid value.
     """
     path = Path(path)
+    if path.suffix.lower() in (".urdf", ".xacro", ".sdf"):
+        raise InputError(
+            f"{path}: is a description of links; a robot file is YAML that names it, as 'urdf: {path.name}', and adds "
+            "the drives under 'joints' (docs/howto/robot.md)"
+        )
     data = read_yaml(path)
     schema = read_schema("robot")
     check(data, schema, path)

@@ -52,11 +52,10 @@ def check_datasets(config: Mapping[str, Any]) -> None:
                     continue  # a bag
                 check_regular(entry[key])
             except InputError as error:
-                path = Path(entry[key])
-                there = [p.name for p in path.parent.glob("*")] if path.parent.is_dir() and not path.exists() else []
-                raise InputError(
-                    f"config: 'discover.datasets.{name}.{key}' is {error}{nearest(path.name, there)}"
-                ) from None
+                path, told = Path(entry[key]), str(error)
+                if path.parent.is_dir() and not path.exists() and "did you mean" not in told:
+                    told += nearest(path.name, [p.name for p in path.parent.glob("*")])
+                raise InputError(f"config: 'discover.datasets.{name}.{key}' is {told}") from None
         if written_for(entry["robot"]) in datasets:
             continue
         for path in robot_sources(entry["robot"])[1:]:

@@ -22,7 +22,8 @@ SURROUNDINGS = frozenset(
 def message_of(error: BaseException) -> str | None:
     """Return the one line that says what is wrong, None for an error that only a traceback explains."""
     if isinstance(error, InputError):
-        return f"jointwear: {error}"
+        suggestion = getattr(error, "suggestion", "")
+        return f"jointwear: {error}" + (f"; {suggestion}" if suggestion else "")
     if isinstance(error, OSError) and error.errno in SURROUNDINGS:
         return f"jointwear: {error.filename or 'a file'}: {error.strerror}"
     if isinstance(error, MemoryError):

@@ -12,21 +12,22 @@ from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.findings import COARSE
 from jointwear.monitor.fleet.metrics import COUNTS
-from jointwear.monitor.fleet.ranking import ORDER, REACHED, REFUSED, STALE
+from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_time, log_time
 from jointwear.monitor.summaries import name_axes
 from jointwear.monitor.words import todo
 from jointwear.publishing.report.rendering import render_page
 
 BADGES = {
-    REACHED: "differs", CHANGED: "differs", REFUSED: "other", UNRESOLVED: "close", STALE: "other", UNJUDGED: "other",
-    HEALTHY: "agrees",
+    REACHED: "differs", CHANGED: "differs", REFUSED: "other", UNRESOLVED: "close", ASKS: "close", STALE: "other",
+    UNJUDGED: "other", HEALTHY: "agrees",
 }  # fmt: skip
 #: What to check on a robot that no axis of which calls for anything.
 CHECKS = {
     REFUSED: "Mend what refuses its logs",
     STALE: "Look why no new log arrives",
     UNJUDGED: "Let it move, or log more of it",
+    ASKS: "Enter what was done to it",
 }
 #: Findings and axes of a robot that the list shows; the page of the robot has all.
 SHOWN = 3
@@ -36,7 +37,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
     """Return what the page says of one robot; `link` leads to the folder of its files."""
     axes = [todo(row, axis, zone) for axis in row["axes"] if axis["check"]]
     check = CHECKS.get(row["urgency"], "")
-    if check and row["urgency"] != STALE:
+    if check and row["urgency"] in (REFUSED, UNJUDGED):
         known = None if row["last_judged"] is None else log_time(row["last_judged"], zone, row["dated"])
         check += ": nothing is known of this robot" + (f" since {known}" if known else "")
     if axes and row["urgency"] != REFUSED:

@@ -9,8 +9,10 @@ from typing import Any
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 
 #: What a robot can be in, the most urgent first, and the words for it.
-REACHED, REFUSED, STALE = "limit reached", "refused", "stale"
-ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, STALE, UNJUDGED, HEALTHY)
+REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
+ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
+#: Kinds of findings that somebody has to answer, though no axis has alarmed.
+ASKING = ("scale", "clock")
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
@@ -42,6 +44,8 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
         urgency = REFUSED
     elif UNRESOLVED in levels or row["episodes"]:
         urgency = UNRESOLVED
+    elif any(f["kind"] in ASKING for f in row["findings"]):
+        urgency = ASKS
     elif stale:
         urgency = STALE
     elif HEALTHY not in levels:

@@ -1,0 +1,62 @@
+"""Torques that belong to another time than the motion beside them: two logs that were joined, a clock that is off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.motion import Measured
+from jointwear.measurement.torque_follows import unfollowed
+from jointwear.measurement.torque_scale import thinned
+from jointwear.robots.robot import Robot
+
+#: Delays [s] that are compared, either way. Drives and filters of logs take up to some 25 ms.
+DELAYS = (0.02, 0.035, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.4, 0.6, 0.8, 1.2)
+#: Delay [s] from which no drive causes it, and that from which it is told.
+REFUSED, TOLD = 0.05, 0.02
+#: Share of the variance of the torque, a median over the joints, up to which the motion explains it as it is.
+EXPLAINED = 0.003
+#: Factor by which the right time lowers what is left of the variance, as a median over the joints.
+LOWERED = 2.0
+
+
+def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
+    """Check that torque and motion belong to the same instants; a short delay of all joints comes back in words.
+
+    Raises
+    ------
+    Refused : where all of the torque follows the motion far better at another time than a drive can be late by.
+    """
+    samples = thinned(measured)
+    now = unfollowed(samples, robot)
+    if not len(now) or np.median(now) < EXPLAINED:
+        return []
+    best, gain = 0.0, np.log(LOWERED)
+    for delay in (sign * d for d in DELAYS for sign in (1, -1)):
+        then = unfollowed(_read_later(measured, samples, delay), robot)
+        if len(then) == len(now) and (found := float(np.median(np.log(now / np.maximum(then, 1e-12))))) > gain:
+            best, gain = delay, found
+    if not best:
+        return []
+    way = "late" if best > 0 else "early"
+    words = f"the torque of all joints is about {1e3 * abs(best):.0f} ms {way} against the motion"
+    if abs(best) >= REFUSED:
+        raise Refused(
+            f"{name}: {words}; read at that time it fits the model far better",
+            "join torque and motion by one clock, or move the rows of the torque",
+        )
+    return [f"{words}: the clock of the log does that, as a delay of all drives would"] if abs(best) >= TOLD else []
+
+
+def _read_later(measured: Measured, samples: Measured, delay: float) -> Measured:
+    """Return thinned samples with the torque of all samples read `delay` [s] later, where their record has it."""
+    torque, usable = np.array(samples.torque), samples.usable.copy()
+    for label in np.unique(samples.trajectory):
+        mine, all_of_it = samples.trajectory == label, measured.trajectory == label
+        clock, wanted = measured.time[all_of_it], samples.time[mine] + delay
+        usable[mine] &= ((wanted >= clock[0]) & (wanted <= clock[-1]))[:, None]
+        for joint in range(torque.shape[1]):
+            torque[mine, joint] = np.interp(wanted, clock, measured.torque[all_of_it, joint])
+    return replace(samples, torque=torque, usable=usable)

@@ -1,0 +1,57 @@
+"""Models whose torque is far larger than what was measured: parameters in other units than a robot file has."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.measurement.checks import FEWEST, Refused
+from jointwear.measurement.motion import Measured
+from jointwear.measurement.torque_scale import thinned
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
+
+#: Error of the nominal model over the torque that was measured, RMS: of most joints and of a single one, from which
+#: parameters are in other units. A model without friction has 1 at most, one with a payload that is not there 3; link
+#: inertia in kg mm2 or friction of the wrong side of a gear 10 to 30,000.
+OF_MOST, OF_ONE = 8.0, 50.0
+#: What a robot file asks for, by the part of the torque that is too large.
+_REMEDIES = {
+    "the bodies": "give masses in kg, centres of mass in m and inertias in kg m2",
+    "motor inertia": "give 'motor_inertia' at the motor in kg m2: that at the joint over the square of the gear ratio",
+    "friction": "give 'coulomb' and 'viscous' at the motor: those at the joint over the gear ratio, and its square",
+}
+
+
+def check_model_size(measured: Measured, robot: Robot, name: str) -> None:
+    """Check that the nominal model, with everything that its file holds, gives torques of the size of those measured.
+
+    Raises
+    ------
+    Refused : where it does not, with the part of the model that is largest.
+    """
+    samples = thinned(measured)
+    motion = samples.position, samples.velocity, samples.acceleration
+    rigid = Dynamics(robot).rigid_body_torque(*motion)
+    rotor = robot.armature * samples.acceleration
+    parts = {
+        "the bodies": rigid - rotor,
+        "motor inertia": rotor,
+        "friction": robot.viscous * samples.velocity + robot.coulomb(samples.velocity),
+    }
+    ratio = np.full(robot.joints, np.nan)
+    error = samples.torque - sum(parts.values())
+    for j, used in enumerate(samples.usable.T):
+        size = np.sqrt(np.mean(samples.torque[used, j] ** 2)) if used.sum() >= FEWEST else 0.0
+        if size > 0:
+            ratio[j] = np.sqrt(np.mean(error[used, j] ** 2)) / size
+    known = ratio[np.isfinite(ratio)]
+    if not len(known) or (np.median(known) <= OF_MOST and np.max(known) <= OF_ONE):
+        return
+    worst = int(np.nanargmax(ratio))
+    used = samples.usable[:, worst]
+    largest = max(parts, key=lambda part: float(np.mean(parts[part][used, worst] ** 2)))
+    raise Refused(
+        f"{name}: the model of robot '{robot.name}' misses the torque of joint {worst + 1} by {ratio[worst]:.3g} times "
+        f"its size; the torque of {largest} is far too large for it",
+        f"{_REMEDIES[largest]}; or state the unit of the torque",
+    )
