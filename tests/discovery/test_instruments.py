@@ -144,6 +144,21 @@ def test_a_limited_state_keeps_steps_of_friction(white):
     assert band_limited(state, axis, np.inf, RATE) is state
 
 
+def test_ends_of_records_that_are_not_judged_are_not_carried_to_samples_that_are(white):
+    state, axis, ends = white.problem.train_state, 1, white.problem.measured.vague_ends
+    record = np.asarray(state.record)
+    edges = np.flatnonzero(np.diff(record)) + 1
+    wild = state.acceleration.copy()
+    for first, last in pairwise([0, *edges, len(record)]):
+        assert last - first > 8 * ends > 0
+        wild[first : first + ends], wild[last - ends : last] = 100.0, -100.0
+    calm = band_limited(state, axis, 3.0, RATE, ends).acceleration
+    np.testing.assert_array_equal(
+        band_limited(replace(state, acceleration=wild), axis, 3.0, RATE, ends).acceleration, calm
+    )
+    assert np.abs(band_limited(replace(state, acceleration=wild), axis, 3.0, RATE).acceleration - calm).max() > 10.0
+
+
 def test_a_dead_time_ends_higher_than_a_filter_and_a_bend(rough):
     delay = effects.get_effect("actuation_delay")
     for axis in rough.problem.judged:

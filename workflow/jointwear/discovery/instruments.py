@@ -36,6 +36,8 @@ LATE = 0.02
 FREQUENCIES, CUTOFFS = 512, 80
 #: Share of a sampling period to which the samples of position and torque of a recording are simultaneous.
 CLOCK = 0.05
+#: Times the samples at one end that a record must have for its ends to be held.
+SHORT = 4
 #: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
 RIDGE = 1e-6
 
@@ -77,7 +79,7 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     energy = float(np.mean(white(load) ** 2))
     if problem.shaken[axis]:
         # Of the load most is weight; what noise shares a column with is inertia alone.
-        limited = band_limited(problem.train_state, axis, structure, rate).acceleration[:, axis]
+        limited = limited_state(problem, axis, structure).acceleration[:, axis]
         energy = min(energy, float(problem.mass_squares[axis, axis] * np.mean(white(limited) ** 2)))
     torque = cutoff_of(white, density, frequency, rate, 0, energy)
     # What is motion in a column of timing is seen where noise alone could do no harm.
@@ -109,7 +111,7 @@ def _late(
     rate = problem.measured.rate
     along = 1.0 - np.cos(np.minimum(2 * np.pi * frequency * LATE, np.pi))
     # What is motion is seen where noise does no harm, as for columns of timing.
-    limited = band_limited(problem.train_state, axis, timing, rate)
+    limited = limited_state(problem, axis, timing)
     column = white(late_torque(limited, axis, LATE) - limited.torque[:, axis])
     energy = _beside_base(problem, axis, white, limited, timing, column)
     return max(timing, _highest(white, np.stack([along, 2.0 * along]) * share, frequency, rate, energy))
@@ -117,7 +119,7 @@ def _late(
 
 def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:
     """Return the mean square of the whitened second derivative of the load below `cutoff`, without the base part."""
-    limited = band_limited(problem.train_state, axis, cutoff, problem.measured.rate)
+    limited = limited_state(problem, axis, cutoff)
     column = white(second_derivative(limited, limited.load[:, axis]))
     return _beside_base(problem, axis, white, limited, cutoff, column)
 
@@ -188,21 +190,44 @@ def _highest(white: Whitener, shared: np.ndarray, frequency: np.ndarray, rate: f
     return float(cutoff)
 
 
-def band_limited(state: State, axis: int, cutoff: float, rate: float) -> State:
+def limited_state(problem: Problem, axis: int, cutoff: float) -> State:
+    """Return the training samples of a problem as :func:`band_limited` leaves them."""
+    measured = problem.measured
+    return band_limited(problem.train_state, axis, cutoff, measured.rate, measured.vague_ends)
+
+
+def band_limited(state: State, axis: int, cutoff: float, rate: float, ends: int = 0) -> State:
     """Return the state in which load and torque of `axis` end at `cutoff` [Hz]; Coulomb friction stays.
 
     So do the accelerations of all joints: another joint's acts on this one where they share a drive.
     Viscous friction ends there too: a velocity is derived as well, and late by a few samples its noise looks like that
     of an acceleration.
+
+    Parameters
+    ----------
+    ends : samples at either end of a record that are not judged, and that a filter would carry to those that are: they
+        keep the value of the one beside them.
     """
     if not np.isfinite(cutoff):
         return state
-    level = state.drive.coulomb(axis, state.velocity[:, axis])
+    level, record = state.drive.coulomb(axis, state.velocity[:, axis]), np.asarray(state.record)
     parts = np.column_stack([state.load[:, axis], state.torque[:, axis] - level, state.acceleration])
-    limited = limit(parts, np.asarray(state.record), cutoff, rate)
+    limited = limit(_held_at_ends(parts, record, ends), record, cutoff, rate)
     load, acceleration, torque = state.load.copy(), limited[:, 2:], state.torque.copy()
     load[:, axis], torque[:, axis] = limited[:, 0], limited[:, 1] + level
     return replace(state, load=load, torque=torque, acceleration=acceleration)
+
+
+def _held_at_ends(columns: np.ndarray, record: np.ndarray, ends: int) -> np.ndarray:
+    """Return columns (m, k) of which the first and last `ends` samples of each record have the value beside them."""
+    if ends < 1:
+        return columns
+    held = columns.copy()
+    for piece in runs(record):
+        if piece.stop - piece.start > SHORT * ends:
+            held[piece.start : piece.start + ends] = columns[piece.start + ends]
+            held[piece.stop - ends : piece.stop] = columns[piece.stop - ends - 1]
+    return held
 
 
 def velocities(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
@@ -234,6 +259,6 @@ def limit(columns: np.ndarray, record: np.ndarray, cutoff: float, rate: float) -
 
 def clock_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
     """Return what sampling the torque of one axis :data:`CLOCK` of a period late changes, (N_train, 1) [N m]."""
-    limited = band_limited(problem.train_state, axis, cutoffs.timing, problem.measured.rate)
+    limited = limited_state(problem, axis, cutoffs.timing)
     smooth = limited.torque[:, axis] - limited.drive.coulomb(axis, limited.velocity[:, axis])
     return CLOCK / problem.measured.rate * first_derivative(limited, smooth)[:, None]

@@ -95,7 +95,8 @@ def largest_torque(
         # How much of the highest rate of torque is noise is not known: what the instruments leave is motion.
         cutoffs = white.cutoffs[candidate.axis]
         cutoff = cutoffs.late if effect.shifts(candidate.nonlinear) else cutoffs.timing
-        calm = largest(band_limited(test, candidate.axis, cutoff, problem.measured.rate))
+        measured = problem.measured
+        calm = largest(band_limited(test, candidate.axis, cutoff, measured.rate, measured.vague_ends))
         sampled = sampled * np.clip(calm / peak, 1e-3, 1.0) ** rng.uniform(size=DRAWS)
     low, high = np.quantile(sampled, [0.025, 0.975])
     return peak, float(min(low, peak)), float(max(high, peak))

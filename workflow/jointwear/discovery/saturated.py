@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, limit, velocities
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, limit, limited_state, velocities
 from jointwear.discovery.motor_lines import shown_waves
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
 from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
@@ -55,7 +55,7 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         columns = _columns(problem, axis, extra, cutoffs)
         white = estimate(_remover(columns, used, None)(y), used, label, highest)
     take_off = _remover(columns, used, white)
-    state = band_limited(problem.train_state, axis, cutoffs.torque, problem.measured.rate)
+    state = limited_state(problem, axis, cutoffs.torque)
     waves = shown_waves(problem, axis, state, white, take_off)
     if waves.shape[1]:
         columns = np.concatenate([columns, _scaled(waves, used)], axis=1)
@@ -70,7 +70,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     """Return the columns (N_train, k) of the saturated fit of one axis, each of unit RMS."""
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     rate, raw = problem.measured.rate, problem.train_state
-    state = band_limited(raw, axis, cutoffs.torque, rate)
+    state = limited_state(problem, axis, cutoffs.torque)
     inertial = limit(problem.inertial[problem.train, axis], label, cutoffs.torque, rate)
     speeds = velocities(problem, axis, cutoffs)
     groups = [problem.friction_columns(state, axis, speeds), inertial, problem.rounding(axis)]
@@ -78,7 +78,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
         groups.append(extra)
     groups += [b.columns for b in axis_bases(state, axis, used, coarse=True, velocity=speeds)]
     if used.sum() >= ROOM * sum(g.shape[1] for g in groups):
-        groups += _sequential_columns(band_limited(raw, axis, cutoffs.timing, rate), axis)
+        groups += _sequential_columns(limited_state(problem, axis, cutoffs.timing), axis)
         groups.append(_beside_reversals(raw, axis, label, rate))
         groups += _columns_of_neighbours(state, axis)
     columns = np.concatenate(groups, axis=1)

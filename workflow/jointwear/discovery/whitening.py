@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.fused_load import fused_load
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, band_limited, clock_of, limit, velocities
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, clock_of, limit, limited_state, velocities
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
@@ -85,8 +85,7 @@ class White:
 
     def _limited_state(self, axis: int, cutoff: float) -> State:
         if (axis, cutoff) not in self._states:
-            problem = self.problem
-            self._states[axis, cutoff] = band_limited(problem.train_state, axis, cutoff, problem.measured.rate)
+            self._states[axis, cutoff] = limited_state(self.problem, axis, cutoff)
         return self._states[axis, cutoff]
 
     def _fused_state(self, axis: int) -> State:

@@ -9,6 +9,7 @@ missing, least-squares splines take the place of the filter: see :mod:`jointwear
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -72,6 +73,16 @@ class Measured:
             return None
         # The band is half the rate that is left, of a log that was faster.
         return partial(zero_phase_gain, cutoff=self.band, rate=self.noise.rate)
+
+    @property
+    def vague_ends(self) -> int:
+        """Samples at either end of a record whose derived accelerations are far more uncertain than those inside.
+
+        Of least-squares splines these are 140 times as uncertain at the very end, 10 times at half a spacing of the
+        knots, where judging begins, and 4 times at one: within one spacing of the joint that has the widest.
+        """
+        known = self.cutoff[np.isfinite(self.cutoff)]
+        return math.ceil(0.5 / float(known.min()) * self.rate) if len(known) else 0
 
     @property
     def derives(self) -> Callable[[int, np.ndarray], np.ndarray] | None:
