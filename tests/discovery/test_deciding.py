@@ -19,7 +19,7 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.page import body_in_words, lead, write_page
 from jointwear.discovery.preflight import check_data, write_check
-from jointwear.discovery.retuned import unlikely_masses
+from jointwear.discovery.retuned import ended_on_bounds, unlikely_masses
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
 from jointwear.discovery.verdict import Retuned
@@ -206,6 +206,20 @@ def test_an_unlikely_mass_is_told_as_a_body_that_may_exist(value, words):
     assert words in told
     assert "-" not in told
     assert not unlikely_masses([replace(one, value=2.1)], Settings())
+
+
+def test_a_parameter_that_the_data_would_have_below_zero_is_told():
+    ended = Retuned("motor_inertia", 3, 2e-4, 0.0, 1e-5, "kg m2")
+    (told,) = ended_on_bounds([ended, replace(ended, value=1e-5)])
+    assert told.startswith("the fit of motor_inertia of joint 3 ended on its bound")
+
+
+def test_parameters_of_a_verdict_are_those_of_the_file(found):
+    joints = found.files["retuned"].data["joints"]
+    for one in found.data["retuned"]:
+        if one["parameter"] in ("motor_inertia", "viscous"):
+            assert one["value"] == pytest.approx(joints[one["axis"] - 1][one["parameter"]], rel=0.5)
+            assert one["value"] >= 0.0
 
 
 def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):

@@ -87,3 +87,10 @@ def test_a_word_among_the_numbers_is_told(tmp_path, log):
 def test_wrong_entries_are_named(tmp_path, recorded, entry, words):
     with pytest.raises(InputError, match=words):
         load(tmp_path, **entry)
+
+
+def test_a_row_that_comes_twice_is_told_with_its_place(tmp_path, log):
+    table = {name: np.insert(values, 30, values[30], axis=0) for name, values in columns(log).items()}
+    write_csv(tmp_path / "r.csv", table)
+    with pytest.raises(InputError, match=r"time of sample 32 .* is that of the sample before it, as of 1 of"):
+        load(tmp_path, "r.csv")

@@ -85,9 +85,12 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
         {"time": NOW, "axes": [1], "kind": BACKLASH, "words": "Backlash of axis 1 cannot be judged."},
         {"time": NOW - DAY, "axes": [2], "kind": "scale", "words": "The scale changed."},
     ]
-    assert robot_item(as_of(robot("arm", findings=found), NOW), zone_of(None), "robots")["findings"] == [
-        "The scale changed."
-    ]
+    row = as_of(robot("arm", findings=found), NOW)
+    item = robot_item(row, zone_of(None), "robots")
+    assert item["findings"] == ["The scale changed."]
+    # Somebody has to say what was done to it.
+    assert (row["urgency"], item["check"]) == ("asks for an event", "Enter what was done to it")
+    assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 
 def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():

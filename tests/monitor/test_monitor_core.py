@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ from jointwear.monitor.forecast import forecast
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, JudgeSettings, judge
 from jointwear.monitor.locate import axis_probability, named_axis
 from jointwear.monitor.paper_detector import paper_alarms, raised_limit
+from jointwear.monitor.records import viscous_part
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.watching import watch
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
@@ -435,3 +437,19 @@ def test_a_condition_that_lasts_a_shift_is_no_change_of_the_torque_pattern():
     runs = np.lib.stride_tricks.sliding_window_view(later, 5).min(axis=-1)
     assert (runs > raised_limit(crossed, 1e-3)).any()
     assert not (runs > raised_limit(crossed, 1e-3, mixed=True)).any()
+
+
+@pytest.mark.parametrize(
+    ("source", "viscous", "expected"), [("friction", 0.3, 0.3), ("friction", 0.05, 0.0), ("coulomb", 0.3, 0.0)]
+)
+def test_growth_that_is_viscous_is_no_growth_of_coulomb_friction(source, viscous, expected):
+    w = 6
+    level = SimpleNamespace(
+        axes=[SimpleNamespace(source=source)], mean=np.full((w, 1), np.log(1.32)), starts=[[]],
+        alarm=(np.arange(w) >= 3)[:, None],
+    )  # fmt: skip
+    mean = np.full((w, 1), viscous)
+    mean[-1] = np.nan
+    part, spread = viscous_part(level, SimpleNamespace(mean=mean, mean_std=np.full((w, 1), 0.02)), 0)
+    np.testing.assert_allclose(part, [0.0] * 3 + [expected] * 3)
+    assert (spread > 0).tolist() == (part > 0).tolist()

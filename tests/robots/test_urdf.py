@@ -221,3 +221,9 @@ def test_the_model_is_held_to_the_mass_in_the_file(tmp_path, monkeypatch):
     urdf.write_text(text.replace('value="1.37"', 'value="1.3"'))
     with pytest.raises(InputError, match=r"Pinocchio reads 3\.3 kg"):
         Dynamics(robot)
+
+
+def test_a_urdf_is_no_robot_file_and_the_message_says_how_to_name_it(tmp_path):
+    (tmp_path / "arm.urdf").write_text("<robot name='arm'/>")
+    with pytest.raises(InputError, match=r"names it, as 'urdf: arm.urdf'"):
+        read_robot_file(tmp_path / "arm.urdf")

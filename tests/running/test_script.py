@@ -9,6 +9,7 @@ import pytest
 
 import jointwear
 from jointwear.files.errors import InputError
+from jointwear.measurement.checks import Refused
 from jointwear.running.script import reported
 
 
@@ -29,6 +30,12 @@ def test_what_the_surroundings_refuse_is_one_line(tmp_path, capsys, error, words
     assert words in said
     assert said.count("\n") == 1
     assert (tmp_path / "log").read_text() == said
+
+
+def test_a_refusal_comes_with_its_remedy(capsys):
+    with pytest.raises(SystemExit), reported(None):
+        raise Refused("log.csv: looks like degrees", "state units: {position: deg}")
+    assert capsys.readouterr().err == "jointwear: log.csv: looks like degrees; state units: {position: deg}\n"
 
 
 def test_a_log_that_cannot_be_written_hides_nothing(tmp_path, capsys):
