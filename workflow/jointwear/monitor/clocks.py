@@ -29,9 +29,9 @@ def clock_findings(history: History) -> list[dict[str, Any]]:
             days = (begins[cut] - begins[cut - 1]) / 86400
             logs = "1 log" if len(early) == 1 else f"{len(early)} logs"
             words = (
-                f"Of {logs}, from {moment_words(history.statistics, begins[0])} on, the dates lie {days:.0f} days before "
-                "those of the others, though they come after most of them by name: was a clock set back? They count as "
-                "of the time that they say; mend their dates, or leave them out."
+                f"Of {logs}, from {moment_words(history.statistics, begins[0])} on, the dates lie {days:.0f} days "
+                "before those of the others, though they come after most of them by name: was a clock set back? They "
+                "count as of the time that they say; mend their dates, or leave them out."
             )
             return [{"time": float(begins[-1]), "axes": [], "kind": CLOCK, "words": words}]
     return []
