@@ -14,6 +14,7 @@ from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, unlikely_masses
 from jointwear.discovery.verdict import (
+    NONE,
     Gap,
     Lost,
     MissedGate,
@@ -60,7 +61,7 @@ def make_verdict(
     elif effects:
         word = "effects"
     else:
-        word = "retuned" if retuned else "none"
+        word = "retuned" if retuned else NONE
     gap = measure_gap(problem, torques, floor_with_names(final))
     return Verdict(
         dataset=name,

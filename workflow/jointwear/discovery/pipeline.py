@@ -32,8 +32,8 @@ from jointwear.discovery.shared_delay import (
     without_delay,
 )
 from jointwear.discovery.slow_noise import beside_slow_noise
-from jointwear.discovery.sound_files import sound_files, write_files
-from jointwear.discovery.verdict import Verdict
+from jointwear.discovery.sound_files import sound_files, unchanged_files, write_files
+from jointwear.discovery.verdict import NONE, Verdict
 from jointwear.discovery.whitening import White
 from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
@@ -183,6 +183,9 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Dis
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)
+    if content.verdict == NONE:
+        final, files, torques = unchanged_files(problem, final)
+        content = make_verdict(recording.name, final, seen, torques, restrictions)
     return Discovery(recording, content, final, seen, files, torques)
 
 

@@ -49,6 +49,16 @@ def write_files(problem: Problem, final: Final) -> Written:
     return final, files, torques
 
 
+def unchanged_files(problem: Problem, final: Final) -> Written:
+    """Return a model whose files are the given robot, for data that contradict none of its parameters.
+
+    Corrections that no evidence asks for are as likely to be worse as better on motion to come.
+    """
+    friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)
+    given = {"delta_friction": friction, "retuned_friction": friction, "delta_inertial": inertial}
+    return write_files(problem, replace(final, **given, retuned_inertial=inertial, fallbacks=()))
+
+
 def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]) -> Written:
     """Return `first` with the files of the kinds that are `bad` from `second`, or as given where that is bad too."""
     final, other = first[0], second[0]

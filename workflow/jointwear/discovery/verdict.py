@@ -6,6 +6,9 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
+#: Verdict on data that contradict nothing of the given robot.
+NONE = "none"
+
 
 @dataclass(frozen=True)
 class Quantity:

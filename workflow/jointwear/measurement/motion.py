@@ -76,12 +76,12 @@ class Measured:
 
     @property
     def vague_ends(self) -> int:
-        """Samples at either end of a record whose derived accelerations are far more uncertain than those inside.
+        """Samples at either end of a record whose fitted accelerations are far more uncertain than those inside.
 
         Of least-squares splines these are 140 times as uncertain at the very end, 10 times at half a spacing of the
         knots, where judging begins, and 4 times at one: within one spacing of the joint that has the widest.
         """
-        known = self.cutoff[np.isfinite(self.cutoff)]
+        known = self.cutoff[np.isfinite(self.cutoff)] if self.fitted else np.zeros(0)
         return math.ceil(0.5 / float(known.min()) * self.rate) if len(known) else 0
 
     @property

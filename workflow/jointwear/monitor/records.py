@@ -229,10 +229,11 @@ def viscous_part(level: Watch, viscous: Watch, j: int) -> tuple[np.ndarray, np.n
     """Return the part (w,) of the growth of the level of axis `j` that is viscous, and its error, both 0 without any.
 
     Where the level holds viscous friction too, its growth is not that of Coulomb friction: from the window on in which
-    the viscous part is named until the next start it is told apart.
+    the viscous part is named until the next start it is told apart. A level that leaves viscous friction out as it was
+    takes a share of its growth that is not known: NaN.
     """
     part, spread = (np.array(x[:, j], dtype=float) for x in (viscous.mean, viscous.mean_std))
-    if level.axes[j] is None or level.axes[j].source != "friction":
+    if level.axes[j] is None:
         return np.zeros(len(part)), np.zeros(len(part))
     with np.errstate(invalid="ignore"):
         clear = (part > VISCOUS_CLEAR * spread) & (part > VISCOUS_PART * np.expm1(level.mean[:, j]))
@@ -242,6 +243,8 @@ def viscous_part(level: Watch, viscous: Watch, j: int) -> tuple[np.ndarray, np.n
     known = np.isfinite(part) & np.isfinite(spread)
     last = np.maximum.accumulate(np.where(known, np.arange(len(part)), 0))
     told = named & known[last]
+    if level.axes[j].source != "friction":
+        return np.where(told, np.nan, 0.0), np.zeros(len(part))
     return np.where(told, part[last], 0.0), np.where(told, spread[last], 0.0)
 
 
