@@ -66,6 +66,9 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
         return "limit reached"
     if limit != "limit" and high == 0:
         return f"{limit} reached"
+    if limit == "limit" and (axis.get("growth") or 0.0) < 0.0:
+        # It grew from where it was learnt anew: beside the growth since the baseline that date would mislead.
+        return ""
     if middle == 0:
         return f"{limit} may be reached any {'day' if row['dated'] else 'time'}"
 
