@@ -19,7 +19,7 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.page import body_in_words, lead, write_page
 from jointwear.discovery.preflight import check_data, write_check
-from jointwear.discovery.retuned import ended_on_bounds, unlikely_masses
+from jointwear.discovery.retuned import ended_on_bounds, stands_in, unlikely_masses
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
 from jointwear.discovery.verdict import Retuned
@@ -206,6 +206,15 @@ def test_an_unlikely_mass_is_told_as_a_body_that_may_exist(value, words):
     assert words in told
     assert "-" not in told
     assert not unlikely_masses([replace(one, value=2.1)], Settings())
+
+
+def test_parameters_of_a_joint_that_stays_unexplained_stand_in_for_it():
+    found = [
+        Retuned(name, axis, 1.0, 1.2, 0.1, "") for name, axis in (("viscous", 4), ("link_mass", 2), ("viscous", 1))
+    ]
+    (told,) = stands_in(found, {1, 3})
+    assert told.startswith("joint 4: retuned friction")
+    assert not stands_in(found, {1})
 
 
 def test_a_parameter_that_the_data_would_have_below_zero_is_told():

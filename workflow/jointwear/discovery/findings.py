@@ -12,7 +12,7 @@ from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.noise_floor import floor_with_names
 from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import Problem
-from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, unlikely_masses
+from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in, unlikely_masses
 from jointwear.discovery.verdict import (
     NONE,
     Gap,
@@ -80,7 +80,12 @@ def make_verdict(
         not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
         fallbacks=final.fallbacks,
         misfits=(*final.misfits, *ended_on_bounds(retuned)),
-        restrictions=(*restrictions, *_alike_in_time(final), *unlikely_masses(retuned, problem.settings)),
+        restrictions=(
+            *restrictions,
+            *_alike_in_time(final),
+            *stands_in(retuned, {u.axis for u in left}),
+            *unlikely_masses(retuned, problem.settings),
+        ),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, scan
@@ -86,6 +88,15 @@ def _wrong_mass(final: Final) -> list[Retuned]:
             unit="kg",
         )
     ]
+
+
+def stands_in(retuned: list[Retuned], open_axes: Collection[int]) -> list[str]:
+    """Return a sentence on the parameters of drives of joints that stay unexplained; `open_axes` 0-based."""
+    axes = sorted({one.axis for one in retuned if one.parameter in FRICTION and one.axis - 1 in open_axes})
+    if not axes:
+        return []
+    joints = f"joint{'s' if len(axes) > 1 else ''} {', '.join(map(str, axes))}"
+    return [f"{joints}: retuned friction and motor inertia stand in for what stays unexplained there"]
 
 
 def ended_on_bounds(retuned: list[Retuned]) -> list[str]:
