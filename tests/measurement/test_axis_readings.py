@@ -120,6 +120,17 @@ def test_every_reading_is_undone_by_itself_or_its_gear(puma):
     np.testing.assert_allclose(scaled[:, 3, 2], puma.gear_ratio[2] * parts[:, 3, 2])
 
 
+def test_a_missing_torque_is_usable_in_no_reading(puma):
+    rng = np.random.default_rng(0)
+    parts, usable = rng.standard_normal((50, 4, 6)), np.ones((50, 6), dtype=bool)
+    parts[7, 3, 2], usable[7, 2] = np.nan, False
+    for reading in readings(puma):
+        turned, known = reading.read(parts, usable, puma)
+        assert np.isfinite(turned[:, 3][known]).all(), reading
+    found = [left for _, left in explained_otherwise(Dynamics(puma), parts, usable)]
+    assert np.isfinite(found).all()
+
+
 def test_what_another_reading_leaves_is_what_is_left_of_the_samples_read_that_way(puma):
     rng = np.random.default_rng(0)
     parts, usable = rng.standard_normal((200, 4, 6)), rng.random((200, 6)) > 0.3

@@ -83,14 +83,13 @@ class Reading:
             order[list(self.axes)] = self.axes[::-1]
             return parts[:, :, order], usable[:, order]
         turned = parts.copy()
-        if self.kind == "torques":
-            turned[:, 3, list(self.axes)] = parts[:, 3, self.axes[::-1]]
-            return turned, usable
-        if self.kind == "positions":
-            turned[:, :3, list(self.axes)] = parts[:, :3, self.axes[::-1]]
-            moved = usable.copy()
-            moved[:, list(self.axes)] = usable[:, self.axes[::-1]]
-            return turned, moved
+        if self.kind in ("torques", "positions"):
+            kinds, known = 3 if self.kind == "torques" else slice(0, 3), usable.copy()
+            turned[:, kinds, list(self.axes)] = parts[:, kinds, self.axes[::-1]]
+            if self.kind == "positions":
+                known[:, list(self.axes)] = usable[:, self.axes[::-1]]
+            # What was usable with the torque of its own axis may meet a missing one.
+            return turned, known & np.isfinite(turned[:, 3])
         (axis,) = self.axes
         if self.kind == "flip":
             turned[:, :, axis] *= -1.0

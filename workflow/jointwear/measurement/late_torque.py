@@ -59,4 +59,4 @@ def _read_later(measured: Measured, samples: Measured, delay: float) -> Measured
         usable[mine] &= ((wanted >= clock[0]) & (wanted <= clock[-1]))[:, None]
         for joint in range(torque.shape[1]):
             torque[mine, joint] = np.interp(wanted, clock, measured.torque[all_of_it, joint])
-    return replace(samples, torque=torque, usable=usable)
+    return replace(samples, torque=torque, usable=usable & np.isfinite(torque))
