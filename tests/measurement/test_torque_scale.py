@@ -13,7 +13,7 @@ from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.silent_joints import moving_torques
 from jointwear.measurement.torque_follows import check_follows
-from jointwear.measurement.torque_scale import check_scale, check_scale_of_one
+from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, torque_factors
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import load_robot
 
@@ -26,9 +26,9 @@ def example():
 
 def check(example, factor, more=0.0):
     recording, robot, measured = example
-    scaled = replace(measured, torque=measured.torque * factor + more)
-    told = check_scale(recording, robot, scaled)
-    check_scale_of_one(recording, robot, scaled)
+    found = torque_factors(recording, robot, replace(measured, torque=measured.torque * factor + more))
+    told = check_scale(found)
+    check_scale_of_one(found)
     return told
 
 

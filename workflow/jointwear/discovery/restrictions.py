@@ -5,28 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.measurement.checks import Refused
-from jointwear.robots.robot import Robot
-
-#: Gravity [m/s2] on Earth, least and most: at the equator and at a pole.
-EARTH = 9.78, 9.84
-
-
-def _of_the_file(robot: Robot) -> list[str]:
-    """Return in words what a robot file says that is seldom meant."""
-    found, gravity = [], float(np.linalg.norm(robot.gravity))
-    if not EARTH[0] <= gravity <= EARTH[1]:
-        found.append(
-            f"the robot file has a gravity of {gravity:.4g} m/s2, on Earth it is 9.81: what is missing looks like a "
-            "force or a spring"
-        )
-    slow = np.flatnonzero(np.abs(robot.gear_ratio) < 1.0)
-    if len(slow):
-        joints = ", ".join(str(j + 1) for j in slow)
-        found.append(
-            f"the gear ratio of joints {joints} is below 1: it is turns of the motor for one of the joint, and "
-            "friction and motor inertia of the file are the motor's"
-        )
-    return found
 
 
 def motion_restrictions(problem) -> list[str]:
@@ -43,7 +21,7 @@ def motion_restrictions(problem) -> list[str]:
             "record motion of every joint, away from rest, for several seconds, 20 times a second or more; if that was "
             "done, state the unit of the time, as units: {time: ms}",
         )
-    found = _of_the_file(problem.robot)
+    found = []
     for axis in range(n):
         if axis not in problem.judged:
             silent = np.ptp(problem.measured.torque[:, axis]) == 0.0

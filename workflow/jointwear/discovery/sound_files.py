@@ -54,9 +54,9 @@ def unchanged_files(problem: Problem, final: Final) -> Written:
 
     Corrections that no evidence asks for are as likely to be worse as better on motion to come.
     """
-    friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)
-    given = {"delta_friction": friction, "retuned_friction": friction, "delta_inertial": inertial}
-    return write_files(problem, replace(final, **given, retuned_inertial=inertial, fallbacks=()))
+    for kind in ("retuned", "augmented"):
+        final = _as_given(final, kind, {})
+    return write_files(problem, replace(final, fallbacks=()))
 
 
 def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]) -> Written:

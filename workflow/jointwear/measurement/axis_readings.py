@@ -24,6 +24,8 @@ PAYLOAD_SHARE, PAYLOAD_LEVER = 0.1, 0.15
 MODEL_ERROR = 1e-3
 #: What the zero of a joint differs by between conventions [rad].
 ZEROS = (0.5 * np.pi, -0.5 * np.pi, np.pi)
+#: What two axes exchange, of position, velocity, acceleration and torque, by kind of reading.
+EXCHANGED = {"swap": slice(0, 4), "positions": slice(0, 3), "torques": slice(3, 4)}
 #: Rounds in which the parameters of the model and the noise of each axis are found in turn.
 ROUNDS = 8
 
@@ -44,33 +46,38 @@ class Reading:
     @property
     def reason(self) -> str:
         """What a recording looks like that has to be read this way."""
-        joints = [str(axis + 1) for axis in self.axes]
         return {
-            "swap": f"joints {' and '.join(joints)} look swapped",
-            "torques": f"the torques of joints {' and '.join(joints)} look swapped",
-            "positions": f"the positions of joints {' and '.join(joints)} look swapped",
-            "flip": f"the sign of joint {joints[0]} looks flipped",
-            "torque": f"the sign of the torque of joint {joints[0]} looks flipped",
-            "motor": f"the torque of joint {joints[0]} looks like that of the motor, before the gear",
-            "zero": f"the position of joint {joints[0]} looks counted from another zero, {self._degrees} deg off",
+            "swap": f"{self._joints} look swapped",
+            "torques": f"the torques of {self._joints} look swapped",
+            "positions": f"the positions of {self._joints} look swapped",
+            "flip": f"the sign of {self._joints} looks flipped",
+            "torque": f"the sign of the torque of {self._joints} looks flipped",
+            "motor": f"the torque of {self._joints} looks like that of the motor, before the gear",
+            "zero": f"the position of {self._joints} looks counted from another zero, {self._degrees} deg off",
         }[self.kind]
 
     @property
     def remedy(self) -> str:
         """How to mend such a recording."""
-        joints = [str(axis + 1) for axis in self.axes]
         return {
-            "swap": f"exchange the columns of joints {' and '.join(joints)}: name them in order under 'variables'",
-            "torques": f"exchange the torques of joints {' and '.join(joints)}: name the columns of 'torque' in order "
+            "swap": f"exchange the columns of {self._joints}: name them in order under 'variables'",
+            "torques": f"exchange the torques of {self._joints}: name the columns of 'torque' in order "
             "under 'variables'",
-            "positions": f"exchange the positions of joints {' and '.join(joints)}: name the columns of 'position' in "
+            "positions": f"exchange the positions of {self._joints}: name the columns of 'position' in "
             "order under 'variables'",
-            "flip": f"turn the sign of position and torque of joint {joints[0]}: give 'sign' with -1 for it",
-            "torque": f"turn the sign of the torque of joint {joints[0]}: give 'scale' with -1 for it",
+            "flip": f"turn the sign of position and torque of {self._joints}: give 'sign' with -1 for it",
+            "torque": f"turn the sign of the torque of {self._joints}: give 'scale' with -1 for it",
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
-            "zero": f"add {self._degrees} deg to the position of joint {joints[0]}, or {self.angle:.5g} rad to its "
+            "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
             "'offset' in the robot file",
         }[self.kind]
+
+    @property
+    def _joints(self) -> str:
+        numbers = [str(axis + 1) for axis in self.axes]
+        if len(numbers) == 1:
+            return f"joint {numbers[0]}"
+        return f"joints {' and '.join(numbers) if len(numbers) == 2 else ', '.join(numbers)}"
 
     @property
     def _degrees(self) -> str:
@@ -78,16 +85,13 @@ class Reading:
 
     def read(self, parts: np.ndarray, usable: np.ndarray, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
         """Return positions, velocities, accelerations and torques (m, 4, n), and usable (m, n), read this way."""
-        if self.kind == "swap":
-            order = np.arange(parts.shape[2])
-            order[list(self.axes)] = self.axes[::-1]
-            return parts[:, :, order], usable[:, order]
         turned = parts.copy()
-        if self.kind in ("torques", "positions"):
-            kinds, known = 3 if self.kind == "torques" else slice(0, 3), usable.copy()
-            turned[:, kinds, list(self.axes)] = parts[:, kinds, self.axes[::-1]]
-            if self.kind == "positions":
-                known[:, list(self.axes)] = usable[:, self.axes[::-1]]
+        if self.kind in EXCHANGED:
+            rows, there, from_there = EXCHANGED[self.kind], list(self.axes), self.axes[::-1]
+            turned[:, rows, there] = parts[:, rows, from_there]
+            known = usable.copy()
+            if self.kind != "torques":
+                known[:, there] = usable[:, from_there]
             # What was usable with the torque of its own axis may meet a missing one.
             return turned, known & np.isfinite(turned[:, 3])
         (axis,) = self.axes
@@ -103,9 +107,8 @@ class Reading:
 def readings(robot: Robot) -> Iterator[Reading]:
     """Yield every other way to read a recording of `robot`."""
     for pair in combinations(range(robot.joints), 2):
-        yield Reading("swap", pair)
-        yield Reading("torques", pair)
-        yield Reading("positions", pair)
+        for kind in EXCHANGED:
+            yield Reading(kind, pair)
     for axis in range(robot.joints):
         yield Reading("flip", (axis,))
         yield Reading("torque", (axis,))

@@ -6,12 +6,12 @@ from jointwear.measurement.checks import check_axes, check_recording
 from jointwear.measurement.clipped_torque import clipped_torques
 from jointwear.measurement.derivative_checks import check_derivatives, check_rate
 from jointwear.measurement.late_torque import check_delay
-from jointwear.measurement.model_size import check_model_size
+from jointwear.measurement.model_size import check_model_size, unusual_parameters
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import moving_torques
 from jointwear.measurement.torque_follows import check_follows
-from jointwear.measurement.torque_scale import check_scale, check_scale_of_one
+from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, torque_factors
 from jointwear.robots.robot import Robot
 
 
@@ -24,13 +24,14 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     """
     name = f"data set '{recording.name}'"
     check_derivatives(recording, recording.trajectory, name)
-    restrictions = check_recording(recording, robot)
+    restrictions = [*unusual_parameters(robot), *check_recording(recording, robot)]
     check_rate(recording, name)
     measured = moving_torques(recording)
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.
-    restrictions += check_scale(recording, robot, measured)
+    factors = torque_factors(recording, robot, measured)
+    restrictions += check_scale(factors)
     check_axes(name, robot, measured)
-    check_scale_of_one(recording, robot, measured)
+    check_scale_of_one(factors)
     check_model_size(measured, robot, name)
     check_follows(measured, robot, name)
     restrictions += check_delay(measured, robot, name)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.axis_readings import Likelihood, Reading, readings
+from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, readings
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
@@ -34,15 +34,15 @@ SIZE_TOO, BY_FAR = 0.5, 1.8
 #: Readings that another cause resembles, a load, a mounting or a drive that two joints share: they have to fit far
 #: better in size and be far likelier.
 RESEMBLED = ("zero", "torques", "positions")
+#: Readings that leave the motion as it is.
+OF_TORQUE = ("torques", "torque", "motor")
 #: Why another reading is believed, as the end of the sentence that says what it is.
 _WHY = {
-    "swap": "; exchanged they fit the model",
+    **dict.fromkeys(EXCHANGED, "; exchanged they fit the model"),
     "flip": "; turned around it fits the model",
     "torque": " against its motion",
     "motor": "",
     "zero": "; from there it fits the model",
-    "torques": "; exchanged they fit the model",
-    "positions": "; exchanged they fit the model",
 }
 #: Share of the squared torque that wrong parameters leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
@@ -156,7 +156,7 @@ def explained_otherwise(
     plain: np.ndarray | None = None
     for reading in readings(robot):
         turned = reading.read(parts, usable, robot)
-        if reading.kind in ("swap", "positions", "flip", "zero"):
+        if reading.kind not in OF_TORQUE:
             yield reading, explained(dynamics, *turned)
             continue
         # The motion is the same, and so are all axes but those of the reading.
@@ -226,12 +226,13 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> None:
     as_read: float | None = None
     believed: list[tuple[float, Reading]] = []
     for reading, other in explained_otherwise(dynamics, parts, usable):
-        floor = SAME_WRIST if len(reading.axes) > 1 else RIGHT
+        exchanged = reading.kind in EXCHANGED
+        floor = SAME_WRIST if exchanged else RIGHT
         gained = _score(left, floor) - _score(other, floor)
         concerned = other[list(reading.axes)]
         if gained < -CLEARLY or not np.nanmax(concerned, initial=0.0) < WRONG:
             continue
-        if len(reading.axes) > 1 and not np.isfinite(concerned).any():
+        if exchanged and not np.isfinite(concerned).any():
             # What an exchange of two axes does to the others does not tell of them where both hardly move.
             continue
         as_read = likelihood(parts, usable) if as_read is None else as_read

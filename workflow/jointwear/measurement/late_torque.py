@@ -8,14 +8,15 @@ import numpy as np
 
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
-from jointwear.measurement.torque_follows import unfollowed
+from jointwear.measurement.torque_follows import free_torques, unfollowed
 from jointwear.measurement.torque_scale import thinned
 from jointwear.robots.robot import Robot
 
-#: Delays [s] that are compared, either way. Drives and filters of logs take up to some 25 ms.
+#: Delays [s] that are compared, either way, of which the shortest is told already. Drives and filters of logs take up
+#: to some 25 ms.
 DELAYS = (0.02, 0.035, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.4, 0.6, 0.8, 1.2)
-#: Delay [s] from which no drive causes it, and that from which it is told.
-REFUSED, TOLD = 0.05, 0.02
+#: Delay [s] from which no drive causes it.
+REFUSED = 0.05
 #: Share of the variance of the torque, a median over the joints, up to which the motion explains it as it is.
 EXPLAINED = 0.003
 #: Factor by which the right time lowers what is left of the variance, as a median over the joints.
@@ -30,12 +31,13 @@ def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
     Refused : where all of the torque follows the motion far better at another time than a drive can be late by.
     """
     samples = thinned(measured)
-    now = unfollowed(samples, robot)
+    free = free_torques(samples, robot)
+    now = unfollowed(free, samples)
     if not len(now) or np.median(now) < EXPLAINED:
         return []
     best, gain = 0.0, np.log(LOWERED)
     for delay in (sign * d for d in DELAYS for sign in (1, -1)):
-        then = unfollowed(_read_later(measured, samples, delay), robot)
+        then = unfollowed(free, _read_later(measured, samples, delay))
         if len(then) == len(now) and (found := float(np.median(np.log(now / np.maximum(then, 1e-12))))) > gain:
             best, gain = delay, found
     if not best:
@@ -47,7 +49,7 @@ def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
             f"{name}: {words}; read at that time it fits the model far better",
             "join torque and motion by one clock, or move the rows of the torque",
         )
-    return [f"{words}: the clock of the log does that, as a delay of all drives would"] if abs(best) >= TOLD else []
+    return [f"{words}: the clock of the log does that, as a delay of all drives would"]
 
 
 def _read_later(measured: Measured, samples: Measured, delay: float) -> Measured:

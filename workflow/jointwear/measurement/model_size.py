@@ -1,4 +1,4 @@
-"""Models whose torque is far larger than what was measured: parameters in other units than a robot file has."""
+"""Parameters of a robot file in other units, or seldom meant: torques far too large, gravity, gear ratios."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from jointwear.robots.robot import Robot
 #: parameters are in other units. A model without friction has 1 at most, one with a payload that is not there 3; link
 #: inertia in kg mm2 or friction of the wrong side of a gear 10 to 30,000.
 OF_MOST, OF_ONE = 8.0, 50.0
+#: Gravity [m/s2] on Earth, least and most: at the equator and at a pole.
+EARTH = 9.78, 9.84
 #: What a robot file asks for, by the part of the torque that is too large.
 _REMEDIES = {
     "the bodies": "give masses in kg, centres of mass in m and inertias in kg m2",
@@ -55,3 +57,21 @@ def check_model_size(measured: Measured, robot: Robot, name: str) -> None:
         f"its size; the torque of {largest} is far too large for it",
         f"{_REMEDIES[largest]}; or state the unit of the torque",
     )
+
+
+def unusual_parameters(robot: Robot) -> list[str]:
+    """Return in words what a robot file says that is seldom meant."""
+    found, gravity = [], float(np.linalg.norm(robot.gravity))
+    if not EARTH[0] <= gravity <= EARTH[1]:
+        found.append(
+            f"the robot file has a gravity of {gravity:.4g} m/s2, on Earth it is 9.81: what is missing looks like a "
+            "force or a spring"
+        )
+    slow = np.flatnonzero(np.abs(robot.gear_ratio) < 1.0)
+    if len(slow):
+        joints = ", ".join(str(j + 1) for j in slow)
+        found.append(
+            f"the gear ratio of joints {joints} is below 1: it is turns of the motor for one of the joint, and "
+            "friction and motor inertia of the file are the motor's"
+        )
+    return found

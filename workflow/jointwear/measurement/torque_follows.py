@@ -24,7 +24,8 @@ def check_follows(measured: Measured, robot: Robot, name: str) -> None:
     ------
     Refused : where it does not on most joints.
     """
-    left = unfollowed(thinned(measured), robot)
+    samples = thinned(measured)
+    left = unfollowed(free_torques(samples, robot), samples)
     if len(left) and np.median(left) > MOST_LEFT:
         raise Refused(
             f"{name}: the torque does not follow the motion; with scale, friction and load left free "
@@ -33,18 +34,25 @@ def check_follows(measured: Measured, robot: Robot, name: str) -> None:
         )
 
 
-def unfollowed(measured: Measured, robot: Robot) -> np.ndarray:
-    """Return the share of the variance of the torque that no multiple of the model, friction, inertia and load at the
-    flange explain, for each joint that moves, (k,)."""
+def free_torques(measured: Measured, robot: Robot) -> np.ndarray:
+    """Return what may explain the torque of each joint, whatever the masses, the friction and the load are, (n, m, k):
+    the model, friction, inertia, an offset and a load at the flange."""
     motion = measured.position, measured.velocity, measured.acceleration
     rigid, load = Dynamics(robot).rigid_body_torque(*motion), FlangeLoad(robot).unit_sum(*motion)
+    v = measured.velocity
+    own = np.stack([rigid, np.sign(v), v, measured.acceleration, np.ones_like(v)], axis=1)
+    return np.concatenate([own, load], axis=1).transpose(2, 0, 1)
+
+
+def unfollowed(free: np.ndarray, measured: Measured) -> np.ndarray:
+    """Return the share of the variance of the torque that no multiple of `free` (n, m, k) explains, for each joint that
+    moves, (j,)."""
     found = []
     for j, used in enumerate(measured.usable.T):
-        torque, v = measured.torque[used, j], measured.velocity[used, j]
+        torque = measured.torque[used, j]
         if used.sum() < FEWEST or np.ptp(torque) == 0.0:
             continue
-        free = np.stack([rigid[used, j], np.sign(v), v, measured.acceleration[used, j], np.ones(len(v))], axis=1)
-        free = np.concatenate([free, load[used][:, :, j]], axis=1)
-        free /= np.maximum(np.sqrt(np.mean(free**2, axis=0)), 1e-12)
-        found.append(np.var(torque - free @ np.linalg.lstsq(free, torque, rcond=1e-9)[0]) / np.var(torque))
+        columns = free[j, used]
+        columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-12)
+        found.append(np.var(torque - columns @ np.linalg.lstsq(columns, torque, rcond=1e-9)[0]) / np.var(torque))
     return np.array(found)

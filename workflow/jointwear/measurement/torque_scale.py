@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.measurement.axis_readings import Likelihood
+from jointwear.measurement.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
@@ -33,8 +33,29 @@ UNITS, ALIKE = {"mN m": 1e3, "kN m": 1e-3}, 1.3
 THINNED = 1500
 
 
-def check_scale(recording: Recording, robot: Robot, measured: Measured) -> list[str]:
-    """Check that the torque of a recording has the size of the model's, whatever load the arm carries.
+@dataclass(frozen=True)
+class Factors:
+    """What the torque of a recording is of the model's, whatever load the arm carries.
+
+    `factor` (n,) and `left` (n,) as of :func:`factors`, of `samples`; `name` of the data set, for messages.
+    """
+
+    name: str
+    robot: Robot
+    samples: Measured
+    factor: np.ndarray
+    left: np.ndarray
+
+
+def torque_factors(recording: Recording, robot: Robot, measured: Measured) -> Factors:
+    """Return the factors of the torques of a recording."""
+    samples = thinned(measured)
+    found = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
+    return Factors(f"data set '{recording.name}'", robot, samples, *found)
+
+
+def check_scale(found: Factors) -> list[str]:
+    """Check that the torque of a recording has the size of the model's.
 
     A factor that most joints share and that no unit explains comes back in words: masses may be as wrong.
 
@@ -42,45 +63,43 @@ def check_scale(recording: Recording, robot: Robot, measured: Measured) -> list[
     ------
     Refused : with the factors, and the key that mends them.
     """
-    samples = thinned(measured)
-    found = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
-    known = np.flatnonzero(np.isfinite(found[0]))
-    if len(known) >= FEWEST_SHARING and np.all(found[0][known] < 0):
+    known = np.flatnonzero(np.isfinite(found.factor))
+    if len(known) >= FEWEST_SHARING and np.all(found.factor[known] < 0):
         joints = ", ".join(str(j + 1) for j in known)
         raise Refused(
-            f"data set '{recording.name}': the sign of the torque of joints {joints} looks flipped against the motion",
+            f"{found.name}: the sign of the torque of joints {joints} looks flipped against the motion",
             "turn the sign of the torque: give 'scale' with -1 for every joint",
         )
-    scale = _of_most(*found, robot.gear_ratio)
+    scale = _of_most(found.factor, found.left, found.robot.gear_ratio)
     if scale is None:
-        return _shared(found[0])
-    size = np.nan_to_num(np.abs(np.log(np.abs(found[0]))))
-    if _is_likelier(samples, robot, np.where(size > np.log(FACTOR), found[0], 1.0)):
-        raise Refused(f"data set '{recording.name}': {scale.reason}", scale.remedy)
+        return _shared(found.factor)
+    if _is_likelier(found, _size(found) > np.log(FACTOR)):
+        raise Refused(f"{found.name}: {scale.reason}", scale.remedy)
     return []
 
 
-def check_scale_of_one(recording: Recording, robot: Robot, measured: Measured) -> None:
+def check_scale_of_one(found: Factors) -> None:
     """Check that the torque of no single joint has another size than the model's.
 
     Raises
     ------
     Refused : with the factor, and the key that mends it.
     """
-    samples = thinned(measured)
-    found, _ = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
-    size = np.nan_to_num(np.abs(np.log(np.abs(found))))
+    size = _size(found)
     worst = int(np.argmax(size))
-    if size[worst] <= np.log(OF_ONE):
+    if size[worst] <= np.log(OF_ONE) or not _is_likelier(found, np.arange(len(size)) == worst):
         return
-    if not _is_likelier(samples, robot, np.where(np.arange(len(size)) == worst, found, 1.0)):
-        return
-    factor = abs(found[worst])
+    factor = abs(found.factor[worst])
     raise Refused(
-        f"data set '{recording.name}': the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
+        f"{found.name}: the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
         "looks like another unit than that of the other joints",
         f"give 'scale' with {1 / factor:.3g} for joint {worst + 1}, 'torque_constant' for each, or its column",
     )
+
+
+def _size(found: Factors) -> np.ndarray:
+    """Return how far the factor of each joint is from one, as a logarithm (n,), 0 where it is not clear."""
+    return np.nan_to_num(np.abs(np.log(np.abs(found.factor))))
 
 
 def _shared(factor: np.ndarray) -> list[str]:
@@ -95,17 +114,20 @@ def _shared(factor: np.ndarray) -> list[str]:
     return [f"{told}: masses may be as wrong, and so may its unit or scale, which moves every parameter that is found"]
 
 
-def _is_likelier(measured: Measured, robot: Robot, factor: np.ndarray) -> bool:
-    """Return whether the model makes the torque over its factors (n,) likelier than as it is, whatever the load.
+def _is_likelier(found: Factors, concerned: np.ndarray) -> bool:
+    """Return whether the model makes the torque over its factors likelier than as it is, whatever the load.
 
     A body at the flange that the file does not have turns a wrist many times as hard as its own links do.
+
+    Parameters
+    ----------
+    concerned : (n,) joints whose factor is taken off.
     """
-    parts = np.stack(
-        [measured.position, measured.velocity, measured.acceleration, np.nan_to_num(measured.torque)], axis=1
-    )
-    likelihood, scaled = Likelihood(Dynamics(robot), FEWEST), parts.copy()
-    scaled[:, 3] /= np.abs(factor)
-    return likelihood(scaled, measured.usable) > likelihood(parts, measured.usable)
+    samples = found.samples
+    parts = np.stack([samples.position, samples.velocity, samples.acceleration, np.nan_to_num(samples.torque)], axis=1)
+    likelihood, scaled = Likelihood(Dynamics(found.robot), FEWEST), parts.copy()
+    scaled[:, 3] /= np.abs(np.where(concerned, found.factor, 1.0))
+    return likelihood(scaled, samples.usable) > likelihood(parts, samples.usable)
 
 
 def thinned(measured: Measured) -> Measured:
@@ -185,11 +207,8 @@ def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray) -> WrongSca
             return WrongScale(reason, f"state units: {{torque: {unit}}}", remains, unit)
     behind = np.abs(np.log(np.abs(factor[known] * gear[known]))) < np.log(ALIKE)
     if np.all(behind) and np.all(np.abs(gear[known]) > FACTOR):
-        reason = (
-            f"the torque of joints {', '.join(str(j + 1) for j in known)} looks like that of the motor, before the gear"
-        )
-        remedy = "multiply the torque by the gear ratio: give it as 'scale' for each joint"
-        return WrongScale(reason, remedy, remains, "of the motor")
+        motor = Reading("motor", tuple(known))
+        return WrongScale(motor.reason, motor.remedy, remains, "of the motor")
     told = ", ".join(f"{abs(factor[j]):.3g} on joint {j + 1}" for j in known)
     reason = (
         f"the torque is another multiple of the model's than one ({told}); it looks like a current, a share of a "

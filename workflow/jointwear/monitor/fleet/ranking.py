@@ -24,6 +24,11 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
     return max(now - row["last_sample"], 0.0) / 3600
 
 
+def asks(row: Mapping[str, Any]) -> bool:
+    """Return whether a robot has a finding that somebody has to answer."""
+    return any(found["kind"] in ASKING for found in row["findings"])
+
+
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:
     """Return a robot's row with `urgency`, `silence_hours`, `stale_logs`, `stale_windows` as of `now` [s since 1970].
 
@@ -44,7 +49,7 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
         urgency = REFUSED
     elif UNRESOLVED in levels or row["episodes"]:
         urgency = UNRESOLVED
-    elif any(f["kind"] in ASKING for f in row["findings"]):
+    elif asks(row):
         urgency = ASKS
     elif stale:
         urgency = STALE

@@ -16,7 +16,7 @@ from jointwear.files.text_files import remove, replace_text
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
 from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.plan import digest
-from jointwear.monitor.fleet.ranking import ASKING
+from jointwear.monitor.fleet.ranking import asks
 from jointwear.monitor.fleet.reading import Readings, model_of
 from jointwear.monitor.page import write_page
 from jointwear.monitor.recall import read_recall, write_recall
@@ -103,8 +103,7 @@ def watch_robot(
         if not fresh:
             write_history(own / "history.parquet", state, name)
             levels = {axis["level"] for axis in row["axes"]}
-            asked = any(found["kind"] in ASKING for found in row["findings"])
-            if page or asked or row["refused_newest"] or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
+            if page or asks(row) or row["refused_newest"] or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
                 write_page(state, own / "monitor.html", own / "figures", time_zone)
             else:
                 (own / "monitor.html").unlink(missing_ok=True)
