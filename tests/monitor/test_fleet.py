@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointwear.files.storage import Variable, write_dataset
-from jointwear.monitor.fleet.plan import FEWEST_PER_JOB, JOBS, ROBOTS_PER_JOB, batches
+from jointwear.monitor.fleet.plan import FEWEST_PER_JOB, JOBS, MOST_PROCESSES, ROBOTS_PER_JOB, batches, processes_of_job
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.watch import watch_robots
 from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
@@ -33,6 +33,13 @@ def test_a_job_has_few_robots_while_cores_may_be_idle_and_never_many(count):
     assert max(found) <= ROBOTS_PER_JOB
     assert min(found[:-1], default=FEWEST_PER_JOB) >= FEWEST_PER_JOB
     assert len(found) <= JOBS or max(found) == ROBOTS_PER_JOB
+
+
+@given(st.integers(0, 100), st.integers(1, 64) | st.none())
+def test_a_job_reads_with_cores_that_no_other_job_needs(jobs, cores):
+    processes = processes_of_job(jobs, cores)
+    assert 1 <= processes <= MOST_PROCESSES
+    assert processes == 1 or processes * jobs <= cores
 
 
 def test_batches_of_two_configurations_have_names_of_their_own():

@@ -42,6 +42,18 @@ def test_each_log_is_read_once(logs, tmp_path):
     assert (again["logs_read"], again["windows"]) == (1, 15)
 
 
+def test_logs_read_in_two_processes_say_what_they_say_in_one(logs, tmp_path):
+    (tmp_path / "logs/day_04.parquet").write_bytes(b"no log")
+    logs.append(str(tmp_path / "logs/day_04.parquet"))
+    late = make_log(36.0, seed=5, start=START + 300.0)
+    logs.append(str(write_csv(tmp_path / "logs/day_05.csv", columns(late))))
+    alone, together = (watched(logs, tmp_path / name, processes=k) for name, k in (("alone", 1), ("together", 2)))
+    assert alone == together
+    assert (alone["logs_read"], alone["refused_logs"]) == (6, 1)
+    one, other = (tmp_path / name / "robots/arm/windows" for name in ("alone", "together"))
+    assert [p.read_bytes() for p in sorted(one.iterdir())] == [p.read_bytes() for p in sorted(other.iterdir())]
+
+
 def test_a_log_that_sorts_first_costs_itself(logs, tmp_path):
     watched(logs, tmp_path)
     survey = (tmp_path / "robots/arm/survey.json").read_bytes()

@@ -22,11 +22,13 @@ from jointwear.studies.shop_floor.month import DAYS
 
 ROOT = Path(__file__).resolve().parents[2]
 ROBOTS, SAMPLES, FIRST_DAYS = 10, 720_000, DAYS - 1
-#: A process that reads and judges the logs of one robot as a job does. Prints processor seconds, samples, memory [MiB].
+#: A process that reads and judges the logs of one robot as the only job of a machine does. Prints seconds, processor
+#: seconds, memory [MiB].
 ALONE = """
-import json, resource, sys, time
+import json, os, resource, sys, time
 from pathlib import Path
 import yaml
+from jointwear.monitor.fleet.plan import processes_of_job
 from jointwear.monitor.fleet.watch import watch_robot
 from jointwear.running.script import reported
 config, name = sys.argv[1:3]
@@ -34,7 +36,7 @@ entry = yaml.safe_load(Path(config).read_text())["monitor"]["robots"][name]
 logs = sorted(str(p) for pattern in entry["logs"] for p in Path().glob(pattern))
 begin, clock = time.process_time(), time.perf_counter()
 with reported(absent=["pandas"]):
-    row = watch_robot(name, entry, logs, Path("alone"))
+    row = watch_robot(name, entry, logs, Path("alone"), processes=processes_of_job(1, len(os.sched_getaffinity(0))))
 print(json.dumps({"seconds": round(time.perf_counter() - clock, 2), "processor": round(time.process_time() - begin, 2),
     "mib": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024), "result": row["result"]}))
 """

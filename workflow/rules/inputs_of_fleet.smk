@@ -1,7 +1,7 @@
 # What the rules of fleet.smk take from the entries of the robots.
 import time
 
-from jointwear.monitor.fleet.plan import batches, seen
+from jointwear.monitor.fleet.plan import batches, seen, processes_of_job
 from jointwear.monitor.plan import model_file, window_seconds
 
 MONITOR = config["monitor"]

@@ -13,4 +13,5 @@ if __name__ == "__main__":
             unreachable=snakemake.params.unreachable,
             time_zone=snakemake.params.time_zone,
             robots=snakemake.params.robots,
+            processes=snakemake.threads,
         )

@@ -6,11 +6,12 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.formats import layout_of
+from jointwear.measurement.formats import Layout, layout_of
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.clocks import clock_findings
@@ -22,11 +23,12 @@ from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import READING_KEYS, window_seconds
 from jointwear.monitor.recall import Recall, read_recall, write_recall
 from jointwear.monitor.state import write_alarms, write_state
-from jointwear.monitor.survey import read_survey, survey_log
+from jointwear.monitor.survey import Survey, read_survey, survey_log
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import robot_sources
 from jointwear.running.modules import code_of
+from jointwear.running.processes import in_processes
 
 #: Fewest windows of a baseline from which anything can be learnt.
 FEWEST_BASELINE = 8
@@ -44,16 +46,24 @@ def survey_logs(log: str, robot: str | Path, entry: Mapping[str, Any], output: s
     survey_log(log, layout, model, window_seconds(entry.get("window", "1h")), entry.get("dead_band")).write(output)
 
 
-def log_pieces(logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any]) -> list[Piece]:
-    """Return the statistics of logs, each a piece of its own; a log that is refused is a piece that says so."""
+def log_pieces(
+    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], processes: int = 1
+) -> list[Piece]:
+    """Return the statistics of logs, each a piece of its own; a log that is refused is a piece that says so.
+
+    Parameters
+    ----------
+    processes : in which logs are read at a time; the pieces do not depend on it.
+    """
     model = TorqueModel(load_robot(robot))
     layout, found = layout_of(entry, model.robot.joint_names), read_survey(survey)
     length = window_seconds(entry.get("window", "1h"))
-    pieces = []
-    for log in logs:
-        done = log_statistics(log, layout, model, found, length)
-        pieces.append(Piece(log, done.statistics, done.first, done.last, done.refused))
-    return pieces
+    return in_processes(partial(_log_piece, layout=layout, model=model, survey=found, length=length), logs, processes)
+
+
+def _log_piece(log: str, layout: Layout, model: TorqueModel, survey: Survey, length: float) -> Piece:
+    done = log_statistics(log, layout, model, survey, length)
+    return Piece(log, done.statistics, done.first, done.last, done.refused)
 
 
 def accumulate_windows(

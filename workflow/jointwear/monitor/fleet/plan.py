@@ -12,11 +12,18 @@ from jointwear.monitor.plan import log_sources
 #: Robots of a job at most, because starting a job costs as much as judging one or two robots; at least, where there are
 #: so many; and jobs that a fleet is cut into before they grow: as many cores work on a small fleet too.
 ROBOTS_PER_JOB, FEWEST_PER_JOB, JOBS = 50, 5, 16
+#: Processes in which a job reads logs at most: beyond, the judgement, which one process does, takes most of the time.
+MOST_PROCESSES = 4
 
 
 def robots_of_job(count: int) -> int:
     """Return how many robots of a fleet of `count` share a job."""
     return min(max(-(-count // JOBS), FEWEST_PER_JOB), ROBOTS_PER_JOB)
+
+
+def processes_of_job(jobs: int, cores: int | None) -> int:
+    """Return in how many processes each of `jobs` jobs reads on so many `cores`: those that no job would use."""
+    return max(min((cores or 1) // max(jobs, 1), MOST_PROCESSES), 1)
 
 
 def batches(robots: Sequence[str]) -> dict[str, list[str]]:

@@ -76,12 +76,13 @@ class Readings:
         names = ("settings", "code", "judged", "logs")
         write_json(self._record, {name: getattr(self, name) for name in names})
 
-    def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str) -> int:
+    def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str, processes: int = 1) -> int:
         """Read what is new or has changed among `logs`; return how many logs were read.
 
         Parameters
         ----------
         entry : the robot's entry of the config. logs : that can be reached now. code : digest of the library.
+        processes : in which logs are read.
 
         Raises
         ------
@@ -104,7 +105,7 @@ class Readings:
         ]
         for start in range(0, len(wanted), SAVE_EVERY):
             group = wanted[start : start + SAVE_EVERY]
-            pieces = log_pieces(group, self.survey, entry["robot"], reading)
+            pieces = log_pieces(group, self.survey, entry["robot"], reading, processes)
             name = f"{digest(group)[:16]}.nc"
             write_pieces(pieces, self.own / "windows" / name, reading)
             self.logs.update({log: {"stamp": stamps[log], "file": name} for log in group})

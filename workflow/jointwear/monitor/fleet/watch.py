@@ -65,13 +65,14 @@ def watch_robot(
     unreachable: str = "",
     time_zone: str | None = None,
     page: bool = True,
+    processes: int = 1,
 ) -> dict[str, Any]:
     """Read what is new of one robot and judge it; files go to `folder`/`name`.
 
     Parameters
     ----------
     logs : that can be reached now, in order. unreachable : why some cannot; what was read of them before counts.
-    time_zone : of the page. page : whether a healthy robot has one too.
+    time_zone : of the page. page : whether a healthy robot has one too. processes : in which logs are read.
 
     Returns
     -------
@@ -84,7 +85,7 @@ def watch_robot(
         own = own_folder(folder, name, entry)
         row["folder"] = own.name
         readings = Readings(own)
-        row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows")) if logs else 0
+        row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows"), processes) if logs else 0
         if not readings.logs:
             raise InputError(unreachable or "there is no log yet")
         code = code_of("judge_windows")
@@ -134,6 +135,7 @@ def watch_robots(
     unreachable: Mapping[str, str] | None = None,
     time_zone: str | None = None,
     robots: int | None = None,
+    processes: int = 1,
 ) -> None:
     """Judge every robot of a batch and write what came out as JSON.
 
@@ -144,7 +146,7 @@ def watch_robots(
     folder : where each robot gets a folder of its own.
     output : the JSON file: `robots`, one row each, and `process_seconds`, the processor time of the judging alone.
     unreachable : of robots whose logs cannot all be reached, why. time_zone : of the pages.
-    robots : number of robots of the whole fleet, which decides who has a page.
+    robots : number of robots of the whole fleet, which decides who has a page. processes : in which logs are read.
     """
     begin = time.process_time()
     page = (robots or len(entries)) <= PAGES
@@ -153,7 +155,16 @@ def watch_robots(
     for name, entry in entries.items():
         told = silent.get(name, "")
         rows.append(
-            watch_robot(name, entry, logs[name], Path(folder), unreachable=told, time_zone=time_zone, page=page)
+            watch_robot(
+                name,
+                entry,
+                logs[name],
+                Path(folder),
+                unreachable=told,
+                time_zone=time_zone,
+                page=page,
+                processes=processes,
+            )
         )
     spent = time.process_time() - begin
     write_json(output, {"robots": rows, "process_seconds": round(spent, 3)})
