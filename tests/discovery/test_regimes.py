@@ -97,7 +97,7 @@ def test_a_payload_is_shown_where_it_matters_most(tmp_path):
     effect = {"effect": "payload", "axis": None, "source_axis": None, "regime": {"argument": "pose"}}
     assert axis_of(effect, path) == 1
     assert axis_of({**effect, "axis": 3}, path) == 2
-    draw_effect(effect, path, tmp_path / "effect.svg")
+    draw_effect(effect, 0, path, tmp_path / "effect.svg")
     assert "Mean residual of joint 2 over position of joint 1 [rad]" in (tmp_path / "effect.svg").read_text()
 
 

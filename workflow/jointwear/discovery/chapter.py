@@ -48,7 +48,7 @@ def write_chapter(
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])
     if content["effects"]:
-        draw_effect(content["effects"][0], models, figures["effect"])
+        draw_effect(content["effects"][0], 0, models, figures["effect"])
     else:
         draw_held_out(models, axis_shown(content, models), figures["effect"])
     found = [

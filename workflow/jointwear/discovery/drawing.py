@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from jointwear.discovery.regimes import Regimes, axis_of_most, pose_of_most, read_motion, residual_by_regime
 from jointwear.files.json_documents import read_json
-from jointwear.files.storage import open_dataset, read_variable, read_variables
+from jointwear.files.storage import open_dataset, read_variables
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
 from jointwear.publishing.report.numbers import number
@@ -131,40 +131,28 @@ def axis_of(effect: dict[str, Any], models: str | Path) -> int:
     return effect["axis"] - 1 if effect["axis"] is not None else axis_of_most(read_motion(models))
 
 
-def _argument_of(effect: dict[str, Any], models: str | Path, axis: int) -> tuple[np.ndarray, str]:
-    """Return the argument of an effect at every sample of `axis`, as well as the figure can show it, and its label."""
-    with open_dataset(models) as dataset:
-
-        def column(name: str, j: int = axis) -> np.ndarray:
-            values = read_variable(dataset, models, name)
-            return values[:, j] if values.ndim == 2 else values
-
-        words = effect["regime"]["argument"]
-        if effect["source_axis"] is not None:
-            return column("velocity", effect["source_axis"] - 1), f"velocity of joint {effect['source_axis']} [rad/s]"
-        if words == "temperature":
-            return column("temperature"), "temperature [°C]"
-        if words.startswith("time"):
-            return column("time"), "time [s]"
-        if words == "load":
-            return column("load"), "load torque [N m]"
-        if words.endswith(("torque", "load")):
-            return column("nominal"), "nominal torque [N m]"
-        if words == "pose" and effect["axis"] is None:
-            joint = pose_of_most(read_motion(models), axis)
-            return column("position", joint), f"position of joint {joint + 1} [rad]"
-        if words.startswith("position") or words == "pose" or words == "motor angle":
-            return column("position"), "position [rad]"
-        return column("velocity"), "velocity [rad/s]"
+def _argument_of(effect: dict[str, Any], place: int, models: str | Path, axis: int) -> tuple[np.ndarray, str]:
+    """Return what an effect depends on at every sample, and its label; of the whole arm a position that moves it."""
+    if effect["axis"] is None:
+        joint = pose_of_most(read_motion(models), axis)
+        position = read_variables(models, "position")[0]
+        return position[:, joint], f"position of joint {joint + 1} [rad]"
+    regime = effect["regime"]
+    unit = regime["unit"].replace("deg", "°")
+    return read_variables(models, "argument")[0][place], f"{regime['argument']} [{unit}]"
 
 
-def draw_effect(effect: dict[str, Any], models: str | Path, output: str | Path) -> None:
+def draw_effect(effect: dict[str, Any], place: int, models: str | Path, output: str | Path) -> None:
     """Draw the residual against the argument of one effect, before (retuned) and after (augmented), all motion.
 
-    Points are medians of 40 bins; a solid line is motion forward, a dashed one motion backward.
+    Points are means of 40 bins; a solid line is motion forward, a dashed one motion backward.
+
+    Parameters
+    ----------
+    place : of the effect among those of the verdict, from 0.
     """
     axis = axis_of(effect, models)
-    argument, label = _argument_of(effect, models, axis)
+    argument, label = _argument_of(effect, place, models, axis)
     usable, velocity, torque, retuned, augmented = (
         v[:, axis] for v in read_variables(models, "usable", "velocity", "torque", "retuned", "augmented")
     )
@@ -172,7 +160,7 @@ def draw_effect(effect: dict[str, Any], models: str | Path, output: str | Path) 
     axes = figure.add_subplot()
     spans = []
     for name, values, colour in (("retuned", retuned, palette.SERIES[1]), ("augmented", augmented, palette.SERIES[2])):
-        centres_of, span = [], 0.0
+        span = 0.0
         for sense, style in ((1, "solid"), (-1, (0, (3, 1.5)))):
             chosen = (usable > 0) & (np.sign(velocity) == sense) & np.isfinite(argument)
             if chosen.sum() < 40:
@@ -190,7 +178,6 @@ def draw_effect(effect: dict[str, Any], models: str | Path, output: str | Path) 
                 linestyle=style,
                 label=f"{name}, {'forward' if sense > 0 else 'backward'}",
             )
-            centres_of.append(means)
             span = max(span, float(np.ptp(means[counts > 0])))
         spans.append(f"{name} {span:.3g} N m")
     axes.set(xlabel=label, ylabel=f"residual of joint {axis + 1} [N m]")
@@ -208,9 +195,9 @@ def draw_all(verdict: str | Path, where: str | Path, models: str | Path, folder:
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])
     draw_held_out(models, axis_shown(content, models), figures["held_out"])
-    for i, effect in enumerate(content["effects"], start=1):
-        figures[f"effect_{i}"] = folder / f"effect_{i}.svg"
-        draw_effect(effect, models, figures[f"effect_{i}"])
+    for place, effect in enumerate(content["effects"]):
+        figures[f"effect_{place + 1}"] = folder / f"effect_{place + 1}.svg"
+        draw_effect(effect, place, models, figures[f"effect_{place + 1}"])
     return figures
 
 

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate
-from jointwear.discovery.estimation import Estimate, Final
+from jointwear.discovery.effect_numbers import Estimate
+from jointwear.discovery.estimation import Final
 from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.noise_floor import floor_with_names
 from jointwear.discovery.outcome import Outcome, Refusal
@@ -28,7 +29,7 @@ from jointwear.discovery.verdict import (
     Suspect,
     Verdict,
 )
-from jointwear.effects import get_effect, library
+from jointwear.effects import State, get_effect, library
 from jointwear.files.json_values import six_digits
 
 #: Entries of lists that a reader looks through: unexplained structure, candidates that came close.
@@ -205,16 +206,24 @@ def _argument(words: str, candidate: Candidate) -> str:
     return words if candidate.source is None else words.replace("the other axis", f"joint {candidate.source + 1}")
 
 
+def argument_of(candidate: Candidate, state: State, axis: int) -> tuple[np.ndarray, str]:
+    """Return what the torque of a candidate on `axis` depends on at every sample of a state (m,), and its unit."""
+    return get_effect(candidate.effect).argument_of(state, axis, candidate.source, candidate.nonlinear)
+
+
 def _regime(final: Final, e: Estimate) -> Regime:
-    """Return the range of the effect's argument over the training samples that could be judged."""
+    """Return the range of the effect's argument over the training samples that could be judged.
+
+    That of an effect of the whole arm is told of the judged axis that travels farthest.
+    """
     problem, candidate = final.outcome.problem, e.named.candidate
-    effect, state = get_effect(candidate.effect), problem.train_state
-    axis = candidate.axis if candidate.axis is not None else 0
-    used = problem.usable[:, axis]
-    values, unit = effect.argument_of(state, axis, candidate.source, candidate.nonlinear)
-    values = values[used]
+    state, axis = problem.train_state, candidate.axis
+    if axis is None:
+        axis = max(problem.judged, key=lambda j: np.ptp(state.position[problem.usable[:, j], j]))
+    values, unit = argument_of(candidate, state, axis)
+    values = values[problem.usable[:, axis]]
     return Regime(
-        _argument(effect.argument, candidate),
+        _argument(get_effect(candidate.effect).argument, candidate),
         (six_digits(values.min()), six_digits(values.max())),
         unit,
     )
@@ -237,8 +246,7 @@ def _not_identifiable(effects: list[NamedEffect], seen: list[Visible], needed: f
             yield NotIdentifiable(
                 (effect,),
                 axis,
-                f"at 30 % of the friction it would leave {v.energy:.3g} times the noise variance, "
-                f"less than {needed:.0f}",
+                f"at {v.at} it would leave {v.energy:.3g} times the noise variance, less than {needed:.0f}",
             )
         elif v.left < needed:
             yield NotIdentifiable(

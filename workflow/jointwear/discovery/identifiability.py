@@ -17,10 +17,11 @@ from jointwear.effects import get_effect
 
 @dataclass(frozen=True)
 class Visible:
-    """One effect on one 0-based axis (None: whole arm) at a size of 30 % of the friction of the axis.
+    """One effect on one 0-based axis (None: whole arm) at a usual size.
 
     `energy` over noise variance left after the base regression; `rival` the effect that takes most of it, and
-    `left` what that leaves.
+    `left` what that leaves. `size` of an effect of the whole arm is that of its first parameter, in `unit`; of others
+    the share of the friction of the axis, without a unit.
     """
 
     effect: str
@@ -29,6 +30,13 @@ class Visible:
     energy: float
     rival: str
     left: float
+    size: float
+    unit: str = ""
+
+    @property
+    def at(self) -> str:
+        """The size in words."""
+        return f"{self.size:.2g} {self.unit}" if self.unit else f"{100 * self.size:.3g} % of the friction of the joint"
 
 
 def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
@@ -36,7 +44,7 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
 
     Of every family the point of the grid with the most energy stands for the family.
     """
-    fit = white.fit()
+    fit, usual = white.fit(), white.problem.settings.usual
     found = []
     for axis, matrix in dictionary.matrix.items():
         families: dict[tuple, tuple[float, np.ndarray]] = {}
@@ -64,15 +72,17 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
             best = int(np.argmin(left[:, i]))
             least = left[best, i] / len(families[key][1])
             rival, least = (keys[best][0], least) if least < families[key][0] else ("", families[key][0])
-            found.append(Visible(key[0], axis, key[2], families[key][0], rival, float(least)))
+            found.append(Visible(key[0], axis, key[2], families[key][0], rival, float(least), usual))
     for candidate, blocks, std in dictionary.whole:
         if candidate.axis is not None:
             continue
         _, gram = fit.gram(blocks)
         scaled = gram * std[:, None] * std
-        lead = get_effect(candidate.effect).leading or len(std)
+        effect = get_effect(candidate.effect)
+        lead = effect.leading or len(std)
         energy = float(np.trace(scaled[:lead, :lead])) / lead
-        found.append(Visible(candidate.effect, None, None, energy, "", energy))
+        unit = effect.parameters[0].unit
+        found.append(Visible(candidate.effect, None, None, energy, "", energy, float(std[0]), unit))
     return found
 
 

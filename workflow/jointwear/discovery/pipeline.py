@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import traceback
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,6 +31,7 @@ from jointwear.discovery.shared_delay import (
 )
 from jointwear.discovery.slow_noise import beside_slow_noise
 from jointwear.discovery.sound_files import sound_files, unchanged_files, write_files
+from jointwear.discovery.undecided import NUMERICAL, reason
 from jointwear.discovery.verdict import NONE, Verdict
 from jointwear.discovery.whitening import White
 from jointwear.discovery.written_robot import WrittenRobot
@@ -150,11 +149,9 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
         return _judge(*in_time[:2], [*restrictions, in_time[2]])
     except InputError:
         raise
-    except (np.linalg.LinAlgError, ArithmeticError, ValueError, LookupError) as error:
+    except NUMERICAL as error:
         # A recording that was not refused gets a verdict: that nothing could be decided, and why.
-        last = traceback.extract_tb(error.__traceback__)[-1]
-        where = f"{Path(last.filename).stem}, line {last.lineno}"
-        return _undecided(recording, problem, restrictions, f"the search ended in an error ({where}: {error})")
+        return _undecided(recording, problem, restrictions, reason(error))
 
 
 def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcome, str] | None:

@@ -21,6 +21,7 @@ from jointwear.discovery.repeatability import check_groups
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.undecided import NUMERICAL, reason
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
@@ -74,9 +75,10 @@ class Joint:
 
 @dataclass(frozen=True)
 class Shown:
-    """An effect on one axis: the size, over the friction, from which this motion shows it, or the reason why not.
+    """An effect on one axis: the size from which this motion shows it, or the reason why not.
 
-    `rival` is the effect that it cannot be told from.
+    The size is in `unit`, or over the friction of the joint where there is none. `rival` is the effect that it cannot
+    be told from.
     """
 
     effect: str
@@ -84,6 +86,7 @@ class Shown:
     smallest_size: float | None
     rival: str
     reason: str
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -122,12 +125,11 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     measured, restrictions = checked(recording, robot)
     problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem)
-    white = whiten(problem, estimate_noise(problem))
-    dictionary = build_dictionary(white)
-    noise = [None if w is None else w.marginal for w in white.whiteners]
-    shown, not_shown, pairs = _visible(problem, identifiability(white, dictionary))
-    for effect, axis, reason in dictionary.not_tried:
-        not_shown.append(Shown(effect, None if axis is None else axis + 1, None, "", reason))
+    try:
+        noise, shown, not_shown, pairs = _shown(problem)
+    except NUMERICAL as error:
+        restrictions.append(reason(error))
+        noise, shown, not_shown, pairs = [None] * robot.joints, [], [], []
     joints = _joints(recording, problem, noise)
     return DataCheck(
         dataset=recording.name,
@@ -149,6 +151,16 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
         pairs=tuple(pairs),
         advice=tuple(_advice(recording, problem, joints, not_shown, pairs)),
     )
+
+
+def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Shown], list[Shown]]:
+    """Return the noise [N m] of every joint, and the effects that the motion shows, hides and leaves in pairs."""
+    white = whiten(problem, estimate_noise(problem))
+    dictionary = build_dictionary(white)
+    shown, not_shown, pairs = _visible(problem, identifiability(white, dictionary))
+    for effect, axis, why in dictionary.not_tried:
+        not_shown.append(Shown(effect, None if axis is None else axis + 1, None, "", why))
+    return [None if w is None else w.marginal for w in white.whiteners], shown, not_shown, pairs
 
 
 def _rate(recording: Recording) -> float:
@@ -212,14 +224,14 @@ def _visible(problem: Problem, seen: list[Visible]) -> tuple[list[Shown], list[S
     shown, not_shown, pairs = [], [], []
     for v in best.values():
         axis = None if v.axis is None else v.axis + 1
-        # Energy grows with the square of the size; the map is drawn at 30 % of the friction.
-        size = six_digits(0.3 * np.sqrt(needed / max(v.left, 1e-12)))
+        # Energy grows with the square of the size; the map is drawn at the usual one.
+        size = six_digits(v.size * np.sqrt(needed / max(v.left, 1e-12)))
         if v.energy < needed:
-            not_shown.append(Shown(v.effect, axis, size, "", "too weak at 30 % of the friction of the joint"))
+            not_shown.append(Shown(v.effect, axis, size, "", f"too weak at {v.at}", v.unit))
         elif v.left < needed:
-            pairs.append(Shown(v.effect, axis, size, v.rival, "the rival takes most of it"))
+            pairs.append(Shown(v.effect, axis, size, v.rival, "the rival takes most of it", v.unit))
         else:
-            shown.append(Shown(v.effect, axis, size, "", ""))
+            shown.append(Shown(v.effect, axis, size, "", "", v.unit))
     return shown, not_shown, pairs
 
 
@@ -229,9 +241,9 @@ def _once(found: list[Shown], problem: Problem) -> list[Shown]:
     for one in found:
         axes.setdefault((one.effect, one.reason), []).append(one)
     result = []
-    for (effect, reason), same in axes.items():
+    for (effect, why), same in axes.items():
         if len(same) > 1 and len(same) >= len(problem.judged):
-            result.append(Shown(effect, None, None, "", reason))
+            result.append(Shown(effect, None, None, "", why))
         else:
             result += same
     return result
@@ -244,7 +256,7 @@ def _advice(
     found = []
     still = [str(j.axis) for j in joints if j.moving < MOVING]
     if still:
-        found.append(f"Move joints {', '.join(still)} for a larger part of the time.")
+        found.append(f"Move joint{'s' if len(still) > 1 else ''} {', '.join(still)} for a larger part of the time.")
     if len(recording.train) < 3:
         found.append("Record at least three trajectories to learn from: each is left out in turn to check every name.")
     if not problem.state.has_temperature:

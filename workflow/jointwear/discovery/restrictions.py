@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.effects.temperature import SMALLEST_SPREAD
 from jointwear.measurement.checks import Refused
+
+#: Temperatures are said to go with the trajectories where these are fewer, and their means scatter by so many times
+#: what they do within.
+FEW_RECORDS, APART = 5, 3.0
 
 
 def motion_restrictions(problem) -> list[str]:
@@ -49,9 +54,12 @@ def motion_restrictions(problem) -> list[str]:
     warm = problem.train_state.temperature
     coincide = []
     for axis in problem.judged:
-        means = [np.nanmean(warm[record == label, axis]) for label in labels]
-        within = [np.nanstd(warm[record == label, axis]) for label in labels]
-        if np.ptp(means) > 0.5 and len(labels) < 5 and np.std(means) > 3 * np.mean(within):
+        known = [values[np.isfinite(values)] for values in (warm[record == label, axis] for label in labels)]
+        means = [values.mean() for values in known if len(values)]
+        within = [values.std() for values in known if len(values)]
+        if len(means) < 2 or len(labels) >= FEW_RECORDS:
+            continue
+        if np.ptp(means) > SMALLEST_SPREAD and np.std(means) > APART * np.mean(within):
             coincide.append(axis + 1)
     if coincide:
         found.append(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -23,6 +24,8 @@ ROOM = 15
 SEEN = 0.5
 #: Highest order of the noise model that the correction starts from: a higher one learns what the fit took off.
 START = 2
+#: Least noise of a torque over its RMS: below it, as in a simulated log, what is left is round-off of the fit.
+LEAST_NOISE = 1e-6
 #: Frequencies [Hz] above which a step at a reversal is kept.
 SHARP = (4.0, 6.0, 9.0)
 
@@ -63,7 +66,9 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         take_off = _remover(columns, used, white)
     left = take_off(y)
     white = estimate(left, used, label, START)
-    return corrected(white, left, take_off, used, label, problem.measured.rate, highest)
+    white = corrected(white, left, take_off, used, label, problem.measured.rate, highest)
+    torque = problem.measured.torque[problem.train, axis][used]
+    return replace(white, sigma=max(white.sigma, LEAST_NOISE * float(np.sqrt(np.mean(torque**2)))))
 
 
 def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cutoffs) -> np.ndarray:

@@ -12,9 +12,10 @@ import numpy as np
 
 from jointwear.discovery.candidates import scan
 from jointwear.discovery.experiment import Experiment as Motion
+from jointwear.discovery.findings import argument_of
 from jointwear.discovery.pipeline import MODELS, Discovery, discover
 from jointwear.discovery.settings import settings_of
-from jointwear.discovery.verdict import NextExperiment, Verdict
+from jointwear.discovery.verdict import NamedEffect, NextExperiment, Verdict
 from jointwear.effects import check_effects
 from jointwear.files import provenance
 from jointwear.files.errors import InputError
@@ -121,11 +122,29 @@ def _write_models(found: Discovery, path: Path) -> None:
             pair, found.problem.state.load, "rigid-body torque of the nominal model without motor inertia", "N m"
         ),
     }
+    if found.content.effects:
+        variables["argument"] = Variable(
+            ("effect", "instant"),
+            np.stack([_argument(found, e) for e in found.content.effects]),
+            "what each named effect depends on, in the unit of its regime; NaN of one on the whole arm",
+            "1",
+        )
     for kind in MODELS:
         variables[kind] = Variable(pair, found.torques[kind], f"torque of the {kind} model", "N m")
     attributes = provenance.attributes(f"models of data set {name}", {"dataset": name})
     attributes |= {"train": list(found.recording.train), "test": list(found.recording.test), "rate_hz": measured.rate}
     write_dataset(path, variables, attributes)
+
+
+def _argument(found: Discovery, effect: NamedEffect) -> np.ndarray:
+    """Return the argument (m,) of a named effect at the samples used, NaN for an effect on the whole arm."""
+    state = found.problem.state
+    if effect.axis is None:
+        return np.full(len(state.time), np.nan)
+    source = None if effect.source_axis is None else effect.source_axis - 1
+    named = [e.named.candidate for e in (*found.final.estimates, *found.final.unwritten)]
+    own = next(c for c in named if (c.effect, c.axis, c.source) == (effect.effect, effect.axis - 1, source))
+    return argument_of(own, state, own.axis)[0]
 
 
 def _write_where(found: Discovery, path: Path, settings: Mapping[str, Any]) -> None:

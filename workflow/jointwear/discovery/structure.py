@@ -8,6 +8,7 @@ import numpy as np
 
 from jointwear.effects.state import State
 from jointwear.effects.tables import hats, knots_of
+from jointwear.effects.temperature import SMALLEST_SPREAD
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def axis_bases(
     add("torque", "N m", torque, 14)
     add("load x direction", "N m", load, 10, s)
     warm = state.temperature[:, axis]
-    if np.isfinite(warm).any() and np.ptp(warm[np.isfinite(warm)]) > 0.5:
+    if np.isfinite(warm).any() and np.ptp(warm[np.isfinite(warm)]) > SMALLEST_SPREAD:
         warm = np.nan_to_num(warm, nan=float(np.nanmean(warm)))
         add("temperature", "degC", warm, 5)
         add("temperature x direction", "degC", warm, 5, s)

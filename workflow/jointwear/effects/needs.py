@@ -42,7 +42,9 @@ def _tip(state: State, axis: int) -> str:
 
 
 def _gravity(state: State, axis: int) -> str:
-    return "" if state.gravity_regressor is not None else "the torque of gravity is not at hand"
+    if state.gravity_regressor is None:
+        return "the torque of gravity is not at hand"
+    return "" if np.any(state.drive.gravity) else "the robot file has no gravity"
 
 
 def _motor_torque(state: State, axis: int) -> str:

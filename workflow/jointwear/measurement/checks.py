@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from jointwear.robots.robot import Robot
 #: Samples looked at by the checks against the model.
 LOOK = 1500
 FEWEST = 40
+#: What is measured of every joint, as far as it is given.
+_ROLES = ("position", "torque", "velocity", "acceleration")
 #: Drop of the log residual, summed over axes, from which another reading of the axes is believed, and down to which
 #: it is worth a closer look.
 CLEARLY = 0.9
@@ -81,14 +83,17 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
             f"data set '{name}': has {len(recording.time)} samples; at least {FEWEST} are needed",
             "record longer",
         )
-    good = np.isfinite(recording.position).all(axis=1) & np.isfinite(recording.torque).all(axis=1)
+    _check_labels(recording)
+    given = {role: x for role in _ROLES if (x := getattr(recording, role)) is not None}
+    good = np.all([np.isfinite(x).all(axis=1) for x in given.values()], axis=0)
     if not np.isfinite(recording.time).all():
         raise Refused(f"data set '{name}': the time holds values that are not finite", "repair the time stamps")
     if good.mean() < 0.2:
         raise Refused(
             f"data set '{name}': only {100 * good.mean():.0f} % of the samples are finite in every joint"
-            f"{_of_whom(recording)}",
-            "map the measured columns, or leave the gaps out",
+            f"{_of_whom(given)}",
+            "map the measured columns, or leave the gaps out; velocities and accelerations that are left out under "
+            "'variables' are derived",
         )
     _units(recording, robot, good)
     restrictions = []
@@ -99,11 +104,30 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
     return restrictions
 
 
-def _of_whom(recording: Recording) -> str:
+def _check_labels(recording: Recording) -> None:
+    """Check that the samples of a trajectory lie together.
+
+    Raises
+    ------
+    Refused : with the sample at which one comes back.
+    """
+    starts = np.append(0, np.flatnonzero(np.diff(recording.trajectory)) + 1)
+    seen: set[int] = set()
+    for start in starts:
+        label = int(recording.trajectory[start])
+        if label in seen:
+            raise Refused(
+                f"data set '{recording.name}': trajectory {label} comes back at sample {start + 1}, after others",
+                "label every run of samples apart, as by counting them: each is left out in turn",
+            )
+        seen.add(label)
+
+
+def _of_whom(given: Mapping[str, np.ndarray]) -> str:
     """Return in words which columns are hardly ever finite."""
     found = []
-    for role in ("position", "torque"):
-        finite = np.isfinite(getattr(recording, role)).mean(axis=0)
+    for role, values in given.items():
+        finite = np.isfinite(values).mean(axis=0)
         found += [f"the {role} of joint {j + 1} in {100 * finite[j]:.0f} %" for j in np.flatnonzero(finite < 0.5)]
     return f"; {', '.join(found)}" if found else ""
 

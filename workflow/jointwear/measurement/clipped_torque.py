@@ -20,7 +20,7 @@ def clipped_torques(recording: Recording) -> list[str]:
     for j, (torque, position) in enumerate(zip(recording.torque.T, recording.position.T, strict=True)):
         moves = _differs(position, recording.trajectory, STILL)
         moves[:-STILL] &= moves[STILL:]
-        if moves.sum() < FEWEST or not np.isfinite(torque).any():
+        if moves.sum() < FEWEST or not np.isfinite(torque).any() or np.nanmin(torque) == np.nanmax(torque):
             continue
         repeats = moves & ~_differs(torque, recording.trajectory, 1)
         ends = np.nanmin(torque), np.nanmax(torque)
@@ -33,9 +33,11 @@ def clipped_torques(recording: Recording) -> list[str]:
                 at_limit |= there
                 limits.append(f"{limit:.4g}")
         if limits:
+            percent = 100 * at_limit.mean()
             found.append(
-                f"the torque of joint {j + 1} stays at {' and '.join(limits)} N m in {100 * at_limit.mean():.2g} % of "
-                "the samples: a drive or a sensor at its limit, which no effect describes"
+                f"the torque of joint {j + 1} stays at {' and '.join(limits)} N m in "
+                f"{percent:.{0 if percent >= 10 else 1}f} % of the samples: a drive or a sensor at its limit, which no "
+                "effect describes"
             )
     return found
 

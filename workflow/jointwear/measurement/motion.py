@@ -32,6 +32,8 @@ SLOW_SHARE, SLOW = 0.02, 0.02
 TRANSIENT = 3.0
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
 RESOLVED = 0.155
+#: Samples in a row of a position, velocity or acceleration that may be missing and are bridged.
+LONGEST_BRIDGE = 2
 #: Accelerations keep what lies below this [Hz]: friction that jumps at reversals shakes an arm up to there.
 LOWEST_CUTOFF = 20.0
 
@@ -127,8 +129,10 @@ def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float
 def measure(recording: Recording) -> Measured:
     """Derive what was not measured, reduce high rates, and mark the samples that can be judged.
 
-    NaN samples of one joint make that joint unusable there; gaps are bridged linearly for the filter only. Samples that
-    are not evenly spaced are put on an even grid first: see :mod:`jointwear.measurement.even_steps`.
+    A sample that is missing of one joint makes that joint unusable there. Where more than :data:`LONGEST_BRIDGE`
+    samples in a row are missing of the motion of a joint, no joint is used: every torque depends on every position.
+    What is missing is bridged by straight lines for the filter only. Samples that are not evenly spaced are put on an
+    even grid first: see :mod:`jointwear.measurement.even_steps`.
     """
     recording, time = evenly(recording, elapsed_time(recording.time, recording.trajectory))
     pieces = pieces_of(time, recording.trajectory)
@@ -139,7 +143,9 @@ def measure(recording: Recording) -> Measured:
     if recording.temperature is not None:
         given = np.asarray(recording.temperature, dtype=float)
         temperature[:] = given[:, None] if given.ndim == 1 else given
-    finite = np.isfinite(recording.position) & np.isfinite(recording.torque)
+    motion = [x for x in (recording.position, recording.velocity, recording.acceleration) if x is not None]
+    finite = np.all([np.isfinite(x) for x in (*motion, recording.torque)], axis=0)
+    finite[np.any([_long_gaps(x, pieces) for x in motion], axis=0)] = False
     position, torque = _bridge(recording.position, pieces), _bridge(recording.torque, pieces)
 
     floor = np.zeros(n)
@@ -178,7 +184,6 @@ def measure(recording: Recording) -> Measured:
     parts = []
     # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
     splines = factor == 1 and bool(np.max(reach, initial=0.0) < RESOLVED * rate) and bool(finite.all())
-    splines = splines and (velocity is None or bool(np.isfinite(recording.velocity).all()))
     if splines:
         pieces = [p for p in pieces if p.stop - p.start >= SHORTEST]
         splines = bool(pieces)
@@ -289,6 +294,18 @@ def _fitted(time, pieces: list[slice], position, velocity, rate: float):
         if order == 1:
             noise = np.where(better, noise, two.derivative_noise(0, rate))
     return q, v, a, cutoff, noise
+
+
+def _long_gaps(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
+    """Return the samples (m,) at which more values (m, n) of some joint are missing in a row than are bridged."""
+    result = np.zeros(len(values), bool)
+    missing = ~np.isfinite(values)
+    for j in np.flatnonzero(missing.any(axis=0)):
+        for p in pieces:
+            edges = np.flatnonzero(np.diff(np.concatenate([[0], missing[p, j].astype(int), [0]]))) + p.start
+            for start, stop in zip(edges[::2], edges[1::2], strict=True):
+                result[start:stop] |= stop - start > LONGEST_BRIDGE
+    return result
 
 
 def _bridge(values: np.ndarray, pieces: list[slice]) -> np.ndarray:

@@ -37,6 +37,8 @@ def _columns(state, axis, source, p):
             "a mounting tilt among the 'effects' needs the torque of gravity; write it as 'gravity' of the robot file"
         )
     gravity = state.drive.gravity
+    if not np.any(gravity):
+        raise InputError("a mounting tilt among the 'effects' turns gravity, and 'gravity' of the robot file is 0")
     return state.gravity_regressor() @ np.cross(_level(gravity), gravity).T
 
 
@@ -48,9 +50,9 @@ def _parameters_of(p, c):
 
 
 def _torque(state, axis, source, p):
-    if state.gravity_regressor is None:
-        return _columns(state, axis, source, p)
     gravity = state.drive.gravity
+    if state.gravity_regressor is None or not np.any(gravity):
+        return _columns(state, axis, source, p)
     return state.gravity_regressor() @ (_turned(gravity, (p["about_x"], p["about_y"])) - gravity)
 
 
