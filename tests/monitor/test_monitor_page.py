@@ -24,7 +24,7 @@ from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
 from jointwear.monitor.page import write_page
-from jointwear.monitor.stages import accumulate_windows, baseline_windows, judge_windows, survey_logs
+from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms, write_state
 from jointwear.monitor.summaries import axis_summary, headline, why_unjudged
@@ -297,10 +297,10 @@ def test_friction_of_every_window(built):
 def test_baselines(built):
     _, windows, _ = built
     statistics = read_statistics(windows[0])
-    assert baseline_windows(statistics, {"windows": 20}) == 20
-    assert baseline_windows(statistics, {"windows": 200}) == HOURS
-    assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00Z"}) == 24
-    assert baseline_windows(statistics, {"until": "2026-01-02T00:00:00"}) == 24
+    assert choose_baseline(statistics, {"windows": 20}).count == 20
+    assert choose_baseline(statistics, {"windows": 200}).count == HOURS
+    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00Z"}).count == 24
+    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00"}).count == 24
     short = choose_baseline(statistics, {"until": "2026-01-01T02:30:00Z"})
     assert short.count > 8
     assert "too few to know what is normal; it goes on until 2026-01-01T" in short.words
@@ -309,10 +309,10 @@ def test_baselines(built):
     assert "nothing is judged until 140 more have come" in waiting.words
     day = choose_baseline(statistics.part(np.arange(HOURS) < 7), {"until": "2026-01-02T00:00:00Z"})
     assert not day.complete
-    assert "holds 7 windows in 1 shift; 8 windows in 3 shifts are needed" in day.words
+    assert "holds 7 windows in 1 shift; 8 windows with motion in 3 shifts are needed" in day.words
     assert choose_baseline(statistics, {"from": "2026-01-01T10:00:00Z", "windows": 20}).mask.nonzero()[0][0] == 10
     with pytest.raises(InputError, match="the logs have no dates"):
-        baseline_windows(replace(statistics, dated=False), {"until": "2026-01-02"})
+        choose_baseline(replace(statistics, dated=False), {"until": "2026-01-02"})
 
 
 def test_logs_without_dates_that_start_anew_are_laid_end_to_end(built):

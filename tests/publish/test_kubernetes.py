@@ -1,6 +1,7 @@
 """The Kubernetes profile: a dry run, and the job as the executor renders it, checked against Kubernetes' own schema."""
 
 import os
+import shutil
 import subprocess
 import sys
 
@@ -16,6 +17,7 @@ PROFILE = ("--profile", "workflow/profiles/kubernetes", "--default-storage-prefi
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     """The project as a git checkout, from which the executor takes what it sends to the pods."""
+    assert shutil.which("rsync"), "rsync not found, with which sources are stored; on Debian: apt-get install rsync"
     project = copy_project(tmp_path_factory.mktemp("kubernetes"))
     for command in (["git", "init", "--quiet"], ["git", "add", "."]):
         subprocess.run(command, cwd=project.folder, check=True)

@@ -21,7 +21,6 @@ from jointwear.studies.challenge.scores import (
     calibration,
     confusion,
     detection_limits,
-    failures,
     reached,
     score_tier,
 )
@@ -219,7 +218,7 @@ def test_detection_limit_lies_where_the_answers_turn():
     assert limit["grows_with_size"]
 
 
-def test_confusion_calibration_and_failures_count_the_same_cases():
+def test_confusion_and_calibration_count_the_same_cases():
     rows = rows_of_a_tier()
     table = confusion(rows)
     assert table["stribeck_friction"] == {"none": 11, "stribeck_friction": 24}
@@ -232,7 +231,6 @@ def test_confusion_calibration_and_failures_count_the_same_cases():
     assert sum(b["names"] for b in bins) == 25
     assert sum(b["right"] for b in bins) == 24
     assert len(calibration_points(bins)) == sum(b["names"] > 0 for b in bins)
-    assert failures(rows)["single:stribeck_friction"]["none"] == 11
 
 
 def test_page_says_what_was_missed(tmp_path, root):

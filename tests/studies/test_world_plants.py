@@ -6,15 +6,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from jointwear.robots.dynamics import Dynamics
 from jointwear.studies.sieve import REST
 from jointwear.studies.world.arms import ARMS, chain_of
 from jointwear.studies.world.case import generate
 from jointwear.studies.world.chains import urdf_text
-from jointwear.studies.world.denavit import robot_document
 from jointwear.studies.world.plan import EFFECTS, OUTSIDE, Case
 from jointwear.studies.world.plant import DriveNumbers, compile_plant, draft
-from jointwear.studies.world.robot_files import write_robot
 from jointwear.studies.world.scores import score
 from jointwear.studies.world.truth import Judge
 
@@ -36,24 +33,6 @@ def test_both_engines_move_the_same_arm(name, tmp_path):
     given = plant.data.qfrc_inverse - 0.0
     friction = given - expected
     assert np.all(np.abs(friction) <= 0.5 + 1e-6)
-
-
-def test_a_table_of_the_chain_is_the_same_arm(tmp_path):
-    from jointwear.robots.robot import robot_from_data
-    from jointwear.robots.robot_file import read_robot_file
-
-    kind, chain = ARMS["panda"], chain_of("panda")
-    document = robot_document("panda", chain, kind.drives, np.tile([-2.0, 2.0], (7, 1)), {"source": "test"})
-    path = tmp_path / "panda.yaml"
-    path.write_text(__import__("json").dumps(document))
-    table = robot_from_data(read_robot_file(path))
-    drives = DriveNumbers(
-        *(np.array(x, float) for x in (kind.drives.coulomb, kind.drives.viscous, kind.drives.armature))
-    )
-    direct = write_robot(tmp_path, "direct", chain, drives, np.array(kind.drives.gear, float))
-    q, v, a = np.random.default_rng(0).normal(size=(3, 20, 7))
-    one, other = (Dynamics(r).inverse_dynamics(q, v, a) for r in (table, direct))
-    np.testing.assert_allclose(one, other, atol=1e-3)
 
 
 def test_a_case_without_anything_hidden_is_the_robot_file_and_noise(tmp_path):

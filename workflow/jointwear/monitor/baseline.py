@@ -85,14 +85,14 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
         longer[k] = True
         if _enough(statistics, longer):
             words = (
-                f"The baseline holds {int(mask.sum())} windows in {_shift_words(statistics, mask)}, "
+                f"The baseline holds {_held_words(statistics, mask)}, "
                 "too few to know what is normal; it goes on until "
                 f"{moment_words(statistics, float(statistics.end[k]))}. Until then nothing is judged."
             )
             return Baseline(longer, True, words)
     words = (
-        f"The baseline holds {int(longer.sum())} windows in {_shift_words(statistics, longer)}; "
-        f"{FEWEST_WINDOWS} windows in {FEWEST_SHIFTS} shifts are needed to know what is normal. "
+        f"The baseline holds {_held_words(statistics, longer)}; "
+        f"{FEWEST_WINDOWS} windows with motion in {FEWEST_SHIFTS} shifts are needed to know what is normal. "
         "Nothing is judged until they have come."
     )
     return Baseline(longer, False, words)
@@ -100,10 +100,13 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
 
 def _enough(statistics: WindowStatistics, mask: np.ndarray) -> bool:
     """Return whether windows and shifts of the most often moving axis suffice."""
-    seen = mask & (statistics.count.max(axis=1) > 0) if statistics.axes else mask
-    if seen.sum() < FEWEST_WINDOWS:
-        return False
-    return _shifts(statistics, mask, seen) >= FEWEST_SHIFTS
+    seen = _with_motion(statistics, mask)
+    return bool(seen.sum() >= FEWEST_WINDOWS) and _shifts(statistics, mask, seen) >= FEWEST_SHIFTS
+
+
+def _with_motion(statistics: WindowStatistics, mask: np.ndarray) -> np.ndarray:
+    """Return the windows (w,) of a mask (w,) in which some axis moves."""
+    return mask & (statistics.count.max(axis=1) > 0) if statistics.axes else mask
 
 
 def _shifts(statistics: WindowStatistics, mask: np.ndarray, seen: np.ndarray | None = None) -> int:
@@ -112,9 +115,11 @@ def _shifts(statistics: WindowStatistics, mask: np.ndarray, seen: np.ndarray | N
     return len(np.unique(shift_labels(statistics.start, statistics.end, mask)[seen])) if mask.any() else 0
 
 
-def _shift_words(statistics: WindowStatistics, mask: np.ndarray) -> str:
-    count = _shifts(statistics, mask)
-    return f"{count} shift" if count == 1 else f"{count} shifts"
+def _held_words(statistics: WindowStatistics, mask: np.ndarray) -> str:
+    """Return in words how many windows a baseline holds, and of them with motion where some are without."""
+    count, moved, shifts = int(mask.sum()), int(_with_motion(statistics, mask).sum()), _shifts(statistics, mask)
+    words = f"{count} window{'' if count == 1 else 's'} in {shifts} shift{'' if shifts == 1 else 's'}"
+    return words if moved == count else f"{words}, {moved or 'none'} of them with motion"
 
 
 def keep_baseline(statistics: WindowStatistics, baseline: Baseline, given: Mapping[str, Any], path: Path) -> None:

@@ -42,7 +42,7 @@ CARRIED = 0.7
 class Evidence:
     """Of one axis, (w,): `growth` and `fall`, the largest admitted z (-inf where none is); `step`, the same of the last
     shifts less those before; `mean`, `std` of the generalised least-squares mean that `growth` (or, where larger,
-    `fall`) comes from; `shifts` of that mean; `latest`, `latest_std` of the running shift."""
+    `fall`) comes from; `shifts` of that mean."""
 
     growth: np.ndarray
     fall: np.ndarray
@@ -50,8 +50,6 @@ class Evidence:
     mean: np.ndarray
     std: np.ndarray
     shifts: np.ndarray
-    latest: np.ndarray
-    latest_std: np.ndarray
 
 
 def shift_evidence(
@@ -106,7 +104,6 @@ def shift_evidence(
     fall = np.full(w, -np.inf)
     growth = np.full(w, -np.inf)
     best_mean, best_std, best_shifts = np.zeros(w), np.full(w, np.inf), np.zeros(w, dtype=int)
-    latest, latest_std = np.full(w, np.nan), np.full(w, np.nan)
     both_up = known[:, 0] & known[:, 1] & (r[:, 0] > TOLERATED) & (r[:, 1] > TOLERATED)
     all_down = (known & (r < -TOLERATED) & usual[index])[:, :FALLEN].all(axis=1)
     carried = np.sqrt(CARRIED * shared[index])
@@ -126,7 +123,6 @@ def shift_evidence(
         centre = np.einsum("wk,wk->w", solved, r[rows, :k]) / information
         error = 1.0 / np.sqrt(information)
         if k == 1:
-            latest[rows], latest_std[rows] = centre, error
             full = count[rows] >= STEP_WINDOWS
             up, down = full & (centre > STEP), np.zeros(len(rows), dtype=bool)
         else:
@@ -140,7 +136,7 @@ def shift_evidence(
         best_shifts[rows] = np.where(fresh, k, best_shifts[rows])
         growth[rows] = np.maximum(growth[rows], rise)
         fall[rows] = np.maximum(fall[rows], drop)
-    return Evidence(growth, fall, step.max(axis=1), best_mean, best_std, best_shifts, latest, latest_std)
+    return Evidence(growth, fall, step.max(axis=1), best_mean, best_std, best_shifts)
 
 
 def _steps(

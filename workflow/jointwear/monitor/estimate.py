@@ -193,19 +193,6 @@ def _with(free: np.ndarray, target: int) -> np.ndarray:
     return result
 
 
-def other_estimates(sums: Sums, normal: Normal, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the change (..., w, n) of `viscous` or `offset` since the normal period, and its standard deviation.
-
-    All columns are free; NaN where the motion does not tell them apart.
-    """
-    target, free = COLUMNS.index(name), np.ones_like(normal.free)
-    estimate, variance = column_estimate(sums, normal.held, free, normal.variance, target)
-    clear = contrast(sums.gram, free, target)[1] > 0.02 * sums.gram[..., target, target]
-    with np.errstate(invalid="ignore"):
-        estimate = estimate - normal.held[..., None, :, target]
-    return np.where(clear, estimate, np.nan), np.where(clear, np.sqrt(variance * normal.spread[..., None, :]), np.nan)
-
-
 def learn_normal(sums: Sums, scale: np.ndarray, price: float = PRICE) -> Normal:
     """Learn from the windows of the normal period.
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.errors import InputError
 from jointwear.monitor.backlash import (
     BACKLASH,
     backlash_findings,
@@ -116,7 +117,13 @@ def judge(
     baseline : number of windows, from the first, that show the robot healthy, or which ones, (w,) bool.
     known : normal states by name of the series, of a call that differs in the stated rate alone; filled where empty.
     recall : of what the baseline told before, :mod:`.recall`.
+
+    Raises
+    ------
+    InputError : if there is no window.
     """
+    if not statistics.windows:
+        raise InputError("there is no window to judge")
     known = {} if known is None else known
     first = np.arange(statistics.windows) < baseline if np.ndim(baseline) == 0 else np.asarray(baseline, dtype=bool)
     coulomb = np.asarray(settings.coulomb, dtype=float)

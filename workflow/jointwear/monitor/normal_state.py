@@ -36,14 +36,13 @@ class NormalFit:
     """A posterior and what it says of windows that it did not see.
 
     `left_out` (w,): value less the prediction from all *other* shifts; `left_out_variance` (w,): of that prediction.
-    NaN where a window took no part. `left_out_covariance` (s, p, p) of each shift in `shifts` (s,).
+    NaN where a window took no part. `shifts` (s,): labels of those that took part.
     """
 
     posterior: Posterior
     left_out: np.ndarray
     left_out_variance: np.ndarray
     shifts: np.ndarray
-    left_out_covariance: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def fit_normal_state(
     x, y, label = design[used], value[used], shift[used]
     left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
     if not used.any():
-        return NormalFit(prior, left, left_variance, np.zeros(0, dtype=int), np.zeros((0, *prior.covariance.shape)))
+        return NormalFit(prior, left, left_variance, np.zeros(0, dtype=int))
     # Neighbouring windows that remember each other tell less than as many independent ones.
     variance = noise.within[used] * (1 + noise.memory) / (1 - noise.memory)
     names, place = np.unique(label, return_inverse=True)
@@ -109,7 +108,7 @@ def fit_normal_state(
     left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
     spread = [(x[run] @ shown) * x[run] for run, shown in zip(runs, left_covariance, strict=True)]
     left_variance[used] = np.concatenate(spread).sum(axis=1)
-    return NormalFit(Posterior(mean, covariance), left, left_variance, names, left_covariance)
+    return NormalFit(Posterior(mean, covariance), left, left_variance, names)
 
 
 def introduced(

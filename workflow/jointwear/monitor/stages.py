@@ -13,7 +13,7 @@ from typing import Any
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import Layout, layout_of
 from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
+from jointwear.monitor.baseline import keep_baseline, with_kept_baseline
 from jointwear.monitor.clocks import clock_findings
 from jointwear.monitor.findings import missing_temperature
 from jointwear.monitor.judge import judge, settings_of
@@ -24,14 +24,10 @@ from jointwear.monitor.plan import READING_KEYS, window_seconds
 from jointwear.monitor.recall import Recall, read_recall, write_recall
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import Survey, read_survey, survey_log
-from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import robot_sources
 from jointwear.running.modules import code_of
 from jointwear.running.processes import in_processes
-
-#: Fewest windows of a baseline from which anything can be learnt.
-FEWEST_BASELINE = 8
 
 
 def survey_logs(log: str, robot: str | Path, entry: Mapping[str, Any], output: str | Path) -> None:
@@ -75,11 +71,6 @@ def accumulate_windows(
     return [line for piece in pieces for line in piece.refused]
 
 
-def baseline_windows(statistics: WindowStatistics, baseline: Mapping[str, Any]) -> int:
-    """Return how many windows, from the first, end with the baseline; see :mod:`jointwear.monitor.baseline`."""
-    return choose_baseline(statistics, baseline).count
-
-
 def judge_windows(
     windows: Sequence[str],
     robot: str | Path,
@@ -99,7 +90,7 @@ def judge_windows(
 
     Raises
     ------
-    InputError : if no log could be used, or the baseline is too short.
+    InputError : if no log could be used.
     """
     pieces = [piece for path in windows for piece in read_pieces(path)]
     code = code_of("judge_windows")

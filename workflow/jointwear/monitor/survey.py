@@ -146,7 +146,7 @@ def _joined(chunks: list[Chunk]) -> Chunk:
 
 
 def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return the cut-off [Hz] and the noise of the velocity [rad/s], each (n,); rule of discovery.motion.
+    """Return the cut-off [Hz] and the noise of the velocity [rad/s], each (n,); rule of measurement.motion.
 
     Samples far apart show no spectrum: their noise counts as 0.
     """

@@ -17,8 +17,6 @@ from jointwear.files.storage import Variable, open_dataset, read_variable, write
 from jointwear.reproduction.grid import run_attributes
 from jointwear.reproduction.readings import onset_rule, pca_input, select
 
-INPUTS = ("kl_divergence", "mean_absolute_torque", "histogram")
-
 
 @dataclass(frozen=True)
 class NormalModel:

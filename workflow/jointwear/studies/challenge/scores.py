@@ -155,17 +155,3 @@ def calibration(
             }
         )
     return result
-
-
-def failures(rows: Sequence[Row]) -> dict[str, Counter]:
-    """Return for every hidden thing what was answered instead of the right answer, over identifiable cases."""
-    table: dict[str, Counter] = {}
-    for r in rows:
-        if r["kind"] in ("single", "outside", "retuned") and not r["identifiable"]:
-            continue
-        good = {"single": "exact_set", "two": "two_exact", "retuned": "retuned", "outside": "unknown"}.get(r["kind"])
-        if (good and r[good]) or (r["kind"] == "nothing" and not r["false_name"]):
-            continue
-        answer = " + ".join(f"{n}@{a}" for n, a in r["named"]) or r["verdict"]
-        table.setdefault(f"{r['kind']}:{r['subject'] or ''}", Counter())[answer] += 1
-    return table

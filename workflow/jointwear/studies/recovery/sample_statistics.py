@@ -60,18 +60,6 @@ def expected_maximum(level: np.ndarray, noise: np.ndarray, repeats: int, slopes:
     return Expected(value, by_level, by_noise)
 
 
-def maximum_spread(level: np.ndarray, noise: np.ndarray, repeats: int) -> np.ndarray:
-    """Return the standard deviation of the largest noisy sample, (...,); arguments as expected_maximum."""
-    top = level.max(axis=-1)
-    half, middle = (_HIGH - _LOW) / 2, (_HIGH + _LOW) / 2
-    x = middle + half * _NODES
-    z = ((top[..., None] - level) / noise[..., None])[..., None] + x
-    distribution = np.prod(ndtr(z), axis=-2) ** repeats
-    first = _HIGH - distribution @ (half * _WEIGHTS)
-    second = _HIGH**2 - 2 * (distribution * x) @ (half * _WEIGHTS)
-    return noise * np.sqrt(np.maximum(second - first**2, 0.0))
-
-
 def coefficient_of_variation(level: np.ndarray, noise: np.ndarray, repeats: int, ddof: int) -> Expected:
     """Return standard deviation over mean of the noisy |samples|.
 
