@@ -105,7 +105,7 @@ test-browser: $(CHECK)  ## Test the pages in headless Chromium (Debian: chromium
 	@PATH="$(CURDIR)/$(CHECK_VENV)/bin:$$PATH" $(CHECK_VENV)/bin/python -m pytest -m browser
 
 .PHONY: test-publish
-test-publish: $(CHECK)  ## Test crate, CF conventions, site, citation and the Kubernetes profile
+test-publish: $(CHECK)  ## Test crate, CF conventions, site, citation and the Kubernetes profile (Debian: rsync)
 	@PATH="$(CURDIR)/$(CHECK_VENV)/bin:$$PATH" $(CHECK_VENV)/bin/python -m pytest -m publish
 
 .PHONY: test-hostile
