@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -134,137 +134,207 @@ def measure(recording: Recording) -> Measured:
     What is missing is bridged by straight lines for the filter only. Samples that are not evenly spaced are put on an
     even grid first: see :mod:`jointwear.measurement.even_steps`.
     """
+    raw = _raw(recording)
+    n, rate = raw.position.shape[1], raw.rate
+    densities, floors, orders = _noise_of_signals(raw, recording.encoder_step)
+    factor = max(1, round(rate / TARGET_RATE)) if rate > HIGHEST_RATE else 1
+    out_rate = rate / factor
+    cutoff, floor = _cutoffs(raw)
+    if factor > 1:
+        cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), 0.4 * out_rate)
+    # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
+    splines = factor == 1 and bool(np.max(raw.reach, initial=0.0) < RESOLVED * rate) and bool(raw.finite.all())
+    if splines:
+        raw = replace(raw, pieces=[p for p in raw.pieces if p.stop - p.start >= SHORTEST])
+        splines = bool(raw.pieces)
+    if splines:
+        q, v, a, band, noise = _fitted(raw.time, raw.pieces, raw.position, raw.velocity, rate)
+        if raw.derived and np.mean(band >= widest_band(rate)) > 0.5:
+            # One joint may be too coarse or too slow for its encoder. Where most ask for all the knots there are, it is
+            # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
+            splines, raw = False, replace(raw, reach=np.maximum(raw.reach, band))
+        else:
+            cutoff, floor = band if raw.derived else cutoff, noise
+            acceleration = a if raw.acceleration is None else raw.acceleration
+            raw = replace(raw, position=q, velocity=v, acceleration=acceleration)
+    fused = np.zeros(n, bool)
+    if raw.velocity is not None and raw.acceleration is None:
+        velocity, fused = fuse(raw.time, raw.pieces, raw.position, raw.velocity, floors, rate)
+        raw = replace(raw, velocity=velocity)
+        # What the positions show is in these velocities too, though their own floor may hide where it ends.
+        highest = 0.4 * out_rate if factor > 1 else 0.45 * rate
+        cutoff = np.where(fused, np.clip(2.0 * raw.reach, cutoff, np.maximum(cutoff, highest)), cutoff)
+    parts = [
+        _reduced(raw, p, cutoff, factor, splines)
+        for p in raw.pieces
+        if p.stop - p.start >= SHORTEST or not (raw.derived or factor > 1)
+    ]
+    empty = np.zeros((0, n))
+    nothing = [np.zeros(0), np.zeros(0, int), *([empty] * 5), empty.astype(bool)]
+    time, trajectory, position, velocity, acceleration, torque, temperature, ok = (
+        np.concatenate(group) for group in zip(nothing, *parts, strict=True)
+    )
+    speed_floor = floor
+    if parts:
+        fast = np.array([np.quantile(np.abs(velocity[:, j]), 0.95) for j in range(n)])
+        # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
+        slow = np.minimum(SLOW_SHARE * fast, SLOW)
+        speed_floor = np.maximum(np.maximum(5 * floor, slow), 1e-6)
+    band = np.where(np.isfinite(cutoff), cutoff, np.inf)
+    return Measured(
+        time=time,
+        trajectory=trajectory,
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
+        torque=torque,
+        temperature=temperature,
+        usable=ok & _moving(velocity, trajectory, speed_floor, guard=2 if factor > 1 else 1),
+        cutoff=cutoff,
+        rate=out_rate,
+        speed_floor=speed_floor,
+        band=0.5 * out_rate if factor > 1 else np.inf,
+        reach=raw.reach if raw.derived else None,
+        fitted=splines,
+        noise=DerivedNoise(densities, orders, band, splines, rate, fused),
+        velocity_lag=raw.velocity_lag,
+    )
+
+
+@dataclass(frozen=True)
+class _Raw:
+    """A recording on an even grid, what is missing bridged; arrays (m, n) unless stated.
+
+    `pieces` are its uninterrupted stretches, `rate` [Hz]. `velocity` and `acceleration` are None where they were not
+    given; `derived` says that one of them was not. `finite` marks samples that were measured. `reach` (n,) [Hz] up to
+    which the positions hold a signal, `velocity_lag` (n,) [s] as of :class:`Measured`.
+    """
+
+    time: np.ndarray
+    trajectory: np.ndarray
+    pieces: list[slice]
+    rate: float
+    position: np.ndarray
+    velocity: np.ndarray | None
+    acceleration: np.ndarray | None
+    torque: np.ndarray
+    temperature: np.ndarray
+    finite: np.ndarray
+    reach: np.ndarray
+    derived: bool
+    velocity_lag: np.ndarray | None
+
+
+def _raw(recording: Recording) -> _Raw:
+    """Return a recording on an even grid, its velocities in time with its positions."""
     recording, time = evenly(recording, elapsed_time(recording.time, recording.trajectory))
     pieces = pieces_of(time, recording.trajectory)
     step = float(np.median(np.concatenate([np.diff(time[p]) for p in pieces if p.stop - p.start > 1] or [[1.0]])))
     rate = 1.0 / step if step > 0 else 1.0
-    count, n = recording.position.shape
-    temperature = np.full((count, n), np.nan)
+    temperature = np.full(recording.position.shape, np.nan)
     if recording.temperature is not None:
         given = np.asarray(recording.temperature, dtype=float)
         temperature[:] = given[:, None] if given.ndim == 1 else given
     motion = [x for x in (recording.position, recording.velocity, recording.acceleration) if x is not None]
     finite = np.all([np.isfinite(x) for x in (*motion, recording.torque)], axis=0)
     finite[np.any([_long_gaps(x, pieces) for x in motion], axis=0)] = False
-    position, torque = _bridge(recording.position, pieces), _bridge(recording.torque, pieces)
-
-    floor = np.zeros(n)
-    cutoff = np.full(n, np.nan)
+    position = _bridge(recording.position, pieces)
     velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
-    acceleration = None if recording.acceleration is None else _bridge(recording.acceleration, pieces)
-    reach = np.array([spectral_floor([position[p, j] for p in pieces], rate)[1] for j in range(n)])
-    velocity, lag = (None, None) if velocity is None else put_in_time(time, pieces, position, velocity, reach, rate)
-    source = position if velocity is None else velocity
-    signals = {2: position, 1: velocity, 0: acceleration}
-    orders = (0,) if acceleration is not None else (2,) if velocity is None else (2, 1)
-    densities = np.array(
-        [[spectral_floor([signals[k][p, j] for p in pieces], rate)[0] for j in range(n)] for k in orders]
+    reach = np.array([spectral_floor([x[p] for p in pieces], rate)[1] for x in position.T])
+    lag = None
+    if velocity is not None:
+        velocity, lag = put_in_time(time, pieces, position, velocity, reach, rate)
+    return _Raw(
+        time=time,
+        trajectory=recording.trajectory,
+        pieces=pieces,
+        rate=rate,
+        position=position,
+        velocity=velocity,
+        acceleration=None if recording.acceleration is None else _bridge(recording.acceleration, pieces),
+        torque=_bridge(recording.torque, pieces),
+        temperature=temperature,
+        finite=finite,
+        reach=reach,
+        derived=recording.velocity is None or recording.acceleration is None,
+        velocity_lag=lag,
     )
-    floors = densities.copy()
+
+
+def _noise_of_signals(raw: _Raw, encoder_step: float | None) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
+    """Return the noise of the signals that accelerations come from.
+
+    Returns
+    -------
+    densities (k, n) [unit^2/Hz] that the acceleration holds, those that the spectra show, and how often each of the k
+    signals is differentiated.
+    """
+    orders = (0,) if raw.acceleration is not None else (2,) if raw.velocity is None else (2, 1)
+    signals = {2: raw.position, 1: raw.velocity, 0: raw.acceleration}
+    floors = np.array([[spectral_floor([x[p] for p in raw.pieces], raw.rate)[0] for x in signals[k].T] for k in orders])
+    densities = floors.copy()
     if orders == (2, 1):
         # What a filter hides of the noise of the positions is there all the same.
-        densities[1][made_of_positions(time, pieces, position, velocity, floors, rate)] = 0.0
-    if orders[0] == 2 and recording.encoder_step is not None:
-        densities[0] = np.maximum(densities[0], quantisation_density(recording.encoder_step, rate))
-    for j in range(n):
-        density, end = spectral_floor([source[p, j] for p in pieces], rate)
-        if velocity is None or acceleration is None:
+        same = made_of_positions(raw.time, raw.pieces, raw.position, raw.velocity, floors, raw.rate)
+        densities[1][same] = 0.0
+    if orders[0] == 2 and encoder_step is not None:
+        densities[0] = np.maximum(densities[0], quantisation_density(encoder_step, raw.rate))
+    return densities, floors, orders
+
+
+def _cutoffs(raw: _Raw) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cut-off (n,) [Hz] of the filter of every joint, NaN where none is needed, and the noise of its
+    velocity (n,) [rad/s]."""
+    n, rate = raw.position.shape[1], raw.rate
+    floor, cutoff = np.zeros(n), np.full(n, np.nan)
+    for j, x in enumerate((raw.position if raw.velocity is None else raw.velocity).T):
+        density, end = spectral_floor([x[p] for p in raw.pieces], rate)
+        if raw.derived:
             cutoff[j] = min(max(2.0 * end, LOWEST_CUTOFF), 0.45 * rate)
         limit = min(cutoff[j] if np.isfinite(cutoff[j]) else 0.5 * rate, 0.5 * rate)
         # Differentiation multiplies the noise density by (2 pi f)^2.
-        scale = (2 * np.pi) ** 2 * limit**3 / 3 if velocity is None else limit
+        scale = (2 * np.pi) ** 2 * limit**3 / 3 if raw.velocity is None else limit
         floor[j] = np.sqrt(density * scale)
-    derived = velocity is None or acceleration is None
-    factor = max(1, round(rate / TARGET_RATE)) if rate > HIGHEST_RATE else 1
-    out_rate = rate / factor
-    if factor > 1:
-        cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), 0.4 * out_rate)
+    return cutoff, floor
 
-    guard = 2 if factor > 1 else 1
-    parts = []
-    # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
-    splines = factor == 1 and bool(np.max(reach, initial=0.0) < RESOLVED * rate) and bool(finite.all())
-    if splines:
-        pieces = [p for p in pieces if p.stop - p.start >= SHORTEST]
-        splines = bool(pieces)
-    if splines:
-        q, v, a, band, noise = _fitted(time, pieces, position, velocity, rate)
-        if derived and np.mean(band >= widest_band(rate)) > 0.5:
-            # One joint may be too coarse or too slow for its encoder. Where most ask for all the knots there are, it is
-            # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
-            splines, reach = False, np.maximum(reach, band)
-        else:
-            position, velocity, floor = q, v, noise
-            cutoff = band if derived else cutoff
-            acceleration = a if acceleration is None else acceleration
-    fused = np.zeros(n, bool)
-    if velocity is not None and acceleration is None and not splines:
-        velocity, fused = fuse(time, pieces, position, velocity, floors, rate)
-        # What the positions show is in these velocities too, though their own floor may hide where it ends.
-        highest = 0.4 * out_rate if factor > 1 else 0.45 * rate
-        cutoff = np.where(fused, np.clip(2.0 * reach, cutoff, np.maximum(cutoff, highest)), cutoff)
-    for p in pieces:
-        t, q, tau = time[p], position[p], torque[p]
-        if p.stop - p.start < SHORTEST and (derived or factor > 1):
-            continue
-        v = None if velocity is None else velocity[p]
-        a = None if acceleration is None else acceleration[p]
-        if (derived or factor > 1) and not splines:
-            filtered = np.stack([low_pass(q[:, j], cutoff[j], rate) for j in range(n)], axis=1)
-            first, second = derivatives(t, filtered)
-            q = filtered
-            if v is None:
-                v, a = first, second if a is None else a
-            elif a is None:
-                filtered = np.stack([low_pass(v[:, j], cutoff[j], rate) for j in range(n)], axis=1)
-                a = derivatives(t, filtered)[0]
-        if factor > 1:
-            # Half power at the new Nyquist frequency: an emptier band would be blown up by whitening.
-            limit = 0.5 * out_rate
-            tau = low_pass(tau, limit, rate)
-            v, a = low_pass(v, limit, rate), low_pass(a, limit, rate)
-        ok = finite[p].copy()
-        if derived or factor > 1:
-            for j in range(n):
-                known = cutoff[j] if np.isfinite(cutoff[j]) else 0.4 * out_rate
-                # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.
-                reaches = END * 0.5 / known if splines else TRANSIENT / known
-                edge = min(int(np.ceil(reaches * rate)) + 1, len(ok) // 4)
-                ok[:edge, j] = ok[len(ok) - edge :, j] = False
-                # A gap spoils its surroundings as far as the filter reaches.
-                for miss in np.flatnonzero(~finite[p][:, j]):
-                    ok[max(miss - edge, 0) : miss + edge + 1, j] = False
-        keep = slice(factor // 2, None, factor)
-        parts.append([x[keep] for x in (t, recording.trajectory[p], q, v, a, tau, temperature[p], ok)])
-    if not parts:
-        empty = np.zeros((0, n))
-        return Measured(np.zeros(0), np.zeros(0, int), *([empty] * 5), empty.astype(bool), cutoff, out_rate, floor)
-    time, trajectory, position, velocity, acceleration, torque, temperature, ok = (
-        np.concatenate(group) for group in zip(*parts, strict=True)
-    )
-    fast = np.array([np.quantile(np.abs(velocity[:, j]), 0.95) for j in range(n)])
-    # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
-    slow = np.minimum(SLOW_SHARE * fast, SLOW)
-    speed_floor = np.maximum(np.maximum(5 * floor, slow), 1e-6)
-    usable = ok & _moving(velocity, trajectory, speed_floor, guard)
-    return Measured(
-        time,
-        trajectory,
-        position,
-        velocity,
-        acceleration,
-        torque,
-        temperature,
-        usable,
-        cutoff,
-        out_rate,
-        speed_floor,
-        0.5 * out_rate if factor > 1 else np.inf,
-        reach if derived else None,
-        splines,
-        DerivedNoise(densities, orders, np.where(np.isfinite(cutoff), cutoff, np.inf), splines, rate, fused),
-        lag,
-    )
+
+def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool) -> list[np.ndarray]:
+    """Return one stretch with its derivatives at the rate that is kept.
+
+    Returns
+    -------
+    time and label (k,), position, velocity, acceleration, torque, temperature, and what is away from gaps and from the
+    edges of filters (k, n).
+    """
+    n, rate = raw.position.shape[1], raw.rate
+    t, q, tau = raw.time[p], raw.position[p], raw.torque[p]
+    v = None if raw.velocity is None else raw.velocity[p]
+    a = None if raw.acceleration is None else raw.acceleration[p]
+    if (raw.derived or factor > 1) and not splines:
+        q = np.stack([low_pass(q[:, j], cutoff[j], rate) for j in range(n)], axis=1)
+        first, second = derivatives(t, q)
+        if v is None:
+            v, a = first, second if a is None else a
+        elif a is None:
+            filtered = np.stack([low_pass(v[:, j], cutoff[j], rate) for j in range(n)], axis=1)
+            a = derivatives(t, filtered)[0]
+    if factor > 1:
+        # Half power at the new Nyquist frequency: an emptier band would be blown up by whitening.
+        limit = 0.5 * rate / factor
+        tau, v, a = (low_pass(x, limit, rate) for x in (tau, v, a))
+    ok = raw.finite[p].copy()
+    if raw.derived or factor > 1:
+        for j in range(n):
+            known = cutoff[j] if np.isfinite(cutoff[j]) else 0.4 * rate / factor
+            # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.
+            reaches = END * 0.5 / known if splines else TRANSIENT / known
+            edge = min(int(np.ceil(reaches * rate)) + 1, len(ok) // 4)
+            ok[:edge, j] = ok[len(ok) - edge :, j] = False
+            # A gap spoils its surroundings as far as the filter reaches.
+            for miss in np.flatnonzero(~raw.finite[p][:, j]):
+                ok[max(miss - edge, 0) : miss + edge + 1, j] = False
+    keep = slice(factor // 2, None, factor)
+    return [x[keep] for x in (t, raw.trajectory[p], q, v, a, tau, raw.temperature[p], ok)]
 
 
 def _fitted(time, pieces: list[slice], position, velocity, rate: float):
