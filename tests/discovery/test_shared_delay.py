@@ -1,5 +1,6 @@
 """A log whose torque is late or early on all joints alike is read at the right time; one joint that is late is not."""
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +13,17 @@ from jointwear.discovery.decide import whitened
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
-from jointwear.discovery.shared_delay import delay_in_words, is_feigned, sampling_period, shared_delay, without_delay
+from jointwear.discovery.shared_delay import (
+    delay_in_words,
+    lasting_terms,
+    sampling_period,
+    shared_delay,
+    without_delay,
+)
 from jointwear.effects import get_effect
 from jointwear.measurement.recording import Recording, split
-from jointwear.robots.robot import load_robot
+from jointwear.robots.robot import load_robot, robot_from_data
+from jointwear.robots.robot_file import read_robot_file
 
 
 @pytest.fixture(scope="module")
@@ -60,18 +68,48 @@ def test_torque_that_is_held_for_a_period_names_nothing(recording, robot):
     assert any("all joints is recorded" in told and "early" in told for told in found.data["restrictions"])
 
 
-@pytest.mark.parametrize("share", [0.3, 0.0])
-def test_a_delay_that_goes_beside_a_load_was_none(recording, robot, share):
-    """Read 0.3 periods later than it was, the torque is early by as much beside what was found."""
-    period = sampling_period(recording)
-    read = without_delay(recording, share * period)
-    white = whitened(build_problem(read, robot, Settings()))
+def _load(white):
+    """What a payload adds, as a name."""
     load = Candidate("payload", None, None)
     blocks = raw_blocks(white, load)
     term = Term("payload", {a: white.columns(a, x) for a, x in _whole(white, load).items()}, np.ones(10), blocks)
-    assert is_feigned(white, period, 0.3 * period, [Named(load, term, None, 99.0)]) == (share > 0)
-    late = Candidate("actuation_delay", 1, None, {"delay": 0.3 * period, "lag": 0})
-    assert not is_feigned(white, period, 0.3 * period, [Named(late, term, None, 99.0)])
+    return Named(load, term, None, 99.0)
+
+
+@pytest.mark.parametrize("late", [0.0, -0.5])
+@pytest.mark.parametrize("read", [0.3, 0.0])
+def test_a_delay_is_asked_again_beside_a_load(recording, robot, late, read):
+    """Read 0.3 periods later than it was, or not, the torque is as late beside what was found as it was at first."""
+    period = sampling_period(recording)
+    came = without_delay(recording, -late * period)
+    white = whitened(build_problem(without_delay(came, read * period), robot, Settings()))
+    asked = shared_delay(white, period, lasting_terms([_load(white)]), read * period) / period
+    assert asked == pytest.approx(late, abs=0.07)
+
+
+def test_a_log_that_is_read_right_stays_so(recording, robot):
+    period = sampling_period(recording)
+    came = without_delay(recording, 0.5 * period)
+    read = -0.48 * period
+    white = whitened(build_problem(without_delay(came, read), robot, Settings()))
+    assert shared_delay(white, period, (), read) == read
+
+
+def test_names_of_timing_are_nothing_that_lasts(recording, robot):
+    white = whitened(build_problem(recording, robot, Settings()))
+    load = _load(white)
+    late = Named(Candidate("actuation_delay", 1, None, {"delay": 0.003, "lag": 0}), load.term, None, 99.0)
+    assert lasting_terms([load, late]) == lasting_terms([load]) == [load.term]
+
+
+def test_a_delay_that_a_tilt_hides_is_taken_out_beside_it(recording, robot):
+    """A torque held for a period on a base that is not level: the tilt is named, and no joint gets a delay."""
+    content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
+    content["gravity"] = [0.35, 0.0, -9.8]
+    held = without_delay(make_case(robot_from_data(content), 29), 0.5 * sampling_period(recording))
+    found = discover(held, robot)
+    assert [e["effect"] for e in found.effects] == ["mounting_tilt"]
+    assert any("all joints is recorded" in told and "early" in told for told in found.data["restrictions"])
 
 
 def test_torque_is_read_later_within_each_trajectory():
@@ -79,7 +117,11 @@ def test_torque_is_read_later_within_each_trajectory():
     torque = np.array([0.0, 1.0, 2.0, 10.0, 12.0, 14.0])[:, None]
     recording = Recording(time, trajectory, np.zeros((6, 1)), torque)
     assert sampling_period(recording) == pytest.approx(0.1)
-    np.testing.assert_allclose(without_delay(recording, 0.05).torque[:, 0], [0.5, 1.5, 2.0, 11.0, 13.0, 14.0])
-    np.testing.assert_allclose(without_delay(recording, -0.05).torque[:, 0], [0.0, 0.5, 1.5, 10.0, 11.0, 13.0])
+    np.testing.assert_allclose(without_delay(recording, 0.05).torque[:, 0], [0.5, 1.5, 2.5, 11.0, 13.0, 15.0])
+    np.testing.assert_allclose(without_delay(recording, -0.05).torque[:, 0], [-0.5, 0.5, 1.5, 9.0, 11.0, 13.0])
+    holed = replace(recording, torque=np.where(np.arange(6)[:, None] == 1, np.nan, torque))
+    np.testing.assert_allclose(without_delay(holed, 0.05).torque[3:, 0], [11.0, 13.0, 15.0])
+    uneven = replace(recording, time=np.array([0.0, 0.1, 0.3, 5.0, 5.1, 5.3]))
+    np.testing.assert_allclose(without_delay(uneven, 0.05).torque[:3, 0], [0.5, 1.25, 2.0])
     assert "2 ms early (0.50 of a sampling period)" in delay_in_words(-0.002, 0.004)
     assert "late" in delay_in_words(0.002, 0.004)

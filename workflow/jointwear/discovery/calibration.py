@@ -16,7 +16,14 @@ FILE = Path(__file__).with_name("calibration.json")
 #: Dunson 2019), in which so many nats make up one. A part of the features that the fit was made with.
 COARSE = 0.005
 #: What the probability depends on.
-FEATURES = ("one", "asinh of the log odds", "share of what the axis lacks", "structure is left on the axis")
+FEATURES = (
+    "one",
+    "asinh of the log odds",
+    "minus the logarithm of the share of what the axis lacks that it leaves",
+    "structure is left on the axis",
+)
+#: Share that a name leaves from which less is told apart no more: shares are known no better.
+LEAST_LEFT = 0.02
 
 
 def features(log_odds: float, share: float, left: bool) -> tuple[float, ...]:
@@ -27,16 +34,19 @@ def features(log_odds: float, share: float, left: bool) -> tuple[float, ...]:
     log_odds : coarsened, against its rivals. share : of the squared error beyond the noise that it explains in records
         left out. left : whether its axis stays unexplained.
     """
-    return 1.0, float(np.arcsinh(log_odds)), float(np.clip(share, 0.0, 1.0)), float(left)
+    leaves = LEAST_LEFT + 1.0 - float(np.clip(share, 0.0, 1.0))
+    return 1.0, float(np.arcsinh(log_odds)), float(-np.log(leaves)), float(left)
 
 
 def calibrated(log_odds: float, share: float, left: bool) -> float:
     """Return the probability that a name is right; parameters as of :func:`features`.
 
-    No name is given whose log odds are below zero, so that no fit has seen one: there they count as they are.
+    No name is given whose log odds are below zero, so that no fit has seen one: there they count as they are. Above
+    zero nothing else is as likely as the name, whatever it explains: one half at least, so that no name depends on the
+    fit.
     """
     probability = float(expit(np.dot(_coefficients(), features(log_odds, share, left))))
-    return min(probability, float(expit(log_odds))) if log_odds < 0 else probability
+    return min(probability, float(expit(log_odds))) if log_odds < 0 else max(probability, 0.5)
 
 
 @cache

@@ -19,7 +19,7 @@ import numpy as np
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.effects import State
-from jointwear.effects.order import first_derivative, late_torque, second_derivative
+from jointwear.effects.order import change_by_delay, first_derivative, second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise
 from jointwear.measurement.filtering import HIGHEST, low_pass, zero_phase_gain
 from jointwear.measurement.motion import runs
@@ -112,7 +112,7 @@ def _late(
     along = 1.0 - np.cos(np.minimum(2 * np.pi * frequency * LATE, np.pi))
     # What is motion is seen where noise does no harm, as for columns of timing.
     limited = limited_state(problem, axis, timing)
-    column = white(late_torque(limited, axis, LATE) - limited.torque[:, axis])
+    column = white(change_by_delay(limited, axis, LATE))
     energy = _beside_base(problem, axis, white, limited, timing, column)
     return max(timing, _highest(white, np.stack([along, 2.0 * along]) * share, frequency, rate, energy))
 

@@ -24,7 +24,7 @@ from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_delay import (
     delay_in_words,
-    is_feigned,
+    lasting_terms,
     sampling_period,
     shared_delay,
     without_delay,
@@ -42,6 +42,8 @@ from jointwear.measurement.silent_joints import moving_torques
 from jointwear.robots.robot import Robot
 
 MODELS = ("nominal", "retuned", "augmented")
+#: How often a log is read and searched at most, each time with the delay that its joints share beside what was found.
+READINGS = 3
 
 
 @dataclass
@@ -142,11 +144,8 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem)
     try:
-        white = whitened(problem)
-        in_time = _read_in_time(recording, white)
-        if in_time is None:
-            return _judge(recording, beside_slow_noise(white, search), restrictions)
-        return _judge(*in_time[:2], [*restrictions, in_time[2]])
+        recording, outcome, told = _read_in_time(recording, whitened(problem))
+        return _judge(recording, outcome, [*restrictions, *told])
     except InputError:
         raise
     except NUMERICAL as error:
@@ -154,21 +153,28 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
         return _undecided(recording, problem, restrictions, reason(error))
 
 
-def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcome, str] | None:
+def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcome, list[str]]:
     """Return a recording without the delay that all its joints share, what is found in it, and the delay in words.
 
-    None where they share none, or where it is only what an effect that is found without it looks like.
+    What a load or a tilt lacks can look like a delay of several joints, or hide one: the delay is asked again beside
+    what was found, and the log is read and searched again for as long as that changes it.
     """
-    period = sampling_period(recording)
-    delay = shared_delay(white, period)
-    if not delay:
-        return None
-    recording, problem = without_delay(recording, delay), white.problem
-    in_time = whitened(build_problem(recording, problem.robot, problem.settings, moving_torques(recording)))
-    outcome = beside_slow_noise(in_time, search)
-    if is_feigned(outcome.white, period, delay, outcome.named):
-        return None
-    return recording, outcome, delay_in_words(delay, period)
+    problem, period = white.problem, sampling_period(recording)
+    as_it_came, log, read = white, recording, 0.0
+    delay, outcome = shared_delay(white, period), None
+    for _ in range(READINGS):
+        if delay != read:
+            log, read = without_delay(recording, delay) if delay else recording, delay
+            white = as_it_came
+            if delay:
+                again = build_problem(log, problem.robot, problem.settings, moving_torques(log))
+                white = whitened(again)
+        outcome = beside_slow_noise(white, search)
+        beside = lasting_terms(outcome.named)
+        delay = shared_delay(outcome.white, period, beside, read) if beside else read
+        if delay == read:
+            break
+    return log, outcome, [delay_in_words(read, period)] if read else []
 
 
 def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:

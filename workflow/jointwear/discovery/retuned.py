@@ -56,15 +56,21 @@ def retuned_parameters(final: Final) -> list[Retuned]:
 
 
 def _wrong_mass(final: Final) -> list[Retuned]:
-    """Return the link whose mass best explains that inertial parameters are not nominal, if they are not."""
+    """Return the link whose mass best explains that inertial parameters are not nominal, if they are not.
+
+    Where no other inertial parameter is needed beside one mass, it is the cause, and all of the change is its own.
+    Elsewhere it is that of the written robot which is farthest off, known as well as the data and the prior have it
+    beside all the others.
+    """
     outcome, problem = final.outcome, final.outcome.problem
-    white = final.white
+    white, settings = final.white, problem.settings
     named = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
     fixed = [t for t in white.base if t.label != INERTIAL]
     effects = [divided(t, final.misfit) for n in outcome.named if n.candidate.effect != LINK_MASS for t in n.terms]
     fit = Fit(white.targets, [*fixed, *effects])
     full = white.fit([*effects])
-    if not named and full.evidence - fit.evidence < problem.settings.accept:
+    worth = full.evidence - fit.evidence
+    if not named and worth < settings.accept:
         return []
     keys = {(LINK_MASS, link, None) for link in range(problem.robot.joints)}
     found = scan(white, masses_of(outcome.dictionary, final.misfit, LINK_MASS), fit, keys)
@@ -74,20 +80,40 @@ def _wrong_mass(final: Final) -> list[Retuned]:
     if best is None:
         return []
     b, gram = fit.gram(best.blocks)
-    if gain(b, gram, best.std) < problem.settings.accept and not named:
-        return []
-    share = float(b[0] / (gram[0, 0] + 1 / best.std[0] ** 2))
+    alone = gain(b, gram, best.std)
+    if not named and worth - alone > settings.accept:
+        return _farthest_mass(final, full)
     mass = bodies(problem.robot)[best.candidate.axis][0]
-    return [
-        Retuned(
-            parameter="link_mass",
-            axis=best.candidate.axis + 1,
-            nominal=six_digits(mass),
-            value=six_digits(mass * (1 + share)),
-            std=six_digits(mass / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2)),
-            unit="kg",
-        )
-    ]
+    share = float(b[0] / (gram[0, 0] + 1 / best.std[0] ** 2))
+    std = float(np.hypot(1.0 / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2), settings.parameter_error))
+    return [_link_mass(best.candidate.axis, mass, mass * (1 + share), mass * std)]
+
+
+def _farthest_mass(final: Final, full: Fit) -> list[Retuned]:
+    """Return the link mass of the written robot that is most standard deviations off, beside all inertial parameters.
+
+    Parameters
+    ----------
+    full : the fit of everything.
+    """
+    problem, directions = final.outcome.problem, final.white.directions
+    where = full.where(INERTIAL)
+    masses = np.array([body[0] for body in bodies(problem.robot)])
+    rows = problem.factor[::10]
+    seen = rows @ directions
+    # What no direction of the fit holds is known by its prior alone.
+    variance = np.sum(rows**2, axis=1) - np.sum(seen**2, axis=1)
+    variance = variance + np.einsum("lp,pq,lq->l", seen, full.covariance[where, where], seen)
+    std = np.hypot(np.sqrt(np.maximum(variance, 0.0)), problem.settings.parameter_error * masses)
+    change = final.delta_inertial[::10]
+    link = int(np.argmax(np.divide(np.abs(change), std, out=np.zeros_like(std), where=std > 0)))
+    if not change[link]:
+        return []
+    return [_link_mass(link, masses[link], masses[link] + change[link], std[link])]
+
+
+def _link_mass(link: int, nominal: float, value: float, std: float) -> Retuned:
+    return Retuned("link_mass", link + 1, six_digits(nominal), six_digits(value), six_digits(std), "kg")
 
 
 def stands_in(retuned: list[Retuned], open_axes: Collection[int]) -> list[str]:

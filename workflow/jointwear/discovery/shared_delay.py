@@ -16,13 +16,16 @@ import numpy as np
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named
+from jointwear.discovery.recorded_in_time import put_forward
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
-from jointwear.effects.order import late_torque
+from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import Recording
 
 #: Largest delay, in sampling periods: half of one, and what it is not known to.
 LARGEST = 0.6
+#: Spread of the steps of time over the usual one up to which samples count as even.
+EVEN = 0.05
 #: Delays that are compared on either side of none.
 STEPS = 60
 
@@ -33,47 +36,43 @@ def sampling_period(recording: Recording) -> float:
     return float(np.median(step[same])) if same.any() else 0.0
 
 
-def shared_delay(white: White, period: float, beside: Sequence[Term] = ()) -> float:
-    """Return the delay [s] of the torque that most joints have in common, negative where it is early; 0 for none.
+def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read: float = 0.0) -> float:
+    """Return the delay [s] of the torque of a log that most joints have in common, negative where it is early.
 
-    No joint counts for more than half of what a name needs, so that three have to agree, and one with a delay of its
-    own speaks neither for nor against.
+    It is 0, or the delay that has been taken out already, where no other is clearly likelier. No joint counts for more
+    than half of what a name needs, so that three have to agree, and one with a delay of its own speaks neither for nor
+    against.
 
     Parameters
     ----------
-    period : between two samples as they were logged [s].
+    white : of the log with its torque read `read` [s] later. period : between two samples as they were logged [s].
     beside : terms of the model beside which it is asked.
     """
     fit = white.fit(list(beside))
     found = [of_joint for axis in white.problem.judged if (of_joint := _of_joint(white, fit, axis, period)) is not None]
     if not found:
-        return 0.0
+        return read
     delay, sigma = np.array(found).T
     settings = white.problem.settings
-    shares = np.linspace(-LARGEST, LARGEST, 2 * STEPS + 1)
-    against = np.minimum(0.5 * ((delay - shares[:, None]) / sigma) ** 2, 0.5 * settings.accept).sum(axis=1)
+    shares = np.append(np.linspace(-LARGEST, LARGEST, 2 * STEPS + 1), read / period)
+    left = shares[:, None] - read / period
+    against = np.minimum(0.5 * ((delay - left) / sigma) ** 2, 0.5 * settings.accept).sum(axis=1)
     best = int(np.argmin(against))
+    if against[-1] - against[best] <= settings.accept:
+        return read
     return float(shares[best] * period) if against[STEPS] - against[best] > settings.accept else 0.0
 
 
-def is_feigned(white: White, period: float, delay: float, named: Sequence[Named]) -> bool:
-    """Return whether a delay that was taken out of a log is only what effects that were found since look like.
-
-    What a load lacks follows its speed on several joints. Beside it the torque would then have to be read back again.
-
-    Parameters
-    ----------
-    white : the log without the `delay` [s]. named : effects found in it, of which those of timing are not asked.
-    """
-    lasting = [n for n in named if n.candidate.effect == LINK_MASS or not get_effect(n.candidate.effect).timing]
-    terms = [t for n in lasting for t in n.terms]
-    return bool(terms) and abs(delay + shared_delay(white, period, terms)) < 0.5 * abs(delay)
+def lasting_terms(named: Sequence[Named]) -> list[Term]:
+    """Return the terms of what was named that has nothing to do with time."""
+    lasting = (n for n in named if n.candidate.effect == LINK_MASS or not get_effect(n.candidate.effect).timing)
+    return [t for n in lasting for t in n.terms]
 
 
 def _of_joint(white: White, fit: Fit, axis: int, period: float) -> tuple[float, float] | None:
     """Return the delay of the torque of one joint and its standard deviation, both in sampling periods."""
     state = white.timing_state(axis)
-    late = late_torque(state, axis, 0.5 * period) - state.torque[:, axis]
+    late = change_by_delay(state, axis, 0.5 * period)
     b, gram = fit.gram({axis: white.columns(axis, late[:, None])})
     if not gram[0, 0] > 0:
         return None
@@ -82,13 +81,21 @@ def _of_joint(white: White, fit: Fit, axis: int, period: float) -> tuple[float, 
 
 
 def without_delay(recording: Recording, delay: float) -> Recording:
-    """Return a recording whose torque is read `delay` [s] later, straight between samples of one trajectory."""
+    """Return a recording whose torque is read `delay` [s] later within each trajectory.
+
+    It keeps its whole band: the mean of two neighbours would lack the highest frequencies, which the noise model then
+    makes much of. Where samples are missing or not even it is read straight between them.
+    """
     torque = np.array(recording.torque, dtype=float)
     for label in recording.labels:
         rows = recording.trajectory == label
         time = recording.time[rows]
-        for axis in range(recording.joints):
-            torque[rows, axis] = np.interp(time + delay, time, recording.torque[rows, axis])
+        step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+        even = step > 0 and np.ptp(np.diff(time)) < EVEN * step
+        for axis, values in enumerate(recording.torque[rows].T):
+            whole = even and np.isfinite(values).all()
+            later = put_forward(values, delay, 1.0 / step) if whole else np.interp(time + delay, time, values)
+            torque[rows, axis] = later
     return replace(recording, torque=torque)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects.effect import AxisFunction, Bend, Parameters
-from jointwear.effects.order import late_torque, second_derivative
+from jointwear.effects.order import change_by_delay, second_derivative
 from jointwear.effects.state import State
 from jointwear.effects.tables import hats, knots_of
 
@@ -77,7 +77,7 @@ def timing_bend(delays: tuple[float, ...] = (0.006, 0.018, -0.006)) -> Bend:
     """
 
     def columns(state, axis, source, p, knots):
-        late = [late_torque(state, axis, d) - state.torque[:, axis] for d in delays]
+        late = [change_by_delay(state, axis, d) for d in delays]
         return np.stack([*late, *(second_derivative(state, x[:, axis]) for x in (state.torque, state.load))], axis=1)
 
     return Bend(columns)

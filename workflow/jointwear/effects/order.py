@@ -87,6 +87,20 @@ def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     return smooth + level_of(state, axis, _sense(state, axis, velocity, delay))
 
 
+def change_by_delay(state: State, axis: int, delay: float) -> np.ndarray:
+    """Return what a delay [s] changes of the nominal torque (m,) of one axis.
+
+    Against the torque as it is at the same time, in a stop too: there friction holds the joint, whatever the sign of
+    the velocity, and that is no matter of time.
+    """
+    return late_torque(state, axis, delay) - late_torque(state, axis, 0.0)
+
+
+def change_by_lag(state: State, axis: int, lag: float) -> np.ndarray:
+    """Return what a first-order lag [s] changes of the nominal torque (m,) of one axis; see :func:`change_by_delay`."""
+    return smoothed_torque(state, axis, lag) - late_torque(state, axis, 0.0)
+
+
 def earlier_sense(state: State, axis: int, delay: float) -> np.ndarray:
     """Return the share (m,), -1 to 1, of its Coulomb friction that an axis had `delay` [s] earlier."""
     return _sense(state, axis, state.between(axis).earlier(delay)[:, 1], delay)

@@ -4,7 +4,7 @@ import numpy as np
 
 from jointwear.effects.bends import timing_bend
 from jointwear.effects.effect import Effect, Parameter
-from jointwear.effects.order import late_torque, smoothed_torque
+from jointwear.effects.order import change_by_delay, change_by_lag
 
 _LONGEST = 0.06
 
@@ -12,8 +12,8 @@ _LONGEST = 0.06
 def _columns(state, axis, source, p):
     if state.record is None:
         return np.zeros((*np.shape(state.time), 1))
-    late = smoothed_torque if p.get("lag") else late_torque
-    return (late(state, axis, p["delay"]) - state.torque[..., axis])[..., None]
+    change = change_by_lag if p.get("lag") else change_by_delay
+    return change(state, axis, p["delay"])[..., None]
 
 
 def _grid(state, axis):

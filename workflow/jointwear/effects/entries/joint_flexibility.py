@@ -9,9 +9,9 @@ from jointwear.effects.swing import wind_up
 
 #: Jm G^2 / K [s^2] to start from, for drives of 2 to 23 Hz; reversals of the motor move with it.
 _SHARES = (5e-5, 1.3e-4, 3.2e-4, 8e-4, 2e-3, 5e-3)
-#: J / K [s^2] to start from, for links that swing at 60 to 6 Hz. A swing is sharp: in steps of a seventh of the
-#: stiffness none is passed by.
-_SWINGS = tuple(float(x) for x in (2 * np.pi * np.geomspace(60.0, 6.0, 33)) ** -2.0)
+#: J / K [s^2] to start from, for links that swing at 60 to 4 Hz, that of a heavy arm stretched out with its load. A
+#: swing is sharp: in steps of a seventh of the stiffness none is passed by.
+_SWINGS = tuple(float(x) for x in (2 * np.pi * np.geomspace(60.0, 4.0, 39)) ** -2.0)
 #: Damping of that swing to start from, over that at which it ends.
 _DAMPING = 0.05
 

@@ -98,10 +98,11 @@ def main(arguments: list[str] | None = None) -> int:
     """Parse arguments, fit, print, store."""
     parser = argparse.ArgumentParser(prog="python -m jointwear.studies.world.calibration", description=__doc__)
     parser.add_argument("rows", nargs="+", type=Path, help="judged rows of choosing cases")
+    parser.add_argument("--source", help="what the rows are, in words; default: choosing cases of the tier")
     parser.add_argument("--store", action="store_true", help="write the fit beside the code of discovery that uses it")
     given = parser.parse_args(arguments)
     rows = [row for path in given.rows for row in read_json(path)["cases"]]
-    stored = summary(rows, f"{len(rows)} choosing cases of the tier world")
+    stored = summary(rows, f"{len(rows)} {given.source or 'choosing cases of the tier world'}")
     print(json.dumps(stored, indent=1))
     if given.store:
         write_json(FILE, stored)
