@@ -17,6 +17,7 @@ from jointwear.discovery.structure import Basis, strongest_line
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
+from jointwear.files.wording import numbered
 
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
 #: together: half, by what the word means.
@@ -171,7 +172,7 @@ def stand_alone(outcome: Outcome) -> None:
         if not axes:
             kept.append(one)
             continue
-        where = f"joint{'s' if len(axes) > 1 else ''} {', '.join(str(a + 1) for a in axes)}"
+        where = numbered("joint", [a + 1 for a in axes])
         others = [t for n in outcome.named if n is not one for t in n.terms]
         found, failed = predictive(outcome.white, others, one)
         share = found.share if failed else _share(outcome, others, one, found)

@@ -27,6 +27,7 @@ from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
+from jointwear.files.wording import numbered
 from jointwear.measurement.checked import checked
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
@@ -254,9 +255,9 @@ def _advice(
 ) -> list[str]:
     """Return what to record instead, the most useful first."""
     found = []
-    still = [str(j.axis) for j in joints if j.moving < MOVING]
+    still = [j.axis for j in joints if j.moving < MOVING]
     if still:
-        found.append(f"Move joint{'s' if len(still) > 1 else ''} {', '.join(still)} for a larger part of the time.")
+        found.append(f"Move {numbered('joint', still)} for a larger part of the time.")
     if len(recording.train) < 3:
         found.append("Record at least three trajectories to learn from: each is left out in turn to check every name.")
     if not problem.state.has_temperature:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.effects.temperature import SMALLEST_SPREAD
+from jointwear.files.wording import numbered
 from jointwear.measurement.checks import Refused
 
 #: Temperatures are said to go with the trajectories where these are fewer, and their means scatter by so many times
@@ -44,8 +45,8 @@ def motion_restrictions(problem) -> list[str]:
         moved = [] if lag is None else np.flatnonzero(lag > 0 if late else lag < 0)
         if len(moved):
             most = 1e3 * np.abs(lag[moved]).max()
-            joints = ", ".join(str(axis + 1) for axis in moved)
-            found.append(f"given velocities are up to {most:.2g} ms {way} their positions (joints {joints}): put right")
+            joints = numbered("joint", moved + 1)
+            found.append(f"given velocities are up to {most:.2g} ms {way} their positions ({joints}): put right")
     if not problem.state.has_temperature:
         found.append("no temperature was recorded: effects of temperature cannot be seen")
         return found
@@ -63,7 +64,7 @@ def motion_restrictions(problem) -> list[str]:
             coincide.append(axis + 1)
     if coincide:
         found.append(
-            f"the temperature of joints {', '.join(map(str, coincide))} differs between the {len(labels)} training "
+            f"the temperature of {numbered('joint', coincide)} differs between the {len(labels)} training "
             "trajectories and hardly within them: what changes with temperature cannot be told from what differs "
             "between these trajectories"
         )

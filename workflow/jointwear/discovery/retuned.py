@@ -15,6 +15,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Retuned
 from jointwear.discovery.whitening import INERTIAL
 from jointwear.files.json_values import six_digits
+from jointwear.files.wording import numbered
 from jointwear.robots.inertia import bodies
 
 _FRICTION_UNITS = ("N m", "N m", "N m s/rad", "kg m2")
@@ -121,8 +122,7 @@ def stands_in(retuned: list[Retuned], open_axes: Collection[int]) -> list[str]:
     axes = sorted({one.axis for one in retuned if one.parameter in FRICTION and one.axis - 1 in open_axes})
     if not axes:
         return []
-    joints = f"joint{'s' if len(axes) > 1 else ''} {', '.join(map(str, axes))}"
-    return [f"{joints}: retuned friction and motor inertia stand in for what stays unexplained there"]
+    return [f"{numbered('joint', axes)}: retuned friction and motor inertia stand in for what stays unexplained there"]
 
 
 def ended_on_bounds(retuned: list[Retuned]) -> list[str]:

@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
+from jointwear.files.wording import numbered
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import bodies, inertial_regressor, prior_factor, to_joint_frame
 from jointwear.robots.robot import Robot
@@ -74,10 +75,7 @@ class Reading:
 
     @property
     def _joints(self) -> str:
-        numbers = [str(axis + 1) for axis in self.axes]
-        if len(numbers) == 1:
-            return f"joint {numbers[0]}"
-        return f"joints {' and '.join(numbers) if len(numbers) == 2 else ', '.join(numbers)}"
+        return numbered("joint", [axis + 1 for axis in self.axes])
 
     @property
     def _degrees(self) -> str:

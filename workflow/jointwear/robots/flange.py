@@ -34,9 +34,8 @@ class FlangeLoad:
             place = model.jointPlacements[joint]
             # Of a robot with one joint, Pinocchio gives a vector.
             twist = pin.getJointJacobian(model, data, joint, pin.LOCAL).reshape(6, -1)[:, joint - 1]
-            turning = not twist[:3].any()
-            own = _with_third_axis(twist[3:] if turning else twist[:3])
-            self._steps.append((base.T @ place.rotation @ own, base.T @ place.translation, turning))
+            own = _with_third_axis(twist[3:])
+            self._steps.append((base.T @ place.rotation @ own, base.T @ place.translation))
             base = own
         tip = pin.SE3.Identity() if robot.urdf is not None else model.frames[model.getFrameId(TIP)].placement
         self._tip = (base.T @ tip.rotation, base.T @ tip.translation)
@@ -106,19 +105,14 @@ class FlangeLoad:
         sine, cosine = np.sin(q), np.cos(q)
         frame = _Frame(np.broadcast_to(np.eye(3)[:, :, None], (3, 3, m)), *(np.zeros((3, m)) for _ in range(4)))
         joints = []
-        for k, (fixed, offset, turning) in enumerate(self._steps):
+        for k, (fixed, offset) in enumerate(self._steps):
             frame = frame.placed(fixed, offset)
             way = frame.turn[:, 2]
-            joints.append(_Joint(way, frame.place, turning))
-            if turning:
-                spun = frame.spun + way * a[k]
-                spun += _cross(frame.spin, way) * v[k]
-                frame = replace(
-                    frame, turn=_turned(frame.turn, sine[k], cosine[k]), spin=frame.spin + way * v[k], spun=spun
-                )
-            else:
-                pushed = frame.pushed + way * a[k] + 2 * v[k] * _cross(frame.spin, way) + q[k] * frame.swung(way)
-                frame = replace(frame, place=frame.place + q[k] * way, pushed=pushed)
+            joints.append(_Joint(way, frame.place))
+            spun = frame.spun + way * a[k]
+            spun += _cross(frame.spin, way) * v[k]
+            turn = _turned(frame.turn, sine[k], cosine[k])
+            frame = replace(frame, turn=turn, spin=frame.spin + way * v[k], spun=spun)
         return joints, frame.placed(*self._tip)
 
 
@@ -149,19 +143,18 @@ class _Frame:
 
 @dataclass(frozen=True)
 class _Joint:
-    """Direction and place (3, m) of a joint that turns or slides."""
+    """Direction and place (3, m) of the axis of a joint."""
 
     way: np.ndarray
     centre: np.ndarray
-    turning: bool
 
     def reach(self, place: np.ndarray) -> np.ndarray:
         """Return what a force at a place is multiplied with."""
-        return _cross(self.way, place - self.centre) if self.turning else self.way
+        return _cross(self.way, place - self.centre)
 
-    def couple(self, couple: np.ndarray) -> np.ndarray | float:
+    def couple(self, couple: np.ndarray) -> np.ndarray:
         """Return the torque of a couple."""
-        return _dot(self.way, couple) if self.turning else 0.0
+        return _dot(self.way, couple)
 
 
 def _blocks(count: int) -> list[slice]:
