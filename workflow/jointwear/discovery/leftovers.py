@@ -19,6 +19,8 @@ from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
 from jointwear.files.wording import numbered
 
+#: Waves of a motor turn that have to be resolved for the angle of the motor to be an argument of structure.
+RESOLVED_ORDER = 6.0
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
 #: together: half, by what the word means.
 MOST = 0.5
@@ -58,7 +60,7 @@ def unexplained(
         for basis in white.bases(axis):
             if asked is not None and (axis, basis.argument) not in asked:
                 continue
-            if basis.argument == "motor angle" and not resolved(white, axis, 6.0):
+            if basis.argument == "motor angle" and not resolved(white, axis, RESOLVED_ORDER):
                 continue
             columns = white.columns(axis, basis.columns)
             good = np.sum(columns**2, axis=0) > 1e-9

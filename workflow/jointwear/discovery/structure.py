@@ -10,6 +10,20 @@ from jointwear.effects.state import State
 from jointwear.effects.tables import hats, knots_of
 from jointwear.effects.temperature import SMALLEST_SPREAD
 
+#: Knots over each argument of the axis: a structure that matters to a simulation is a few knots wide. Temperature has
+#: few, since it passes through each value once or twice in a record.
+KNOTS = {"position": 16, "velocity": 16, "acceleration": 12, "torque": 14, "load": 10, "temperature": 5}
+#: Knots over position and velocity of another joint, of which there are many.
+KNOTS_OF_OTHERS = {"position": 7, "velocity": 8}
+#: Share of the knots that the saturated fit has, and its fewest, for the noise to keep most of its degrees of freedom.
+COARSE, FEWEST_KNOTS = 0.6, 4
+#: Length of bins of time [s]: of an offset, and of friction, which shows in either direction of motion alone.
+TIME_BIN, FRICTION_BIN = 1.5, 5.0
+#: Waves of a motor turn: magnets, slots, gear teeth and bearings of usual drives lie below.
+ORDERS = 12
+#: Travel [rad] below which a joint counts as still.
+STILL = 1e-6
+
 
 @dataclass(frozen=True)
 class Basis:
@@ -44,49 +58,47 @@ def axis_bases(
     velocity : (N, n) [rad/s] that bases over velocities are made of; default those of `state`.
     """
     velocity = state.velocity if velocity is None else velocity
-    fine = 0.6 if coarse else 1.0
+    fine = COARSE if coarse else 1.0
     found: list[Basis] = []
 
     def add(argument, unit, values, count, carrier=None):
-        knots = knots_of(values[usable], max(4, round(fine * count)))
+        knots = knots_of(values[usable], max(FEWEST_KNOTS, round(fine * count)))
         columns = hats(values, knots)
         if columns.shape[1]:
             found.append(Basis(argument, unit, columns if carrier is None else columns * carrier[:, None], values))
 
     q, v, a = state.position[:, axis], velocity[:, axis], state.acceleration[:, axis]
     s, torque, load = state.direction[:, axis], state.torque[:, axis], state.load[:, axis]
-    add("position", "rad", q, 16)
-    add("position x direction", "rad", q, 16, s)
-    add("velocity", "rad/s", v, 16)
-    add("acceleration", "rad/s2", a, 12)
-    add("torque", "N m", torque, 14)
-    add("load x direction", "N m", load, 10, s)
+    add("position", "rad", q, KNOTS["position"])
+    add("position x direction", "rad", q, KNOTS["position"], s)
+    add("velocity", "rad/s", v, KNOTS["velocity"])
+    add("acceleration", "rad/s2", a, KNOTS["acceleration"])
+    add("torque", "N m", torque, KNOTS["torque"])
+    add("load x direction", "N m", load, KNOTS["load"], s)
     warm = state.temperature[:, axis]
     if np.isfinite(warm).any() and np.ptp(warm[np.isfinite(warm)]) > SMALLEST_SPREAD:
         warm = np.nan_to_num(warm, nan=float(np.nanmean(warm)))
-        add("temperature", "degC", warm, 5)
-        add("temperature x direction", "degC", warm, 5, s)
-        add("temperature x velocity", "degC", warm, 5, v)
-    bins = time_bins(state, 1.5)
-    found.append(Basis("time", "s", bins, state.time))
-    slow = time_bins(state, 5.0)
+        for argument, carrier in (("temperature", None), ("temperature x direction", s), ("temperature x velocity", v)):
+            add(argument, "degC", warm, KNOTS["temperature"], carrier)
+    found.append(Basis("time", "s", time_bins(state, TIME_BIN), state.time))
+    slow = time_bins(state, FRICTION_BIN)
     found.append(Basis("time x direction", "s", slow * s[:, None], state.time))
     for other in range(state.position.shape[1]):
         if other == axis:
             continue
         p = state.position[:, other]
-        if np.ptp(p) < 1e-6:
+        if np.ptp(p) < STILL:
             continue
-        add(f"position of joint {other + 1}", "rad", p, 7)
-        add(f"position of joint {other + 1} x direction", "rad", p, 7, s)
-        add(f"velocity of joint {other + 1}", "rad/s", velocity[:, other], 8)
+        add(f"position of joint {other + 1}", "rad", p, KNOTS_OF_OTHERS["position"])
+        add(f"position of joint {other + 1} x direction", "rad", p, KNOTS_OF_OTHERS["position"], s)
+        add(f"velocity of joint {other + 1}", "rad/s", velocity[:, other], KNOTS_OF_OTHERS["velocity"])
         if not coarse or abs(other - axis) <= 1:
             x, y = _unit(q), _unit(p)
             pair = np.stack([x * y, x * x * y, x * y * y], axis=1)
             found.append(Basis(f"position x position of joint {other + 1}", "rad", pair, p))
     if not coarse:
         angle = state.drive.gear_ratio[axis] * q
-        orders = np.arange(1, 13)
+        orders = np.arange(1, ORDERS + 1)
         found.append(
             Basis(
                 "motor angle",
