@@ -141,3 +141,16 @@ def test_a_joint_whose_torque_keeps_one_value_is_not_judged_and_all_of_them_are_
     assert found.usable.any(axis=0).tolist() == [True, True, False, True, True, True]
     with pytest.raises(Refused, match="keeps one value while the axes move"):
         moving_torques(replace(recording, torque=np.ones_like(still)))
+
+
+def test_a_file_without_motor_inertia_is_no_other_unit(example):
+    """A URDF of the links alone lacks the rotors, which make up most of what turns a wrist."""
+    recording, robot, measured = example
+    nothing = np.zeros(robot.joints)
+    bare = replace(robot, armature=nothing, viscous=nothing, coulomb_positive=nothing, coulomb_negative=nothing)
+    found = torque_factors(recording, bare, measured)
+    np.testing.assert_allclose(found.factor, [1.0, 1.0, np.nan, np.nan, np.nan, np.nan], atol=0.15)
+    with pytest.raises(Refused, match="torque of joint 2 is 944 times"):
+        check_scale_of_one(
+            torque_factors(recording, bare, replace(measured, torque=measured.torque * [1, 1e3, 1, 1, 1, 1]))
+        )

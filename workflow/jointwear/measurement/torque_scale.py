@@ -154,7 +154,8 @@ def factors(
     """Return the factor of the torque of each joint on the model's (n,), and the share of its squared torque that is
     left once it is applied (n,); NaN where it is not clear.
 
-    Each axis is regressed on the torque of its bodies and friction of free size; its factor counts where it is clear
+    Each axis is regressed on the torque of its bodies and friction of free size, and of a motor inertia where the robot
+    file has none; its factor counts where it is clear
     and leaves little. A wrong robot file leaves factors near one, or much of the torque.
 
     Parameters
@@ -173,6 +174,9 @@ def factors(
             continue
         v, torque = measured.velocity[used, j], measured.torque[used, j]
         design = np.stack([rigid[used, j], np.sign(v), v, np.ones(len(v))], axis=1)
+        if robot.armature[j] == 0.0 and not behind_gears:
+            # A file that knows no motor inertia, as a URDF of the links alone, lacks most of what turns a wrist.
+            design = np.concatenate([design, measured.acceleration[used, j][:, None]], axis=1)
         if load is not None:
             design = np.concatenate([design, load[used][:, :, j]], axis=1)
         size = np.maximum(np.sqrt((design**2).mean(axis=0)), 1e-12)
