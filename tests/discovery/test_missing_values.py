@@ -8,6 +8,7 @@ from discovery_cases import make_case
 
 from jointwear.discovery import discover
 from jointwear.discovery.preflight import check_data
+from jointwear.measurement import checked
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import measure
 from jointwear.robots.dynamics import Dynamics
@@ -108,3 +109,11 @@ def test_a_payload_is_named_while_the_first_joint_rests(robot):
     (payload,) = found.effects
     assert payload["effect"] == "payload"
     assert payload["regime"]["range"][1] > payload["regime"]["range"][0]
+
+
+def test_what_could_not_be_asked_is_not_said_to_have_passed(healthy, robot, monkeypatch):
+    assert any("no other sign" in words for words in check_data(healthy, robot).passed)
+    monkeypatch.setattr(checked, "check_axes", lambda *_: False)
+    told = check_data(healthy, robot)
+    assert checked.UNASKED in told.restrictions
+    assert not any("no other sign" in words for words in told.passed)

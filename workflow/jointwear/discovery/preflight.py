@@ -7,7 +7,7 @@ of what discovery will find.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
-from jointwear.measurement.checked import checked
+from jointwear.measurement.checked import UNASKED, checked
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.publishing.report.numbers import number
@@ -141,17 +141,21 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
         encoder_side=recording.encoder_side,
         trajectories=tuple(_trajectories(recording)),
         joints=tuple(joints),
-        passed=(
-            f"{robot.joints} joints, as the robot",
-            "positions are in rad",
-            "no other sign, order or side of the axes fits the model better",
-        ),
+        passed=tuple(_passed(robot, restrictions)),
         restrictions=tuple(restrictions),
         shown=tuple(shown),
         not_shown=tuple(_once(not_shown, problem)),
         pairs=tuple(pairs),
         advice=tuple(_advice(recording, problem, joints, not_shown, pairs)),
     )
+
+
+def _passed(robot: Robot, restrictions: Sequence[str]) -> Iterator[str]:
+    """Yield in words what was checked of a recording that is not refused."""
+    yield f"{robot.joints} joints, as the robot"
+    yield "positions are in rad"
+    if UNASKED not in restrictions:
+        yield "no other sign, order, zero or side of the axes fits the model better"
 
 
 def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Shown], list[Shown]]:

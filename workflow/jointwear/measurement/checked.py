@@ -14,6 +14,9 @@ from jointwear.measurement.torque_follows import check_follows
 from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, torque_factors
 from jointwear.robots.robot import Robot
 
+#: What is told where the motion is too little for the question.
+UNASKED = "too little motion to tell whether sign, order, zero and side of the axes are those of the robot"
+
 
 def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     """Return what :func:`~jointwear.measurement.motion.measure` makes of a recording, and restrictions in words.
@@ -30,7 +33,8 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.
     factors = torque_factors(recording, robot, measured)
     restrictions += check_scale(factors)
-    check_axes(name, robot, measured)
+    if not check_axes(name, robot, measured):
+        restrictions.append(UNASKED)
     check_scale_of_one(factors)
     check_model_size(measured, robot, name)
     check_follows(measured, robot, name)

@@ -225,11 +225,12 @@ def _enough(reading: Reading, gained: float) -> float:
     return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * FAVOURS[reading.kind]
 
 
-def check_axes(name: str, robot: Robot, measured: Measured) -> None:
+def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
     """Check order, signs and zeros of the axes, and the side of their torques, against the nominal model.
 
     Another reading must explain the data far better with the numbers of the nominal model as they are, and be the
-    likelier one when these may be somewhat wrong; or it must be far more likely when they may.
+    likelier one when these may be somewhat wrong; or it must be far more likely when they may. Returns whether there
+    was enough motion to ask.
 
     Parameters
     ----------
@@ -241,11 +242,11 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> None:
     """
     parts, time, usable = _features(measured)
     if len(time) < FEWEST:
-        return
+        return False
     dynamics = Dynamics(robot)
     left = explained(dynamics, parts, usable)
     if not np.isfinite(left).any():
-        return
+        return False
     likelihood = Likelihood(dynamics, FEWEST)
     as_read: float | None = None
     believed: list[tuple[float, Reading]] = []
@@ -266,3 +267,4 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> None:
     if believed:
         reading = max(believed, key=lambda x: x[0])[1]
         raise Refused(f"{name}: {reading.reason}{_WHY[reading.kind]}", reading.remedy)
+    return True
