@@ -28,10 +28,11 @@ from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import coarse_findings, findings_of
 from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.learning import AxisNormal, learn_axes
+from jointwear.monitor.parts import viscous_part
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.programs import labelled_regimes, program_findings
 from jointwear.monitor.recall import Recall
-from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records, viscous_part
+from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
 from jointwear.monitor.regimes import find_regimes, signatures
 from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
 from jointwear.monitor.series import Series, friction_series, sums_of, usual_speed
@@ -88,7 +89,8 @@ class Judgement:
     period; `viscous` [N m s/rad] where the motion shows it; `backlash` [%], of the torque
     pulses at reversals of the load. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`,
     :data:`UNJUDGED`. `alarms` : records with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3):
-    forecast at the last judged window, median, low and high; NaN where none is due, infinite where open.
+    forecast at the last judged window, median, low and high; NaN where none is due, infinite where open; `limited_by`
+    (n): the quantity whose limit that is.
     `reason` (w, n): why not judged, :class:`~jointwear.monitor.records.Reason`. `findings` :
     what is no alarm but must be told: `time` [s], `axes` (1-based), `kind`, `words`.
     """
@@ -100,6 +102,7 @@ class Judgement:
     units: dict[str, str]
     hours_to_limit: np.ndarray
     reason: np.ndarray
+    limited_by: list[str] = field(default_factory=list)
     findings: list[dict[str, Any]] = field(default_factory=list)
 
 
@@ -183,9 +186,10 @@ def judge(
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
         alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime, events)
-    estimates, std = _estimates(level, viscous, series, usual)
+    estimates, std = _estimates(level, viscous, series, usual, shift)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
+    hours, limited_by = teller.hours_to_limit()
     status = raised_status(teller.status, backlash, CHANGED)
     findings = findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, conditions)
     findings += coarse_findings(statistics, first, teller.least, limit)
@@ -197,14 +201,15 @@ def judge(
         status=status,
         alarms=alarms,
         units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad", BACKLASH: "%"},
-        hours_to_limit=teller.hours_to_limit(),
+        hours_to_limit=hours,
+        limited_by=limited_by,
         reason=teller.reasons(),
         findings=findings,
     )
 
 
 def _estimates(
-    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray
+    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray, shift: np.ndarray
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     shape = level.residual.shape
     names = ("coulomb", "coulomb_percent", "viscous")
@@ -212,7 +217,7 @@ def _estimates(
     for j in range(shape[1]):
         axis = level.axes[j]
         if axis is not None:
-            part, spread = viscous_part(level, viscous, j)
+            part, spread = viscous_part(level, viscous, j, shift, float(series["friction"].share[j]))
             growth, error = np.expm1(level.residual[:, j]) - part, np.hypot(level.std[:, j], spread)
             values["coulomb"][:, j], std["coulomb"][:, j] = axis.unit * growth, axis.unit * error
             scale = 100 * axis.to_coulomb

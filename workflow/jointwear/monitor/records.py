@@ -11,27 +11,24 @@ import numpy as np
 
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
-from jointwear.monitor.dispersion import inflated
 from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import Forecast
+from jointwear.monitor.limits import COULOMB, NOTHING, VISCOUS, Limits
 from jointwear.monitor.locate import axis_probability
 from jointwear.monitor.paper_detector import paper_alarms
+from jointwear.monitor.parts import viscous_episodes
 from jointwear.monitor.series import Series
 from jointwear.monitor.shared_error import FINDING
-from jointwear.monitor.shift_forecast import forecast_shifts
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
 
 HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
 DETECTORS = ("model", "paper")
-COULOMB, VISCOUS = "coulomb friction", "viscous friction"
 #: Normal quantile of the 80 % interval of a change.
 _Q80 = 1.2815515655446004
 #: An alarm that lasts is told again after this many hours, with a new forecast; after that when growth has risen by
 #: this much more, or after a week.
 REPEAT_HOURS, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 0.02, 168.0
-#: Viscous friction is named where it makes up at least this share of the growth, this many standard deviations clear.
-VISCOUS_PART, VISCOUS_CLEAR = 0.5, 2.0
 
 
 class Reason(IntEnum):
@@ -41,9 +38,6 @@ class Reason(IntEnum):
     BASELINE = 1
     LEARNING = 2
     CONDITIONS = 3
-
-
-_NOTHING = Forecast(np.nan, np.nan, np.nan)
 
 
 class Teller:
@@ -62,10 +56,15 @@ class Teller:
         limit: float,
         events: Sequence[Event],
     ) -> None:
-        self._s, self._shift, self._baseline, self._limit = statistics, shift, baseline, limit
+        self._s, self._baseline = statistics, baseline
         self._level, self._viscous, self._series, self._speed = level, viscous, series, speed
         self._events = events
         self._alarm = level.alarm | self._viscous_alone()
+        share = series["friction"].share
+        self._named = np.stack(
+            [viscous_episodes(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))], axis=1
+        )
+        self._limits = Limits(level, viscous, share, self._named, shift, statistics.end, limit)
         self.least = self._least_seen()
         self._told = self._spaced()
         self.status = self._states()
@@ -134,15 +133,13 @@ class Teller:
     def _parts(self, k: int, j: int) -> tuple[str, float, float]:
         """Return the name of the quantity that grew by window `k`, and mean and error of the level."""
         level, viscous = self._level, self._viscous
-        mean, error = level.mean[k, j], level.mean_std[k, j]
+        part = VISCOUS, float(viscous.mean[k, j]), float(viscous.mean_std[k, j])
         if not level.alarm[k, j]:
-            return VISCOUS, float(viscous.mean[k, j]), float(viscous.mean_std[k, j])
-        part, spread = viscous.mean[k, j], viscous.mean_std[k, j]
-        total = np.expm1(mean) * (1.0 if level.axes[j].source == "friction" else self._series["friction"].share[j])
-        clear = np.isfinite(part) and part > VISCOUS_CLEAR * spread and part > VISCOUS_PART * total
-        if clear and level.axes[j].source == "coulomb":
-            return VISCOUS, float(part), float(spread)
-        return (VISCOUS if clear else COULOMB), float(mean), float(error)
+            return part
+        named = self._named[k, j]
+        if named and level.axes[j].source == "coulomb":
+            return part
+        return (VISCOUS if named else COULOMB), float(level.mean[k, j]), float(level.mean_std[k, j])
 
     def reasons(self) -> np.ndarray:
         """Return why each window (w, n) is not judged, of :class:`Reason`."""
@@ -176,76 +173,25 @@ class Teller:
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
             sure = axis_probability(statistic[k], threshold[k])[j] if self._level.alarm[k, j] else np.nan
-            expected = self.forecast(k, j, name)
+            expected = self._limits.forecast(k, j, name)[1]
             result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
         return result
 
-    def forecast(self, k: int, j: int, name: str) -> Forecast:
-        """Return the forecast of axis `j` at window `k`."""
-        source = self._level if self._level.axes[j] is not None and name == COULOMB else self._viscous
-        axis = source.axes[j]
-        if axis is None:
-            return _NOTHING
-        begin = max([s.window for s in source.starts[j] if s.window <= k], default=0)
-        known = np.isfinite(source.residual[:, j])
-        inside = known & ~self._baseline & (np.arange(len(known)) <= k) & (np.arange(len(known)) >= begin)
-        times, means, variances = [], [], []
-        for s in np.unique(self._shift[inside]):
-            rows = inside & (self._shift == s)
-            weight = 1.0 / source.noise[rows, j]
-            times.append(float(np.mean(self._s.end[rows])) / 3600)
-            means.append(float(weight @ source.residual[rows, j] / weight.sum()))
-            own = float(inflated(rows.sum(), axis.dispersion.memory)) / weight.sum()
-            variances.append(own + axis.dispersion.between**2)
-        if not times:
-            return _NOTHING
-        if name == COULOMB:
-            scale = axis.to_coulomb
-            growth = scale * np.expm1(np.array(means))
-        else:
-            scale = 1.0 / max(1.0 - float(self._series["friction"].share[j]), 0.05)
-            growth = scale * np.array(means)
-        left = float(np.sqrt(np.nanmedian(axis.fit.left_out_variance)))
-        before = np.flatnonzero(self._baseline) if not begin else np.arange(begin)
-        return forecast_shifts(
-            np.array(times), growth, scale**2 * np.array(variances), self._limit,
-            shared=scale * left, start=float(self._s.end[before[-1]]) / 3600, now=float(self._s.end[k]) / 3600,
-        )  # fmt: skip
+    def hours_to_limit(self) -> tuple[np.ndarray, list[str]]:
+        """Return the forecasts (n, 3) of the changed axes at their last judged window, and the quantity of each limit.
 
-    def hours_to_limit(self) -> np.ndarray:
-        """Return the forecasts (n, 3) of the changed axes at their last judged window."""
-        result = np.full((self.status.shape[1], 3), np.nan)
-        for j in range(len(result)):
+        None where growth cannot be told from zero by now: a date would be one of chance.
+        """
+        n = self.status.shape[1]
+        result, quantities = np.full((n, 3), np.nan), [""] * n
+        for j in range(n):
             known = np.flatnonzero(np.isfinite(self._level.residual[:, j]))
             if len(known) and self.status[known[-1], j] == CHANGED:
                 told = np.flatnonzero(self._told[: known[-1] + 1, j])
                 name = self._parts(told[-1], j)[0] if len(told) else COULOMB
-                found = self.forecast(int(known[-1]), j, name)
-                result[j] = found.hours, found.low, found.high
-        return result
-
-
-def viscous_part(level: Watch, viscous: Watch, j: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the part (w,) of the growth of the level of axis `j` that is viscous, and its error, both 0 without any.
-
-    Where the level holds viscous friction too, its growth is not that of Coulomb friction: from the window on in which
-    the viscous part is named until the next start it is told apart. A level that leaves viscous friction out as it was
-    takes a share of its growth that is not known: NaN.
-    """
-    part, spread = (np.array(x[:, j], dtype=float) for x in (viscous.mean, viscous.mean_std))
-    if level.axes[j] is None:
-        return np.zeros(len(part)), np.zeros(len(part))
-    with np.errstate(invalid="ignore"):
-        clear = (part > VISCOUS_CLEAR * spread) & (part > VISCOUS_PART * np.expm1(level.mean[:, j]))
-    named = clear & level.alarm[:, j]
-    for a, b in itertools.pairwise([0, *sorted({s.window for s in level.starts[j]}), len(part)]):
-        named[a:b] = np.logical_or.accumulate(named[a:b])
-    known = np.isfinite(part) & np.isfinite(spread)
-    last = np.maximum.accumulate(np.where(known, np.arange(len(part)), 0))
-    told = named & known[last]
-    if level.axes[j].source != "friction":
-        return np.where(told, np.nan, 0.0), np.zeros(len(part))
-    return np.where(told, part[last], 0.0), np.where(told, spread[last], 0.0)
+                quantity, found = self._limits.forecast(int(known[-1]), j, name, now=True)
+                result[j], quantities[j] = (found.hours, found.low, found.high), quantity
+        return result, quantities
 
 
 def paper_records(
@@ -283,7 +229,7 @@ def _paper_records(
     unknown = [np.nan] * 3
     return [
         record(
-            statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, "", np.nan, _NOTHING, DETECTORS[1]
+            statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, "", np.nan, NOTHING, DETECTORS[1]
         )
         for k in np.flatnonzero(verdict.alarm)
     ]  # fmt: skip
