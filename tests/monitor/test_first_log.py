@@ -8,10 +8,10 @@ from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks import Refused
-from jointwear.monitor.findings import missing_temperature
+from jointwear.monitor.findings import dead_band_findings, missing_temperature
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.survey import read_survey, survey_log
 from jointwear.robots.robot import EffectEntry, Link
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.fast_path import survey_of
@@ -64,6 +64,42 @@ def test_an_axis_at_rest_in_the_first_log_takes_its_dead_band_from_those_that_mo
     moving, still = surveyed(tmp_path, log).dead_band, surveyed(tmp_path, replace(log, position=rest)).dead_band
     assert still[:5] == pytest.approx(moving[:5])
     assert still[5] >= min(moving[:5]) > 2 * np.pi * 0.8 * 1e-3
+
+
+def test_samples_that_are_missing_are_no_noise(tmp_path):
+    """Rows that the logger dropped and values that are not finite, as many as a bad network loses."""
+    log, random = make_log(60.0), np.random.default_rng(7)
+    whole = surveyed(tmp_path, log)
+    kept = random.random(len(log.time)) > 0.005
+    dropped = replace(log, **{k: getattr(log, k)[kept] for k in ("time", "position", "torque")})
+    holed = log.position.copy()
+    holed[~kept] = np.nan
+    for other in (dropped, replace(log, position=holed)):
+        found = surveyed(tmp_path, other)
+        assert found.dead_band == pytest.approx(whole.dead_band, rel=0.1)
+        assert found.cutoff == pytest.approx(whole.cutoff, rel=0.1)
+
+
+def test_a_log_full_of_holes_is_surveyed_all_the_same(tmp_path):
+    log = make_log(60.0)
+    kept = np.arange(len(log.time)) % 40 != 0
+    found = surveyed(tmp_path, replace(log, **{k: getattr(log, k)[kept] for k in ("time", "position", "torque")}))
+    assert np.isfinite(found.dead_band).all()
+
+
+def test_a_dead_band_that_is_all_noise_is_told_where_an_axis_cannot_be_judged(tmp_path, statistics):
+    log = make_log(60.0)
+    rough = log.position.copy()
+    rough[:, 1] += 2e-3 * np.random.default_rng(8).standard_normal(len(rough))
+    found = surveyed(tmp_path, replace(log, position=rough))
+    assert found.noisy == [False, True, False, False, False, False]
+    unseen = np.array([True, True, False, False, False, False])
+    (told,) = dead_band_findings(statistics, 2, unseen, found.noisy, found.dead_band)
+    assert told["axes"] == [2]
+    assert "state 'dead_band'" in told["words"]
+    assert not dead_band_findings(statistics, 2, ~unseen, found.noisy, found.dead_band)
+    found.write(tmp_path / "survey.json")
+    assert read_survey(tmp_path / "survey.json").noisy == found.noisy
 
 
 @pytest.fixture(scope="module")

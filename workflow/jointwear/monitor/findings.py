@@ -187,6 +187,32 @@ def coarse_words(least: float) -> str:
     return f"only changes above {100 * least:.0f} % can be seen"
 
 
+def dead_band_findings(
+    statistics: WindowStatistics, baseline: int, unseen: np.ndarray, noisy: Sequence[bool], dead_band: Sequence[float]
+) -> list[dict[str, Any]]:
+    """Return one finding for each axis that cannot be judged, or only coarsely, beside a dead band that is all noise.
+
+    Parameters
+    ----------
+    baseline : windows of it. unseen : (n,) bool, the axis is never judged, or changes up to its limit are not seen.
+    noisy, dead_band [rad/s] : of the survey, (n,).
+    """
+    return [
+        {
+            "time": float(statistics.end[baseline - 1]),
+            "axes": [j + 1],
+            "kind": "dead_band",
+            "words": (
+                f"Axis {j + 1} counts as at rest below {dead_band[j]:.2g} rad/s. That comes from the noise of its "
+                "position in the first log, more than its speed asks for, and leaves less of its motion to judge. If "
+                "that log is worse than the others, state 'dead_band' in the entry of the robot."
+            ),
+        }
+        for j in range(len(unseen))
+        if unseen[j] and j < len(noisy) and noisy[j]
+    ]
+
+
 def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict[str, Any]]:
     """Return one finding on effects of the robot file that count as zero because a temperature was not logged, or none.
 

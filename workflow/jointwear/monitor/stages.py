@@ -10,13 +10,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import Layout, layout_of
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import keep_baseline, with_kept_baseline
 from jointwear.monitor.clocks import clock_findings
-from jointwear.monitor.findings import missing_temperature
-from jointwear.monitor.judge import judge, settings_of
+from jointwear.monitor.findings import COARSE, dead_band_findings, missing_temperature
+from jointwear.monitor.judge import UNJUDGED, Judgement, judge, settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.piece_files import read_pieces, write_pieces
@@ -24,6 +26,7 @@ from jointwear.monitor.plan import READING_KEYS, window_seconds
 from jointwear.monitor.recall import Recall, read_recall, write_recall
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import Survey, read_survey, survey_log
+from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import robot_sources
 from jointwear.running.modules import code_of
@@ -140,6 +143,19 @@ def judge_pieces(
         told = {"time": begin, "axes": [], "kind": "baseline", "words": baseline.words}
         judgement = replace(judgement, findings=[told, *judgement.findings])
     more = [*clock_findings(whole), *missing_temperature(statistics, arm)]
+    more += _dead_bands(Path(state).parent / "survey.json", statistics, judgement, baseline.count)
     judgement = replace(judgement, findings=[*more, *judgement.findings])
     write_state(state, judgement, whole, baseline.count, arm, entry, name or arm.name)
     write_alarms(alarms, judgement.alarms, whole.statistics.dated)
+
+
+def _dead_bands(path: Path, statistics: WindowStatistics, judgement: Judgement, baseline: int) -> list[dict[str, Any]]:
+    """Return findings on dead bands of the survey beside the state, none where there is no sound survey."""
+    try:
+        survey = read_survey(path)
+    except InputError:
+        return []
+    unseen = (judgement.status[baseline:] == UNJUDGED).all(axis=0)
+    coarse = {axis for f in judgement.findings if f["kind"] == COARSE for axis in f["axes"]}
+    unseen |= np.isin(np.arange(1, len(unseen) + 1), list(coarse))
+    return dead_band_findings(statistics, max(baseline, 1), unseen, survey.noisy, survey.dead_band)

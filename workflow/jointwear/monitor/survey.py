@@ -5,8 +5,7 @@ Only the first log decides, so that a log that arrives later changes nothing of 
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +34,11 @@ NOISE, SHARE, LEAST = 5.0, 0.02, 1e-3
 #: Travel [rad] of the first log up to which an axis counts as at rest in it: brakes, servo and wind move it less, and
 #: a program that moves an axis moves it further.
 AT_REST = 0.05
+#: Fewest samples of a piece that shows a spectrum, most pieces that are looked at, and usual steps after which a sample
+#: is missing before the next: closed up, two neighbours a step apart look like noise.
+SHORTEST_PIECE, MOST_PIECES, MISSING = 64, 200, 1.5
+#: Floor of a piece over the usual one above which it is left out: a spike, a bump against a stop.
+LOUDEST_PIECE = 10.0
 #: Length of a block in times that the noise remembers, and fewest blocks in the motion of a window.
 BLOCK_TIMES, FEWEST_BLOCKS = 5.0, 30
 
@@ -45,7 +49,8 @@ class Survey:
 
     `cutoff` [Hz] of the filter for what is derived; `dead_band` [rad/s]; `torque_reference` [N m]; `rate` [Hz];
     `dated`; `measured`: roles that the log has; `left`: share of the squared torque that the model leaves, or None;
-    `block` [s] of :class:`~jointwear.monitor.accumulate.WindowSettings`; `log`: the log itself.
+    `block` [s] of :class:`~jointwear.monitor.accumulate.WindowSettings`; `log`: the log itself; `noisy`: the axis
+    moves, and its dead band comes from the noise of its velocity.
     """
 
     dated: bool
@@ -57,6 +62,7 @@ class Survey:
     left: list[float | None]
     block: float
     log: str = ""
+    noisy: list[bool] = field(default_factory=list)
 
     def write(self, path: str | Path) -> None:
         """Keep the survey as JSON."""
@@ -118,7 +124,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         )
     cutoff, noise = _spectra(chunk, stretch, rate, derived)
     motion = derive_motion(chunk, stretch, cutoff)
-    dead_bands = _dead_band(motion, noise, dead_band)
+    dead_bands, noisy = _dead_band(motion, noise, dead_band)
     try:
         left = check_first(chunk, stretch, motion, robot, dead_bands, path)
     except Refused as refusal:
@@ -133,6 +139,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         left=left,
         block=_block_length(chunk, stretch, motion, model, dead_bands, length, rate),
         log=str(path),
+        noisy=noisy.tolist(),
     )
 
 
@@ -153,13 +160,12 @@ def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> t
     n = chunk.position.shape[1]
     if rate < SLOWEST_RATE:
         return np.full(n, 0.4 * rate), np.zeros(n)
-    edges = [0, *(np.flatnonzero(np.diff(stretch)) + 1), len(stretch)]
-    pieces = [slice(a, b) for a, b in itertools.pairwise(edges) if b - a >= 64][:200]
     cutoff, noise = np.full(n, min(0.4 * rate, HIGHEST_CUTOFF)), np.zeros(n)
     source = unwrapped(chunk.position) if chunk.velocity is None else chunk.velocity
+    edges = np.flatnonzero(np.diff(stretch)) + 1
+    missing = np.flatnonzero(np.diff(chunk.time) * rate > MISSING) + 1
     for j in range(n):
-        signals = [x[np.isfinite(x)] for x in (source[p, j] for p in pieces)]
-        density, end = spectral_floor([x for x in signals if len(x) >= 64], rate)
+        density, end = spectral_floor(_pieces(source[:, j], edges, missing, rate), rate)
         if derived:
             cutoff[j] = min(2.0 * end, 0.4 * rate, HIGHEST_CUTOFF)
         limit = cutoff[j] if derived else 0.5 * rate
@@ -168,10 +174,33 @@ def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> t
     return cutoff, noise
 
 
-def _dead_band(motion: Motion, noise: np.ndarray, given: Any) -> np.ndarray:
+def _pieces(signal: np.ndarray, edges: np.ndarray, missing: np.ndarray, rate: float) -> list[np.ndarray]:
+    """Return the pieces of a signal (m,) that its noise is told from: without a hole, where there are such.
+
+    Parameters
+    ----------
+    edges, missing : samples at which a stretch begins, and before which a sample is missing. rate : [Hz].
+    """
+    whole = [x[np.isfinite(x)] for x in np.split(signal, edges)]
+    whole = [x for x in whole if len(x) >= SHORTEST_PIECE][:MOST_PIECES]
+    finite = np.isfinite(signal)
+    if finite.all() and not len(np.setdiff1d(missing, edges)):
+        return whole
+    cuts = np.unique(np.concatenate([edges, missing, np.flatnonzero(np.diff(finite)) + 1]))
+    # Of the second differences as many as a spectrum takes are left.
+    sound = [x for x in np.split(signal, cuts) if len(x) >= SHORTEST_PIECE + 2 and np.isfinite(x[0])]
+    if not sound:
+        return whole
+    sound = sorted(sound, key=len, reverse=True)[:MOST_PIECES]
+    floors = np.array([spectral_floor([x], rate)[0] for x in sound])
+    return [x for x, floor in zip(sound, floors, strict=True) if floor <= LOUDEST_PIECE * np.median(floors)]
+
+
+def _dead_band(motion: Motion, noise: np.ndarray, given: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return the dead band [rad/s] and whether it comes from noise, each (n,); `given` in the config is taken as is."""
     n = len(noise)
     if given is not None:
-        return np.broadcast_to(np.asarray(given, dtype=float), (n,)).copy()
+        return np.broadcast_to(np.asarray(given, dtype=float), (n,)).copy(), np.zeros(n, dtype=bool)
     speed = np.where(motion.usable, np.abs(motion.velocity), np.nan)
     fast = np.array([np.nanquantile(s, 0.95) if np.isfinite(s).any() else 0.0 for s in speed.T])
     position = np.where(motion.usable, motion.position, np.nan)
@@ -179,7 +208,8 @@ def _dead_band(motion: Motion, noise: np.ndarray, given: Any) -> np.ndarray:
     if moves.any():
         # What an axis at rest does in this log is no motion of it: its own speed says nothing of how it moves later.
         fast[~moves] = np.median(fast[moves])
-    return np.maximum.reduce([NOISE * noise, SHARE * fast, np.full(n, LEAST)])
+    by_speed = np.maximum(SHARE * fast, LEAST)
+    return np.maximum(NOISE * noise, by_speed), moves & (NOISE * noise > by_speed)
 
 
 def _torque_reference(torque: np.ndarray) -> np.ndarray:
