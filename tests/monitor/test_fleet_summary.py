@@ -93,6 +93,12 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 
+def test_a_service_that_is_proposed_asks_for_its_event_until_one_is_entered():
+    found = {"time": NOW, "axes": [2], "kind": "proposed_service", "words": "Friction of axis 2 fell."}
+    assert as_of(robot("arm", findings=[found]), NOW)["urgency"] == "asks for an event"
+    assert as_of(robot("arm", findings=[{**found, "answered": True}]), NOW)["urgency"] == "healthy"
+
+
 def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
     told = [{"time": NOW, "axes": [2], "kind": "coarse", "least": 0.3, "words": "only large changes"}]
     row = as_of(robot("big", axis(1), axis(2), axis(3, UNJUDGED), findings=told), NOW)

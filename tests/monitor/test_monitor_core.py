@@ -26,6 +26,7 @@ from jointwear.monitor.estimate import (
     prior_scale,
 )
 from jointwear.monitor.events import Event
+from jointwear.monitor.findings import _shared
 from jointwear.monitor.forecast import forecast
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, JudgeSettings, judge
 from jointwear.monitor.limits import COULOMB as COULOMB_FRICTION
@@ -34,8 +35,9 @@ from jointwear.monitor.limits import Limits
 from jointwear.monitor.locate import axis_probability, named_axis
 from jointwear.monitor.paper_detector import paper_alarms, raised_limit
 from jointwear.monitor.parts import viscous_episodes, viscous_part
+from jointwear.monitor.present import back_to_normal
 from jointwear.monitor.shared_error import shared_error
-from jointwear.monitor.watching import watch
+from jointwear.monitor.watching import Start, watch
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
 
 COULOMB = np.array([[10.0, 6.0], [2.0, 2.0], [1.0, 1.5]])
@@ -524,6 +526,33 @@ def test_growth_that_is_gone_has_no_date_of_a_limit():
     limits = Limits(level, watched(noise_of(6)), np.array([0.5]), named, SHIFT, 3600.0 * np.arange(64), 0.2)
     assert np.isfinite(limits.forecast(47, 0, COULOMB_FRICTION, now=True)[1].low)
     assert np.isnan(limits.forecast(63, 0, COULOMB_FRICTION, now=True)[1].hours)
+
+
+def test_what_came_back_is_told_from_what_lasts():
+    gone = np.log1p(np.concatenate([GROWN[:12], np.zeros((4, 4))]))
+    end = 6 * 3600.0 * np.arange(64)
+    for residual, back in ((gone, True), (np.log1p(GROWN), False)):
+        level = watched(residual + noise_of(5), alarm_from=8)
+        level.mean = np.full((64, 1), 0.1)
+        assert back_to_normal([(level, level.alarm)], SHIFT, end).tolist() == [back]
+    # An axis without an alarm is not back from anything.
+    assert not back_to_normal([(level, np.zeros((64, 1), dtype=bool))], SHIFT, end).any()
+    level.starts = [[Start(60, False)]]
+    assert not back_to_normal([(level, np.arange(64)[:, None] == 40)], SHIFT, end).any()
+
+
+def test_axes_that_move_together_say_until_when():
+    common = np.zeros(64)
+    common[20:40] = np.repeat([0.05, 0.09, 0.06, 0.05, 0.04], 4)
+    level = SimpleNamespace(shared=SimpleNamespace(common=common))
+    hours = SimpleNamespace(start=3600.0 * np.arange(64), end=3600.0 * np.arange(1, 65))
+    (told,) = _shared(hours, SHIFT, np.arange(64) < 8, level)
+    assert (told["time"], told["end"]) == (20 * 3600.0, 40 * 3600.0)
+    assert "together by up to +9 %, for 20 h, and no more since" in told["words"]
+    common[40:] = 0.05
+    (told,) = _shared(hours, SHIFT, np.arange(64) < 8, level)
+    assert "end" not in told
+    assert "to this day" in told["words"]
 
 
 def test_viscous_wear_is_told_as_such_in_numbers_and_alarms():

@@ -21,15 +21,18 @@ from jointwear.monitor.drawing import _alone, _pauses, _rests_on, _thin
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.fleet.ranking import as_of
+from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.page import write_page
 from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms, write_state
-from jointwear.monitor.summaries import axis_summary, headline, why_unjudged
+from jointwear.monitor.summaries import UNKNOWN, axis_summary, headline, why_unjudged
 from jointwear.monitor.temperature import temperature_share
 from jointwear.monitor.window_files import read_statistics
+from jointwear.monitor.words import todo
 
 EVIL = "<script>alert(1)</script>"
 HOURS, WORN = 60, 2
@@ -229,6 +232,91 @@ def test_an_axis_whose_limit_cannot_be_seen_says_from_where_on(built):
     heading, sentences = headline(summaries)
     assert heading == "No change of friction found where it can be judged"
     assert "Only changes beyond the limit can be seen: axis 1." in sentences
+
+
+def changed(state, quantity, j=0, **more):
+    """The state with one alarm of an axis, which counts as changed since."""
+    alarm = {
+        **state.alarms[-1], "axis": j + 1, "quantity": quantity, "detector": "model", "unit": "N m s/rad",
+        "change": 2.0, "change_low": 1.0, "change_high": 3.0, "probability_axis": 0.99, "time": float(state.end[50]),
+    } | more  # fmt: skip
+    status = np.full_like(state.status, "healthy")
+    status[50:, j] = CHANGED
+    return replace(state, alarms=[alarm], status=status, hours_to_limit=np.full_like(state.hours_to_limit, np.nan))
+
+
+def with_estimates(state, **values):
+    """The state with estimates that are the same everywhere."""
+    shape = state.status.shape
+    more = {name: (np.full(shape, value), np.ones(shape), "%") for name, value in values.items()}
+    return replace(state, estimates={**state.estimates, **more}, now_error={})
+
+
+def test_viscous_growth_beyond_its_limit_has_reached_it(built):
+    folder, _, _ = built
+    state = changed(read_state(folder / "state.nc"), "viscous friction")
+    worn = with_estimates(state, coulomb_percent=0.2, viscous_percent=56.0, viscous=2.1)
+    row = standing(worn)
+    first = row["axes"][0]
+    assert (first["axis"], first["reached"], first["viscous_growth"]) == (1, True, 56.0)
+    judged = as_of({**NOTHING, "robot": "x", "result": "judged", **row}, worn.end[-1])
+    assert judged["urgency"] == "limit reached"
+    assert table_row(judged)["viscous_growth_percent"] == 56.0
+    found = todo(row, first, zone_of(None))
+    assert found["bar"] == 100.0
+    assert found["outlook"] == "limit reached"
+    words = found["change"].replace("\u00a0", " ")
+    assert words.startswith("Viscous friction +56.0 % now (+2.1 N m s/rad), limit 20 %; Coulomb friction +0.2 % now")
+    # Of an axis that alarmed for another quantity its noise says nothing.
+    other = with_estimates(changed(state, "coulomb friction"), coulomb_percent=5.0, viscous_percent=56.0)
+    assert not axis_conditions(other)[0].reached
+
+
+def test_an_axis_that_is_back_to_normal_heads_no_red_card(built):
+    folder, _, _ = built
+    state = with_estimates(changed(read_state(folder / "state.nc"), "coulomb friction"), coulomb_percent=0.1)
+    assert axis_conditions(state)[0].level == CHANGED
+    back = replace(state, back=np.arange(state.axes) == 0)
+    found = axis_conditions(back)[0]
+    assert (found.level, found.outlook) == (UNRESOLVED, None)
+    assert found.check.startswith("friction is back to normal, and nobody has said why")
+    play = axis_conditions(replace(changed(state, "backlash"), back=back.back))[0]
+    assert play.check.startswith("play is back to normal")
+    # Neither status nor alarms are touched.
+    assert (back.status[-1, 0], len(back.alarms)) == (CHANGED, 1)
+
+
+def test_how_sure_an_axis_is_stands_beside_it(built):
+    folder, _, _ = built
+    state = with_estimates(changed(read_state(folder / "state.nc"), "coulomb friction"), coulomb_percent=5.0)
+    unsure = replace(state, alarms=[{**state.alarms[0], "probability_axis": 0.33}])
+    assert axis_conditions(unsure)[0].check.startswith("compare the other axes before opening anything")
+    write_page(unsure, folder / "unsure.html", folder / "unsure")
+    text = (folder / "unsure.html").read_text().replace("\u00a0", " ")
+    assert text.count("axis is right with 33 %") == 2
+    assert "compare" not in axis_conditions(state)[0].check
+    assert todo(standing(state), standing(state)["axes"][0], zone_of(None))["sure"] == "axis is right with 99\u00a0%"
+
+
+def test_a_number_that_is_not_known_says_why(built):
+    folder, _, _ = built
+    state = read_state(folder / "state.nc")
+    (told,) = axis_summary(state, 5)["unknown"]
+    assert told.endswith("not judged in the last day: at rest, or too slow to show friction")
+    hidden = with_estimates(state, coulomb_percent=np.nan)
+    hidden.estimates["coulomb_percent"][0][:30] = 0.0
+    assert axis_summary(hidden, 0)["unknown"] == [f"Coulomb friction: {UNKNOWN['coulomb_percent']}"]
+    assert not axis_summary(state, 0)["unknown"]
+    assert "Not known (–):" in (folder / "monitor.html").read_text()
+
+
+def test_alarms_of_the_paper_since_a_changed_scale_may_be_that(built):
+    folder, _, _ = built
+    state = changed(read_state(folder / "state.nc"), "torque histogram", detector="paper")
+    found = {"axes": [2], "kind": "scale", "words": "The scale changed."}
+    for time, told in ((state.start[40], True), (state.start[55], False)):
+        write_page(replace(state, findings=[{**found, "time": float(time)}]), folder / "s.html", folder / "s")
+        assert ("alarms of this detector since then may be that step" in (folder / "s.html").read_text()) == told
 
 
 def greased(state, entry_of):

@@ -10,30 +10,33 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.advice import advice
+from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.episodes import Episode, episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.judge import CHANGED, DEFAULT_LIMIT, DETECTORS, HEALTHY, UNJUDGED
+from jointwear.monitor.limits import VISCOUS
+from jointwear.monitor.present import FEWEST_NOW, NOW, now_windows
 from jointwear.monitor.state import RobotState
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
 UNRESOLVED = "unresolved alarm"
-#: Length of time at the end [s] that counts as now: a day, so that the shifts of a day weigh alike.
-NOW = 86400.0
-#: Fewest windows of now, where the windows are longer than that.
-FEWEST_NOW = 3
 #: Quantity of an alarm other than Coulomb friction -> the estimate that shows it.
-SHOWN_BY = {"viscous friction": "viscous", "backlash": "backlash"}
+SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
+#: Probability of an axis below which it is no likelier than all others together.
+EVEN_ODDS = 0.5
 #: An axis not judged for longer than this [s] and than this many times its longest pause before is healthy no more.
 UNSEEN, PAUSES = 3 * NOW, 2.0
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """Hours from the newest window until the limit: median and 80 % interval; infinite where it may stay below."""
+    """Hours from the newest window until the limit of `quantity`: median and 80 % interval; infinite where it may stay
+    below."""
 
     hours: float
     low: float
     high: float
+    quantity: str = ""
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,9 @@ class AxisCondition:
     """What is known of an axis now.
 
     `axis` 1-based. `level`: CHANGED, UNRESOLVED, UNJUDGED or HEALTHY. `growth`, `growth_std` of the Coulomb friction
-    now and `limit`, all [%], NaN where unknown. `episodes`: unresolved ones, the newest first; `past`: resolved.
-    `estimates`: quantity of an alarm -> its change now, NaN where unknown.
+    now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `episodes`:
+    unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
+    unknown. `seen`: it has been judged after the baseline.
     """
 
     axis: int
@@ -55,6 +59,9 @@ class AxisCondition:
     episodes: tuple[Episode, ...]
     past: tuple[Episode, ...]
     estimates: Mapping[str, float] = field(default_factory=dict)
+    viscous: float = math.nan
+    viscous_std: float = math.nan
+    seen: bool = True
 
     @property
     def change(self) -> float | None:
@@ -76,16 +83,30 @@ class AxisCondition:
         if self.main is None:
             return "known from an event of the config; keep watching it" if self.level == CHANGED else ""
         if self.level != CHANGED and self.main.detector == DETECTORS[0]:
-            return (
-                "friction is no longer raised, and nobody has said why: enter what was done under 'events', "
-                "or look for it on the robot"
-            )
-        return advice(self.main.quantity, self.main.newest["change"])
+            what = "play" if self.main.quantity == BACKLASH else "friction"
+            state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
+            return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
+        told = advice(self.main.quantity, self.main.newest["change"])
+        if self.probability is not None and self.probability < EVEN_ODDS:
+            return f"compare the other axes before opening anything, as it may well be another; then {told}"
+        return told
+
+    @property
+    def probability(self) -> float | None:
+        """How likely it is that this is the axis, by the newest alarm to act on; None where none says so."""
+        value = self.main.newest.get("probability_axis") if self.main else None
+        return value if value is not None and math.isfinite(value) else None
+
+    @property
+    def viscous_alarm(self) -> bool:
+        """Whether an unresolved alarm is of viscous friction."""
+        return any(e.quantity == VISCOUS for e in self.episodes)
 
     @property
     def reached(self) -> bool:
         """Whether the growth that is told has reached the limit while the axis counts as changed."""
-        return self.level == CHANGED and bool(self.growth >= self.limit)
+        viscous = self.viscous_alarm and self.viscous >= self.limit
+        return self.level == CHANGED and bool(self.growth >= self.limit or viscous)
 
 
 def axis_conditions(state: RobotState) -> list[AxisCondition]:
@@ -107,9 +128,12 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
     level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
     if level == HEALTHY and _long_unseen(state, judged):
         level = UNJUDGED
+    if level == CHANGED and state.back[j] and open_ones:
+        level = UNRESOLVED
     if level != CHANGED and open_ones:
         level = UNRESOLVED
     growth, std = latest(state, "coulomb_percent", j)
+    viscous, viscous_std = latest(state, "viscous_percent", j)
     return AxisCondition(
         axis=j + 1,
         joint=state.joints[j],
@@ -121,6 +145,9 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         episodes=open_ones,
         past=tuple(e for e in own if e.resolved is not None),
         estimates={quantity: latest(state, name, j)[0] for quantity, name in SHOWN_BY.items()},
+        viscous=viscous,
+        viscous_std=viscous_std,
+        seen=len(after) > 0,
     )
 
 
@@ -131,30 +158,31 @@ def _long_unseen(state: RobotState, judged: np.ndarray) -> bool:
     return since > max(UNSEEN, PAUSES * float(pauses.max(initial=0.0)))
 
 
-def now_windows(state: RobotState) -> np.ndarray:
-    """Return the indices of the windows that count as now."""
-    recent = np.flatnonzero(state.end > state.end[-1] - NOW)
-    return recent if len(recent) >= FEWEST_NOW else np.arange(max(0, len(state.end) - FEWEST_NOW), len(state.end))
-
-
 def latest(state: RobotState, name: str, j: int) -> tuple[float, float]:
-    """Return an estimate of a 0-based axis over the windows of now, weighted, and its standard deviation."""
+    """Return an estimate of a 0-based axis over the windows of now, weighted, and its standard deviation.
+
+    That of the judgement, where it tells: windows share a part of their error.
+    """
     if name not in state.estimates:
         return math.nan, math.nan
     values, std, _ = state.estimates[name]
-    recent = now_windows(state)
+    recent = now_windows(state.end)
     value, error = values[recent, j], std[recent, j]
     good = np.isfinite(value) & (error > 0)
     if not good.any():
         return math.nan, math.nan
     weight = 1 / error[good] ** 2
-    return float(np.average(value[good], weights=weight)), float(1 / np.sqrt(weight.sum()))
+    told = float(state.now_error[name][j]) if name in state.now_error else math.nan
+    return (
+        float(np.average(value[good], weights=weight)),
+        told if math.isfinite(told) else float(1 / np.sqrt(weight.sum())),
+    )
 
 
 def _outlook(state: RobotState, j: int) -> Outlook | None:
     """The forecast as of the newest judged window, None where none is due."""
     stored = state.hours_to_limit[j]
-    return None if np.isnan(stored).all() else Outlook(*(float(h) for h in stored))
+    return None if np.isnan(stored).all() else Outlook(*(float(h) for h in stored), state.limited_by[j])
 
 
 def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:
@@ -170,6 +198,6 @@ def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:
 
 
 __all__ = [
-    "CHANGED", "HEALTHY", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook", "axis_conditions", "latest",
-    "now_windows", "robot_episodes", "urgency",
+    "CHANGED", "FEWEST_NOW", "HEALTHY", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook", "axis_conditions",
+    "latest", "robot_episodes", "urgency",
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from jointwear.effects import get_effect
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
+from jointwear.monitor.local_time import duration
 from jointwear.monitor.scale import ScaleStep
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.watching import Watch
@@ -88,7 +90,10 @@ def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleS
                     f"Friction of axis {j + 1} fell: was it serviced or greased? It is learnt anew from there; enter "
                     "the service under 'events' to confirm it, or look for another cause."
                 )
-                result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
+                # Any later event of the axis closes what was before it.
+                told = any(not later.proposed and later.window >= start.window for later in starts)
+                answered = {"answered": True} if told else {}
+                result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words, **answered})
     return result
 
 
@@ -139,20 +144,24 @@ def _returned(
 def _shared(
     statistics: WindowStatistics, shift: np.ndarray, baseline: np.ndarray, level: Watch
 ) -> list[dict[str, Any]]:
-    """One finding for each run of shifts in which all axes moved together."""
+    """One finding for each run of shifts in which all axes moved together, with its end where it has one."""
+    names = np.unique(shift[~baseline])
+    means = np.array([np.mean(level.shared.common[shift == s]) for s in names])
+    edges = [0, *(np.flatnonzero(np.diff(np.abs(means) > FINDING)) + 1), len(names)]
     result: list[dict[str, Any]] = []
-    before = False
-    for s in np.unique(shift[~baseline]):
-        rows = shift == s
-        mean = float(np.mean(level.shared.common[rows]))
-        if abs(mean) > FINDING and not before:
-            time = float(statistics.start[rows][0])
-            words = (
-                f"All axes moved together by {100 * mean:+.0f} %, which is no wear of one axis: look at the load that "
-                "the robot carries, the temperature, the oil, the model and the unit of the torque."
-            )
-            result.append({"time": time, "axes": [], "kind": "shared", "words": words})
-        before = abs(mean) > FINDING
+    for a, b in itertools.pairwise(edges):
+        if a == b or abs(means[a]) <= FINDING:
+            continue
+        rows = np.flatnonzero(np.isin(shift, names[a:b]))
+        time, end = float(statistics.start[rows[0]]), float(statistics.end[rows[-1]])
+        size = float(means[a:b][np.argmax(np.abs(means[a:b]))])
+        lasts = f"for {duration((end - time) / 3600)}, and no more since" if b < len(names) else "to this day"
+        words = (
+            f"All axes moved together by up to {100 * size:+.0f} %, {lasts}, which is no wear of one axis: look at the "
+            "load that the robot carries, the temperature, the oil, the model and the unit of the torque."
+        )
+        until = {"end": end} if b < len(names) else {}
+        result.append({"time": time, **until, "axes": [], "kind": "shared", "words": words})
     return result
 
 

@@ -28,8 +28,9 @@ from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import coarse_findings, findings_of
 from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.learning import AxisNormal, learn_axes
-from jointwear.monitor.parts import viscous_part
+from jointwear.monitor.parts import viscous_part, viscous_scale
 from jointwear.monitor.payload import gravity_share
+from jointwear.monitor.present import back_to_normal, error_now
 from jointwear.monitor.programs import labelled_regimes, program_findings
 from jointwear.monitor.recall import Recall
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
@@ -86,11 +87,12 @@ class Judgement:
 
     `estimates`, `std` : name -> (w, n), change since the normal period; `units` : name -> unit. Names: `coulomb`
     [N m], the growth of friction that counts as Coulomb friction; `coulomb_percent` [%] of the level in the normal
-    period; `viscous` [N m s/rad] where the motion shows it; `backlash` [%], of the torque
-    pulses at reversals of the load. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`,
-    :data:`UNJUDGED`. `alarms` : records with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3):
-    forecast at the last judged window, median, low and high; NaN where none is due, infinite where open; `limited_by`
-    (n): the quantity whose limit that is.
+    period; `viscous` [N m s/rad] where the motion shows it, `viscous_percent` [%] of that in the normal period;
+    `backlash` [%], of the torque pulses at reversals of the load. `now_error` : name -> (n,), standard deviation of the
+    mean over the last day. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`, :data:`UNJUDGED`. `alarms` : records
+    with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3): forecast at the last judged window,
+    median, low and high; NaN where none is due, infinite where open; `limited_by` (n): whose limit that is.
+    `back` (n,) bool: what alarmed since the last event is as it was before; its alarm stays open all the same.
     `reason` (w, n): why not judged, :class:`~jointwear.monitor.records.Reason`. `findings` :
     what is no alarm but must be told: `time` [s], `axes` (1-based), `kind`, `words`.
     """
@@ -103,6 +105,8 @@ class Judgement:
     hours_to_limit: np.ndarray
     reason: np.ndarray
     limited_by: list[str] = field(default_factory=list)
+    now_error: dict[str, np.ndarray] = field(default_factory=dict)
+    back: np.ndarray | None = None
     findings: list[dict[str, Any]] = field(default_factory=list)
 
 
@@ -186,7 +190,7 @@ def judge(
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
         alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime, events)
-    estimates, std = _estimates(level, viscous, series, usual, shift)
+    estimates, std, now_error = _estimates(level, viscous, series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     hours, limited_by = teller.hours_to_limit()
@@ -200,34 +204,46 @@ def judge(
         std=std,
         status=status,
         alarms=alarms,
-        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad", BACKLASH: "%"},
+        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad", "viscous_percent": "%", BACKLASH: "%"},
         hours_to_limit=hours,
         limited_by=limited_by,
+        now_error=now_error,
+        back=back_to_normal(
+            [(level, level.alarm), (viscous, teller.viscous_alone), (backlash, backlash.alarm)], shift, statistics.end
+        ),
         reason=teller.reasons(),
         findings=findings,
     )
 
 
 def _estimates(
-    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray, shift: np.ndarray
-) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    shape = level.residual.shape
-    names = ("coulomb", "coulomb_percent", "viscous")
-    values, std = ({name: np.full(shape, np.nan) for name in names} for _ in range(2))
-    for j in range(shape[1]):
-        axis = level.axes[j]
+    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray, shift: np.ndarray, end: np.ndarray
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Return estimates and their standard deviations (w, n), and those of their means over the last day (n,)."""
+    w, n = level.residual.shape
+    names = ("coulomb", "coulomb_percent", "viscous", "viscous_percent")
+    values, std = ({name: np.full((w, n), np.nan) for name in names} for _ in range(2))
+    now = {name: np.full(n, np.nan) for name in names}
+
+    def tell(j: int, growth: np.ndarray, error: np.ndarray, of_now: float, scales: dict[str, float]) -> None:
+        for name, scale in scales.items():
+            values[name][:, j], std[name][:, j], now[name][j] = scale * growth, scale * error, scale * of_now
+
+    for j in range(n):
+        axis, share = level.axes[j], float(series["friction"].share[j])
+        error = 0.0 if viscous.axes[j] is None else error_now(viscous, j, shift, end)
         if axis is not None:
-            part, spread = viscous_part(level, viscous, j, shift, float(series["friction"].share[j]))
-            growth, error = np.expm1(level.residual[:, j]) - part, np.hypot(level.std[:, j], spread)
-            values["coulomb"][:, j], std["coulomb"][:, j] = axis.unit * growth, axis.unit * error
-            scale = 100 * axis.to_coulomb
-            values["coulomb_percent"][:, j], std["coulomb_percent"][:, j] = scale * growth, scale * error
+            part, spread = viscous_part(level, viscous, j, shift, share)
+            growth = np.expm1(level.residual[:, j]) - part
+            of_now = np.hypot(error_now(level, j, shift, end), error if spread[-1] > 0 else 0.0)
+            scales = {"coulomb": axis.unit, "coulomb_percent": 100 * axis.to_coulomb}
+            tell(j, growth, np.hypot(level.std[:, j], spread), of_now, scales)
         if viscous.axes[j] is not None and speed[j] > 0:
-            scale = series["viscous"].unit[j] / speed[j]
-            values["viscous"][:, j], std["viscous"][:, j] = scale * viscous.residual[:, j], scale * viscous.std[:, j]
+            scales = {"viscous": series["viscous"].unit[j] / speed[j], "viscous_percent": 100 * viscous_scale(share)}
+            tell(j, viscous.residual[:, j], viscous.std[:, j], error, scales)
     for name in names:
         std[name] = np.where(np.isfinite(values[name]), std[name], np.nan)
-    return values, std
+    return values, std, now
 
 
 __all__ = ["CHANGED", "DEFAULT_LIMIT", "DETECTORS", "HEALTHY", "UNJUDGED", "JudgeSettings", "Judgement", "judge"]

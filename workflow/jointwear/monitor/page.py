@@ -20,7 +20,7 @@ from jointwear.monitor.standing import standing
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.summaries import axis_summary, headline, name_axes, told_flags, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
-from jointwear.monitor.words import todo
+from jointwear.monitor.words import sure_words, todo
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
 from jointwear.publishing.report.rendering import render_page
@@ -61,9 +61,24 @@ def story(state: RobotState, episode: Episode, zone: tzinfo) -> dict[str, Any]:
         "count": len(episode.alarms),
         "resolved": resolved,
         "advice": advice(episode.quantity, episode.newest["change"]),
+        "sure": sure_words(episode.newest["probability_axis"]),
+        "note": _scale_note(state, episode, zone),
         "alarms": alarm_rows(state, episode, zone),
         "sized": any(a["change"] is not None for a in episode.alarms),
     }
+
+
+def _scale_note(state: RobotState, episode: Episode, zone: tzinfo) -> str:
+    """Return in words that alarms of the paper's detector may be a changed scale, which it does not know of."""
+    if episode.detector == DETECTORS[0]:
+        return ""
+    steps = [f["time"] for f in state.findings if f["kind"] == "scale" and f["time"] <= episode.last]
+    if not steps:
+        return ""
+    return (
+        f"The scale of a torque changed {when(state, min(steps), zone)}: alarms of this detector since then may be "
+        "that step, as it learns anew at events of the config only; enter it as 'sensor'."
+    )
 
 
 def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
@@ -71,7 +86,7 @@ def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[d
     found = sorted(row["findings"], key=lambda f: -(f.get("time") or 0.0))
     return [
         {
-            "when": "" if f.get("time") is None else when(state, f["time"], zone),
+            "when": " to ".join(when(state, f[key], zone) for key in ("time", "end") if f.get(key) is not None),
             "axes": name_axes(f.get("axes") or ()),
             "words": f["words"],
         }

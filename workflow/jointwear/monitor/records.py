@@ -41,7 +41,8 @@ class Reason(IntEnum):
 
 
 class Teller:
-    """Alarms and states of the axes of one robot; `least` (n,): smallest growth of Coulomb friction that is seen."""
+    """Alarms and states of the axes of one robot; `least` (n,): smallest growth of Coulomb friction that is seen;
+    `viscous_alone` (w, n): alarms of viscous friction on axes whose judged level leaves it out."""
 
     def __init__(
         self,
@@ -59,7 +60,8 @@ class Teller:
         self._s, self._baseline = statistics, baseline
         self._level, self._viscous, self._series, self._speed = level, viscous, series, speed
         self._events = events
-        self._alarm = level.alarm | self._viscous_alone()
+        self.viscous_alone = self._viscous_alone()
+        self._alarm = level.alarm | self.viscous_alone
         share = series["friction"].share
         self._named = np.stack(
             [viscous_episodes(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))], axis=1

@@ -31,6 +31,10 @@ ALARM_COLUMNS = (
 )  # fmt: skip
 
 
+#: Begin of the names of the errors of now in a state file.
+NOW_ERROR = "error_now_"
+
+
 def stamp(seconds: float, dated: bool) -> str:
     """Return a time as ISO 8601 UTC, or as seconds for logs without a date."""
     if not math.isfinite(seconds):
@@ -96,6 +100,14 @@ def write_state(
     for k, end in enumerate(("", "_low", "_high")):
         words = "hours to the limit at the last judged window; infinite where it may never be reached"
         variables[f"hours_to_limit{end}"] = Variable(("axis",), judgement.hours_to_limit[:, k], words, "h")
+    for key, errors in judgement.now_error.items():
+        unit = judgement.units[key]
+        words = f"standard deviation of the mean of {key.replace('_', ' ')} over the last day"
+        variables[f"{NOW_ERROR}{key}"] = Variable(("axis",), errors, words, unit)
+    back = np.zeros(s.axes, dtype=bool) if judgement.back is None else judgement.back
+    variables["back"] = Variable(("axis",), back.astype(np.int32), "1 where what alarmed is as before", "1", kind="i4")
+    quantities = np.array(judgement.limited_by or [""] * s.axes, dtype=object)
+    variables["limited_by"] = Variable(("axis",), quantities, "quantity whose limit the hours are to")
     variables["unjudged_reason"] = Variable(pair, judgement.reason, "why an axis is not judged", "1", kind="i4")
     variables["unjudged_reason"].attributes.update(
         flag_values=np.array([int(r) for r in Reason], dtype=np.int32),
@@ -136,7 +148,9 @@ class RobotState:
     """What :func:`write_state` wrote. Arrays (window, axis) unless stated; `estimates`: name -> (values, std, unit).
 
     `findings`: what is no alarm but must be told; `reason`: of :class:`~jointwear.monitor.records.Reason`;
-    `hours_to_limit` (axis, 3): median, low and high.
+    `hours_to_limit` (axis, 3): median, low and high; `limited_by` (axis): the quantity whose limit that is;
+    `now_error`: name of an estimate -> (axis,) standard deviation of its mean over the last day; `back`
+    (axis) bool: what alarmed since the last event is as it was before.
     """
 
     name: str
@@ -158,6 +172,9 @@ class RobotState:
     findings: list[dict[str, Any]]
     reason: np.ndarray
     hours_to_limit: np.ndarray
+    limited_by: tuple[str, ...]
+    now_error: dict[str, np.ndarray]
+    back: np.ndarray
     logs: tuple[str, ...]
     refused: tuple[str, ...]
     copy_of: tuple[str, ...]
@@ -207,6 +224,11 @@ def read_state(path: str | Path) -> RobotState:
             findings=parse_json(read_attribute(dataset, path, "findings"), path, list),
             reason=get("unjudged_reason"),
             hours_to_limit=np.stack([get(f"hours_to_limit{end}") for end in ("", "_low", "_high")], axis=1),
+            limited_by=tuple(str(x) for x in get("limited_by")),
+            now_error={
+                name.removeprefix(NOW_ERROR): get(name) for name in dataset.variables if name.startswith(NOW_ERROR)
+            },
+            back=get("back").astype(bool),
             logs=tuple(str(x) for x in get("log")),
             refused=tuple(str(x) for x in get("log_refused")),
             copy_of=tuple(str(x) for x in get("log_copy_of")),

@@ -23,19 +23,24 @@ from jointwear.monitor.condition import (
 )
 from jointwear.monitor.findings import COARSE, coarse_words
 from jointwear.monitor.local_time import log_time
+from jointwear.monitor.present import now_windows
 from jointwear.monitor.records import Reason
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.words import BADGES
 
-#: Estimates in words.
-NAMES = {
-    "coulomb": "change of Coulomb friction",
-    "coulomb_percent": "the same",
-    "viscous": "change of viscous friction",
-    "backlash": "change of play",
-    "friction": "friction at usual speed",
+#: Columns of the table of axes: estimate -> its words, and the estimate that stands below it in another unit.
+COLUMNS = {
+    "coulomb_percent": ("change of Coulomb friction", "coulomb"),
+    "viscous_percent": ("change of viscous friction", "viscous"),
+    "backlash": ("change of play", ""),
+    "friction": ("friction at usual speed", ""),
 }
-
+#: Why an estimate of an axis that is judged is not known, in words.
+UNKNOWN = {
+    "coulomb_percent": "viscous friction grows, and what it adds to this axis is not known",
+    "viscous_percent": "the motion of the last day does not tell it from Coulomb friction",
+    "friction": "the windows of the last day are too few, or too loud against it",
+}
 
 #: Why an axis is not judged, in words, where what was found in reading does not say it.
 REASONS = {
@@ -69,7 +74,8 @@ def axis_summary(
         "quantity": _quantity(condition),
         "badge": BADGES[condition.level],
         "remark": remark,
-        "estimates": [_latest(state, name, j) for name in state.estimates],
+        "estimates": [_latest(state, name, j) for name in shown_estimates(state)],
+        "unknown": _unknown(state, j),
         "windows": len(judged),
         "coarse": coarse is not None,
     }
@@ -82,15 +88,39 @@ def _quantity(condition: AxisCondition) -> str:
     return episode.quantity if episode else ""
 
 
+def shown_estimates(state: RobotState) -> list[str]:
+    """Return the estimates that the table of axes has a column for: those that are known of any axis."""
+    return [name for name in COLUMNS if name in state.estimates and np.isfinite(state.estimates[name][0]).any()]
+
+
 def _latest(state: RobotState, name: str, j: int) -> dict[str, Any]:
+    words, other = COLUMNS[name]
     value, std = latest(state, name, j)
-    return {
-        "name": NAMES.get(name, name.replace("_", " ")),
+    found = {
+        "name": words,
         "unit": state.estimates[name][2],
         "change": name != "friction",
         "value": finite(value),
         "std": finite(std),
+        "below": None,
     }
+    if other in state.estimates and found["value"] is not None:
+        value, std = latest(state, other, j)
+        found["below"] = {"value": finite(value), "std": finite(std), "unit": state.estimates[other][2]}
+    return found
+
+
+def _unknown(state: RobotState, j: int) -> list[str]:
+    """Return why estimates of a 0-based axis that have a column are not known now, in words; those of play stand among
+    what else was found."""
+    lacking = [
+        name for name in shown_estimates(state) if name != BACKLASH and not np.isfinite(latest(state, name, j)[0])
+    ]
+    now = now_windows(state.end)
+    if lacking and (state.status[now, j] == UNJUDGED).all():
+        names = " and ".join(COLUMNS[name][0].removeprefix("change of ") for name in lacking)
+        return [f"{names}: not judged in the last day: {why_unjudged(state, j, int(now[0]))}"]
+    return [f"{COLUMNS[name][0].removeprefix('change of ')}: {UNKNOWN[name]}" for name in lacking]
 
 
 def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:

@@ -13,6 +13,8 @@ from jointwear.publishing.report.numbers import fixed, number
 BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNRESOLVED: "close", UNJUDGED: "other"}
 #: A space at which no line ends.
 NO_BREAK = "\u00a0"
+#: Probability of an axis above which no digit is told.
+SURE = 0.99
 #: Share of the limit below which growth has no bar: it would not be seen.
 LEAST_BAR = 0.02
 
@@ -25,6 +27,7 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
         "title": f"Axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else ""),
         "level": axis["level"],
         "badge": BADGES[axis["level"]],
+        "sure": sure_words(axis.get("probability")),
         "change": change_words(axis).replace(" %", NO_BREAK + "%"),
         "bar": bar(axis),
         "outlook": outlook_words(row, axis, zone),
@@ -34,36 +37,54 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
     }
 
 
+def sure_words(probability: float | None) -> str:
+    """Return in words how likely it is that an alarm names the right axis, empty where nothing says so."""
+    if probability is None:
+        return ""
+    percent = "> 99" if probability > SURE else f"{100 * probability:.0f}"
+    return f"axis is right with {percent}{NO_BREAK}%"
+
+
 def bar(axis: Mapping[str, Any]) -> float | None:
-    """Return the growth as a share of the limit in percent, at most 100; None where it is unknown or hardly any."""
-    growth = axis["growth"]
-    return None if growth is None or growth < LEAST_BAR * axis["limit"] else min(100.0, 100 * growth / axis["limit"])
+    """Return the growth as a share of the limit in percent, at most 100; None where it is unknown or hardly any.
+
+    Of Coulomb or viscous friction, whichever has used up more of its limit.
+    """
+    known = [g for g in (axis["growth"], axis.get("viscous_growth")) if g is not None]
+    growth = max(known, default=0.0)
+    return None if growth < LEAST_BAR * axis["limit"] or not known else min(100.0, 100 * growth / axis["limit"])
 
 
 def change_words(axis: Mapping[str, Any]) -> str:
     """Return how much the friction of an axis has grown, beside its limit, and any other quantity that alarmed."""
-    words = []
+    words, limit = [], f"limit {number(axis['limit'], 2)} %"
     if axis["growth"] is not None:
-        words.append(f"Coulomb friction {fixed(axis['growth'], 1, True)} % now, limit {number(axis['limit'], 2)} %")
+        words.append(f"Coulomb friction {fixed(axis['growth'], 1, True)} % now, {limit}")
     quantity = axis["quantity"]
-    if quantity and "coulomb" not in quantity:
-        size = "" if axis["change"] is None else f" {number(axis['change'], 2, True)} {axis['unit']}".rstrip()
-        words.append(f"{quantity}{size}")
-    return "; ".join(words)
+    size = "" if axis["change"] is None else f"{number(axis['change'], 2, True)} {axis['unit']}".rstrip()
+    viscous = axis.get("viscous_growth")
+    if viscous is not None:
+        own = f" ({size})" if "viscous" in quantity and size else ""
+        words.insert(0 if own else 1, f"viscous friction {fixed(viscous, 1, True)} % now{own}, {limit}")
+    elif quantity and "coulomb" not in quantity:
+        words.append(f"{quantity} {size}".rstrip())
+    told = "; ".join(words)
+    return told[:1].upper() + told[1:] if viscous is not None else told
 
 
 def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:
     """Return the forecast of an axis in words: days for logs with dates, else the time since the last sample."""
+    if axis["reached"]:
+        return "limit reached"
     hours = axis.get("hours")
     if hours is None:
         return ""
     middle, low, high = hours
-    limit = "limit"
-    if "viscous" in axis.get("quantity", ""):
-        # The bar and the growth beside it are of Coulomb friction, the forecast is not.
-        limit = f"limit of viscous friction (+{number(axis['limit'], 2)} %)"
-    if axis["reached"]:
-        return "limit reached"
+    limit, quantity = "limit", axis.get("quantity", "")
+    kind = axis.get("limited_by") or quantity
+    # Of two quantities it is told whose limit it is.
+    if "viscous" in kind or ("coulomb" in kind and "viscous" in quantity):
+        limit = f"limit of {'viscous' if 'viscous' in kind else 'Coulomb'} friction (+{number(axis['limit'], 2)} %)"
     if limit != "limit" and high == 0:
         return f"{limit} reached"
     if limit == "limit" and (axis.get("growth") or 0.0) < 0.0:

@@ -12,7 +12,7 @@ from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = ("scale", "clock")
+ASKING = ("scale", "clock", "proposed_service")
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
@@ -26,7 +26,7 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
 
 def asks(row: Mapping[str, Any]) -> bool:
     """Return whether a robot has a finding that somebody has to answer."""
-    return any(found["kind"] in ASKING for found in row["findings"])
+    return any(found["kind"] in ASKING and not found.get("answered") for found in row["findings"])
 
 
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:

@@ -15,9 +15,10 @@ from jointwear.monitor.state import stamp
 #: What each column holds is told in docs/howto/fleet.md.
 COLUMNS = (
     "robot", "result", "alarms", "axes_changed", "reason", "urgency", "axis_to_check", "what_to_check",
-    "growth_percent", "limit_percent", "hours_to_limit", "hours_to_limit_low", "hours_to_limit_high",
-    "alarms_unresolved", "axes_unresolved", "axes_unjudged", "logs", "refused_logs", "copied_logs", "stale_logs",
-    "unjudged_logs", "kept_logs", "windows", "refused_windows", "stale_windows", "unjudged_windows", "last_sample",
+    "growth_percent", "viscous_growth_percent", "limit_percent", "hours_to_limit", "hours_to_limit_low",
+    "hours_to_limit_high", "alarms_unresolved", "axes_unresolved", "axes_unjudged", "logs", "refused_logs",
+    "copied_logs", "stale_logs", "unjudged_logs", "kept_logs", "windows", "refused_windows", "stale_windows",
+    "unjudged_windows", "last_sample",
 )  # fmt: skip
 
 
@@ -34,6 +35,7 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
         "axis_to_check": first["axis"] if first else "",
         "what_to_check": first["check"] if first else "",
         "growth_percent": first["growth"] if first else "",
+        "viscous_growth_percent": first.get("viscous_growth") if first else "",
         "limit_percent": first["limit"] if first else "",
         **dict(zip(("hours_to_limit", "hours_to_limit_low", "hours_to_limit_high"), hours, strict=True)),
         "alarms_unresolved": len(row["episodes"]),
