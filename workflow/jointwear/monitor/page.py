@@ -11,7 +11,7 @@ import numpy as np
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.advice import advice
-from jointwear.monitor.condition import SHOWN_BY, axis_conditions, robot_episodes
+from jointwear.monitor.condition import SHOWN_BY, UNRESOLVED, AxisCondition, axis_conditions, robot_episodes
 from jointwear.monitor.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.episodes import Episode
 from jointwear.monitor.judge import DETECTORS
@@ -46,8 +46,8 @@ def alarm_rows(state: RobotState, episode: Episode, zone: tzinfo) -> list[dict[s
     return rows
 
 
-def story(state: RobotState, episode: Episode, zone: tzinfo) -> dict[str, Any]:
-    """Return what the page says of an episode."""
+def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") -> dict[str, Any]:
+    """Return what the page says of an episode; `check`: of its axis, where that is back to normal."""
     event = episode.resolved
     resolved = "" if event is None else f"{event.kind} {when(state, event.time, zone)}"
     if event is not None and event.note:
@@ -60,7 +60,7 @@ def story(state: RobotState, episode: Episode, zone: tzinfo) -> dict[str, Any]:
         "last": when(state, episode.last, zone),
         "count": len(episode.alarms),
         "resolved": resolved,
-        "advice": advice(episode.quantity, episode.newest["change"]),
+        "advice": check or advice(episode.quantity, episode.newest["change"]),
         "sure": sure_words(episode.newest["probability_axis"]),
         "note": _scale_note(state, episode, zone),
         "alarms": alarm_rows(state, episode, zone),
@@ -117,6 +117,14 @@ def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
     ]
 
 
+def _check_of(episode: Episode, conditions: list[AxisCondition]) -> str:
+    """Return what is to check of the axis of an episode, where no part of it is; empty elsewhere."""
+    if episode.axis is None or episode.detector != DETECTORS[0]:
+        return ""
+    condition = conditions[episode.axis - 1]
+    return condition.check if condition.level == UNRESOLVED else ""
+
+
 def _newest(episodes: list[Episode]) -> list[Episode]:
     """Return episodes of the model-based detector before the paper's, the newest first."""
     return sorted(episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
@@ -168,7 +176,7 @@ def write_page(state: RobotState, output: str | Path, figures: str | Path, time_
         "whole": [story(state, e, zone) for e in whole if e.resolved is None],
         "findings": finding_rows(row, state, zone),
         "summaries": summaries,
-        "unresolved": [story(state, e, zone) for e in _newest(unresolved)],
+        "unresolved": [story(state, e, zone, _check_of(e, conditions)) for e in _newest(unresolved)],
         "past": [story(state, e, zone) for e in _newest(past)],
         "warm": warm,
         "timelines": shown,

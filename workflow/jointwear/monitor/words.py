@@ -15,6 +15,8 @@ BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNRESOLVED: "close", UNJUDGED: 
 NO_BREAK = "\u00a0"
 #: Probability of an axis above which no digit is told.
 SURE = 0.99
+#: Growth of viscous friction [%] above which no number is told: there was too little of it before to measure it by.
+MOST_TOLD = 100.0
 #: Share of the limit below which growth has no bar: it would not be seen.
 LEAST_BAR = 0.02
 
@@ -64,8 +66,9 @@ def change_words(axis: Mapping[str, Any]) -> str:
     size = "" if axis["change"] is None else f"{number(axis['change'], 2, True)} {axis['unit']}".rstrip()
     viscous = axis.get("viscous_growth")
     if viscous is not None:
+        grown = f"more than {MOST_TOLD:+.0f}" if viscous > MOST_TOLD else fixed(viscous, 1, True)
         own = f" ({size})" if "viscous" in quantity and size else ""
-        words.insert(0 if own else 1, f"viscous friction {fixed(viscous, 1, True)} % now{own}, {limit}")
+        words.insert(0 if own else 1, f"viscous friction {grown} % now{own}, {limit}")
     elif quantity and "coulomb" not in quantity:
         words.append(f"{quantity} {size}".rstrip())
     told = "; ".join(words)
