@@ -168,6 +168,18 @@ def test_friction_that_comes_back_by_itself_is_told_as_such_and_again_when_it_re
     assert "no event says why" in said[1]
 
 
+def test_an_episode_that_takes_the_name_of_the_other_friction_is_neither_new_nor_resolved(tmp_path):
+    outbox = Outbox.open(tmp_path / "outbox.json")
+    viscous = episode(key="3|viscous friction|model|") | {"quantity": "viscous friction"}
+    for row in (robot(episode()), robot(viscous)):
+        outbox.note("shift", notices([row], zone_of(None)), {"cell_3"}, HOUR)
+    (message,) = outbox.waiting
+    assert "ALARM" in message["body"]
+    assert list(outbox.told["shift"]) == ["cell_3|3|viscous friction|model|"]
+    outbox.note("shift", notices([robot()], zone_of(None)), {"cell_3"}, HOUR)
+    assert "resolved" in outbox.waiting[-1]["body"]
+
+
 def test_newest_logs_that_are_refused_are_told_once_and_their_end_too():
     refused = robot(refused_newest=3, refusals=["logs/a.csv: the sign of the torque looks flipped"])
     (told,) = notices([refused], zone_of(None))

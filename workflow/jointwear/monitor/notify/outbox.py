@@ -47,6 +47,11 @@ _LAYOUT = {
 }
 
 
+def _story(key: str) -> str:
+    """Return the key of a notice with one name for friction of either kind, which may change as an episode goes on."""
+    return key.replace("|coulomb friction|", "|friction|").replace("|viscous friction|", "|friction|")
+
+
 @dataclass
 class Outbox:
     """`told`: channel -> key of a notice -> its subject and whether it was active; `waiting`: messages in order."""
@@ -91,6 +96,11 @@ class Outbox:
         """
         told = self.told.setdefault(channel, {})
         present = {notice.key: notice for notice in found}
+        for key in [k for k in told if k not in present]:
+            # More shifts may give an episode the name of the other friction: that is neither new nor resolved.
+            renamed = next((k for k in present if _story(k) == _story(key)), None)
+            if renamed is not None:
+                told.setdefault(renamed, told.pop(key))
         alarms, ends = [], []
         for key, notice in present.items():
             before = told.get(key)
