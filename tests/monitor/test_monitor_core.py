@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,18 +25,13 @@ from jointwear.monitor.estimate import (
     prior_scale,
 )
 from jointwear.monitor.events import Event
-from jointwear.monitor.findings import _shared
 from jointwear.monitor.forecast import forecast
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, JudgeSettings, judge
-from jointwear.monitor.limits import COULOMB as COULOMB_FRICTION
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
-from jointwear.monitor.limits import Limits
 from jointwear.monitor.locate import axis_probability, named_axis
 from jointwear.monitor.paper_detector import paper_alarms, raised_limit
-from jointwear.monitor.parts import viscous_episodes, viscous_part
-from jointwear.monitor.present import back_to_normal
 from jointwear.monitor.shared_error import shared_error
-from jointwear.monitor.watching import Start, watch
+from jointwear.monitor.watching import watch
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
 
 COULOMB = np.array([[10.0, 6.0], [2.0, 2.0], [1.0, 1.5]])
@@ -442,117 +436,6 @@ def test_a_condition_that_lasts_a_shift_is_no_change_of_the_torque_pattern():
     runs = np.lib.stride_tricks.sliding_window_view(later, 5).min(axis=-1)
     assert (runs > raised_limit(crossed, 1e-3)).any()
     assert not (runs > raised_limit(crossed, 1e-3, mixed=True)).any()
-
-
-def watched(residual, source="friction", alarm_from=None, std=0.005):
-    """What a watch says of one axis: residuals (s, per) of shifts, alarms from shift `alarm_from` on, no start."""
-    residual = np.asarray(residual, dtype=float)
-    w = residual.size
-    column = residual.reshape(w, 1)
-    alarm = np.arange(w) >= (w if alarm_from is None else alarm_from * residual.shape[1])
-    normal = SimpleNamespace(
-        source=source, to_coulomb=1.5, dispersion=SimpleNamespace(between=0.005, memory=0.0),
-        fit=SimpleNamespace(left_out_variance=np.full(w, 0.002**2)),
-    )  # fmt: skip
-    return SimpleNamespace(
-        axes=[normal], residual=column, std=np.full((w, 1), std), noise=np.full((w, 1), std**2), starts=[[]],
-        alarm=alarm[:, None], shifts=np.full((w, 1), 2), baseline=np.zeros(w, dtype=bool),
-    )  # fmt: skip
-
-
-#: Growth of an axis in 16 shifts of 4 windows: none in six, then more with every shift.
-GROWN = np.repeat(0.03 * np.maximum(np.arange(16) - 5, 0), 4).reshape(16, 4)
-SHIFT = np.repeat(np.arange(16), 4)
-
-
-def noise_of(seed, size=0.004):
-    return size * np.random.default_rng(seed).standard_normal(GROWN.shape)
-
-
-def test_while_viscous_friction_grows_coulomb_friction_does_not():
-    level = watched(np.log1p(GROWN) + noise_of(0), alarm_from=8)
-    viscous = watched(GROWN + noise_of(1))
-    part, spread = viscous_part(level, viscous, 0, SHIFT, 0.5)
-    left = np.expm1(level.residual[:, 0]) - part
-    # From the first shift that the first alarm rests on; the shifts before it are as they were.
-    assert np.abs(left[28:]).max() < 0.03
-    assert np.abs([left[4 * k : 4 * k + 4].mean() for k in range(7, 16)]).max() < 0.01
-    assert not part[:28].any()
-    assert (spread[28:] > 0).all()
-
-
-def test_windows_that_do_not_show_viscous_friction_take_it_from_their_shift():
-    level, viscous = (watched(x, alarm_from=8) for x in (np.log1p(GROWN), GROWN))
-    viscous.residual[40:42] = viscous.residual[44:48] = np.nan
-    part, _ = viscous_part(level, viscous, 0, SHIFT, 0.5)
-    assert part[40:48] == pytest.approx(0.03 * 5)
-
-
-def test_one_shift_that_looks_viscous_does_not_take_the_name_of_an_episode():
-    """Two parts, not told apart: in some shifts the viscous part is off, before the wear as well as in it."""
-    level = watched(np.log1p(GROWN) + noise_of(2), alarm_from=8)
-    odd = np.zeros_like(GROWN)
-    odd[[2, 8, 12]] = 0.2
-    viscous = watched(odd + noise_of(3))
-    assert not viscous_episodes(level, viscous, 0, SHIFT, 0.5).any()
-    assert not viscous_part(level, viscous, 0, SHIFT, 0.5)[0].any()
-
-
-def test_the_share_of_a_level_without_viscous_friction_is_not_known():
-    level = watched(np.log1p(GROWN), "coulomb", alarm_from=8)
-    part, spread = viscous_part(level, watched(GROWN), 0, SHIFT, 0.5)
-    assert np.isnan(part[28:]).all()
-    assert not part[:28].any()
-    assert not spread.any()
-    assert not viscous_part(level, watched(0.1 * GROWN), 0, SHIFT, 0.5)[0].any()
-
-
-@pytest.mark.parametrize(("coulomb", "viscous", "first"), [(1.0, 0.1, COULOMB_FRICTION), (0.2, 0.8, VISCOUS_FRICTION)])
-def test_the_limit_that_is_reached_first_is_told(coulomb, viscous, first):
-    """Half of the friction is viscous: it reaches a fifth more sooner where most of the growth is its own."""
-    level = watched(np.log1p(0.3 * (coulomb + viscous) * GROWN), alarm_from=8)
-    part = watched(0.3 * viscous * GROWN)
-    level.axes[0].to_coulomb = 2.0
-    named = viscous_episodes(level, part, 0, SHIFT, 0.5)[:, None]
-    limits = Limits(level, part, np.array([0.5]), named, SHIFT, 3600.0 * np.arange(64), 0.2)
-    for name in (COULOMB_FRICTION, VISCOUS_FRICTION):
-        assert limits.forecast(63, 0, name)[0] == first
-
-
-def test_growth_that_is_gone_has_no_date_of_a_limit():
-    gone = np.log1p(np.concatenate([GROWN[:12], np.zeros((4, 4))]))
-    level = watched(gone + noise_of(5), alarm_from=8)
-    named = np.zeros((64, 1), dtype=bool)
-    limits = Limits(level, watched(noise_of(6)), np.array([0.5]), named, SHIFT, 3600.0 * np.arange(64), 0.2)
-    assert np.isfinite(limits.forecast(47, 0, COULOMB_FRICTION, now=True)[1].low)
-    assert np.isnan(limits.forecast(63, 0, COULOMB_FRICTION, now=True)[1].hours)
-
-
-def test_what_came_back_is_told_from_what_lasts():
-    gone = np.log1p(np.concatenate([GROWN[:12], np.zeros((4, 4))]))
-    end = 6 * 3600.0 * np.arange(64)
-    for residual, back in ((gone, True), (np.log1p(GROWN), False)):
-        level = watched(residual + noise_of(5), alarm_from=8)
-        level.mean = np.full((64, 1), 0.1)
-        assert back_to_normal([(level, level.alarm)], SHIFT, end).tolist() == [back]
-    # An axis without an alarm is not back from anything.
-    assert not back_to_normal([(level, np.zeros((64, 1), dtype=bool))], SHIFT, end).any()
-    level.starts = [[Start(60, False)]]
-    assert not back_to_normal([(level, np.arange(64)[:, None] == 40)], SHIFT, end).any()
-
-
-def test_axes_that_move_together_say_until_when():
-    common = np.zeros(64)
-    common[20:40] = np.repeat([0.05, 0.09, 0.06, 0.05, 0.04], 4)
-    level = SimpleNamespace(shared=SimpleNamespace(common=common))
-    hours = SimpleNamespace(start=3600.0 * np.arange(64), end=3600.0 * np.arange(1, 65))
-    (told,) = _shared(hours, SHIFT, np.arange(64) < 8, level)
-    assert (told["time"], told["end"]) == (20 * 3600.0, 40 * 3600.0)
-    assert "together by up to +9 %, for 20 h, and no more since" in told["words"]
-    common[40:] = 0.05
-    (told,) = _shared(hours, SHIFT, np.arange(64) < 8, level)
-    assert "end" not in told
-    assert "to this day" in told["words"]
 
 
 def test_viscous_wear_is_told_as_such_in_numbers_and_alarms():

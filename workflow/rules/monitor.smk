@@ -52,6 +52,7 @@ rule accumulate_windows:
 rule judge_windows:
     input:
         windows=window_files,
+        survey="results/monitor/{monitored}/survey.json",
         robot=monitored_robot,
         model=monitored_model,
         modules=modules_of("judge_windows"),

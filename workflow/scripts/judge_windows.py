@@ -13,4 +13,5 @@ if __name__ == "__main__":
             snakemake.output.alarms,
             snakemake.output.recall,
             snakemake.wildcards.monitored,
+            snakemake.input.survey,
         )

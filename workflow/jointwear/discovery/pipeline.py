@@ -144,8 +144,8 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem)
     try:
-        recording, outcome, told = _read_in_time(recording, whitened(problem))
-        return _judge(recording, outcome, [*restrictions, *told])
+        log, outcome, told = _read_in_time(recording, whitened(problem))
+        return _judge(log, outcome, [*restrictions, *told])
     except InputError:
         raise
     except NUMERICAL as error:
@@ -164,11 +164,10 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
     delay, outcome = shared_delay(white, period), None
     for _ in range(READINGS):
         if delay != read:
-            log, read = without_delay(recording, delay) if delay else recording, delay
-            white = as_it_came
+            log, white, read = recording, as_it_came, delay
             if delay:
-                again = build_problem(log, problem.robot, problem.settings, moving_torques(log))
-                white = whitened(again)
+                log = without_delay(recording, delay)
+                white = whitened(build_problem(log, problem.robot, problem.settings, moving_torques(log)))
         outcome = beside_slow_noise(white, search)
         beside = lasting_terms(outcome.named)
         delay = shared_delay(outcome.white, period, beside, read) if beside else read

@@ -85,9 +85,9 @@ def _wrong_mass(final: Final) -> list[Retuned]:
     if not named and worth - alone > settings.accept:
         return _farthest_mass(final, full)
     mass = bodies(problem.robot)[best.candidate.axis][0]
-    share = float(b[0] / (gram[0, 0] + 1 / best.std[0] ** 2))
-    std = float(np.hypot(1.0 / np.sqrt(gram[0, 0] + 1 / best.std[0] ** 2), settings.parameter_error))
-    return [_link_mass(best.candidate.axis, mass, mass * (1 + share), mass * std)]
+    precision = float(gram[0, 0] + 1 / best.std[0] ** 2)
+    std = float(np.hypot(1.0 / np.sqrt(precision), settings.parameter_error))
+    return [_link_mass(best.candidate.axis, mass, mass * (1 + float(b[0]) / precision), mass * std)]
 
 
 def _farthest_mass(final: Final, full: Fit) -> list[Retuned]:

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 
-def numbered(noun: str, numbers: Iterable[int]) -> str:
-    """Return `joint 3`, `joints 1 and 2` or `joints 1, 2 and 5`, of a noun whose plural ends in s."""
+def numbered(noun: str, numbers: Iterable[int], plural: str = "") -> str:
+    """Return `joint 3`, `joints 1 and 2` or `joints 1, 2 and 5`; `plural` of a noun that does not take an s."""
     *others, last = [str(number) for number in numbers]
-    return f"{noun}s {', '.join(others)} and {last}" if others else f"{noun} {last}"
+    return f"{plural or noun + 's'} {', '.join(others)} and {last}" if others else f"{noun} {last}"
+
+
+def name_axes(axes: Sequence[int]) -> str:
+    """Return `axis 3` or `axes 1, 2 and 5`, empty without any."""
+    return numbered("axis", axes, "axes") if axes else ""
+
+
+def count(many: int, noun: str) -> str:
+    """Return a count with its noun in singular or plural."""
+    return f"{many} {noun}" if many == 1 else f"{many} {noun}s"

@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, readings
-from jointwear.measurement.motion import Measured
+from jointwear.measurement.motion import Measured, runs
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
@@ -111,13 +111,12 @@ def _check_labels(recording: Recording) -> None:
     ------
     Refused : with the sample at which one comes back.
     """
-    starts = np.append(0, np.flatnonzero(np.diff(recording.trajectory)) + 1)
     seen: set[int] = set()
-    for start in starts:
-        label = int(recording.trajectory[start])
+    for run in runs(recording.trajectory):
+        label = int(recording.trajectory[run.start])
         if label in seen:
             raise Refused(
-                f"data set '{recording.name}': trajectory {label} comes back at sample {start + 1}, after others",
+                f"data set '{recording.name}': trajectory {label} comes back at sample {run.start + 1}, after others",
                 "label every run of samples apart, as by counting them: each is left out in turn",
             )
         seen.add(label)

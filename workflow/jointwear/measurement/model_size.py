@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.files.wording import numbered
 from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.torque_scale import thinned
@@ -69,9 +70,8 @@ def unusual_parameters(robot: Robot) -> list[str]:
         )
     slow = np.flatnonzero(np.abs(robot.gear_ratio) < 1.0)
     if len(slow):
-        joints = ", ".join(str(j + 1) for j in slow)
         found.append(
-            f"the gear ratio of joints {joints} is below 1: it is turns of the motor for one of the joint, and "
-            "friction and motor inertia of the file are the motor's"
+            f"the gear ratio of {numbered('joint', slow + 1)} is below 1: it is turns of the motor for one of the "
+            "joint, and friction and motor inertia of the file are the motor's"
         )
     return found

@@ -372,9 +372,9 @@ def _long_gaps(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
     missing = ~np.isfinite(values)
     for j in np.flatnonzero(missing.any(axis=0)):
         for p in pieces:
-            edges = np.flatnonzero(np.diff(np.concatenate([[0], missing[p, j].astype(int), [0]]))) + p.start
-            for start, stop in zip(edges[::2], edges[1::2], strict=True):
-                result[start:stop] |= stop - start > LONGEST_BRIDGE
+            for run in runs(missing[p, j]):
+                if run.stop - run.start > LONGEST_BRIDGE:
+                    result[p][run] |= missing[p, j][run]
     return result
 
 

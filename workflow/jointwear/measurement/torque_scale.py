@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.files.wording import numbered
 from jointwear.measurement.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
@@ -65,9 +66,8 @@ def check_scale(found: Factors) -> list[str]:
     """
     known = np.flatnonzero(np.isfinite(found.factor))
     if len(known) >= FEWEST_SHARING and np.all(found.factor[known] < 0):
-        joints = ", ".join(str(j + 1) for j in known)
         raise Refused(
-            f"{found.name}: the sign of the torque of joints {joints} looks flipped against the motion",
+            f"{found.name}: the sign of the torque of {numbered('joint', known + 1)} looks flipped against the motion",
             "turn the sign of the torque: give 'scale' with -1 for every joint",
         )
     scale = _of_most(found.factor, found.left, found.robot.gear_ratio)
@@ -155,8 +155,8 @@ def factors(
     left once it is applied (n,); NaN where it is not clear.
 
     Each axis is regressed on the torque of its bodies and friction of free size, and of a motor inertia where the robot
-    file has none; its factor counts where it is clear
-    and leaves little. A wrong robot file leaves factors near one, or much of the torque.
+    file has none; its factor counts where it is clear and leaves little. A wrong robot file leaves factors near one, or
+    much of the torque.
 
     Parameters
     ----------

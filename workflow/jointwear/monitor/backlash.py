@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.monitor.dispersion import Q80
 from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.records import DETECTORS, UNJUDGED, record
 from jointwear.monitor.series import Series
@@ -34,7 +35,6 @@ LIGHT = 1.5
 #: Share of the noise of the regression that the quick part of the residual must stand out of: below, quantised or
 #: filtered torque hides it.
 QUICKEST = 0.02
-_Q80 = 1.2815515655446004
 
 
 def backlash_series(statistics: WindowStatistics, usable: np.ndarray) -> Series:
@@ -108,7 +108,7 @@ def backlash_records(statistics: WindowStatistics, watched: Watch) -> list[dict[
                 continue
             last = hour
             mean, error = watched.mean[k, j], watched.mean_std[k, j]
-            change = [100 * float(np.expm1(v)) for v in (mean, mean - _Q80 * error, mean + _Q80 * error)]
+            change = [100 * float(np.expm1(v)) for v in (mean, mean - Q80 * error, mean + Q80 * error)]
             nothing = Forecast(np.nan, np.nan, np.nan)
             result.append(record(statistics.end[k], j + 1, BACKLASH, change, "%", np.nan, nothing, DETECTORS[0]))
     return result

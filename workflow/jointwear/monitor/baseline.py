@@ -18,6 +18,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.files.storage import open_dataset
+from jointwear.files.wording import count
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.monitor.findings import moment_words
 from jointwear.monitor.learning import FEWEST_SHIFTS, FEWEST_WINDOWS
@@ -117,9 +118,9 @@ def _shifts(statistics: WindowStatistics, mask: np.ndarray, seen: np.ndarray | N
 
 def _held_words(statistics: WindowStatistics, mask: np.ndarray) -> str:
     """Return in words how many windows a baseline holds, and of them with motion where some are without."""
-    count, moved, shifts = int(mask.sum()), int(_with_motion(statistics, mask).sum()), _shifts(statistics, mask)
-    words = f"{count} window{'' if count == 1 else 's'} in {shifts} shift{'' if shifts == 1 else 's'}"
-    return words if moved == count else f"{words}, {moved or 'none'} of them with motion"
+    held, moved, shifts = int(mask.sum()), int(_with_motion(statistics, mask).sum()), _shifts(statistics, mask)
+    words = f"{count(held, 'window')} in {count(shifts, 'shift')}"
+    return words if moved == held else f"{words}, {moved or 'none'} of them with motion"
 
 
 def keep_baseline(statistics: WindowStatistics, baseline: Baseline, given: Mapping[str, Any], path: Path) -> None:

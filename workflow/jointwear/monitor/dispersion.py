@@ -15,6 +15,8 @@ from scipy.special import gammaln
 
 from jointwear.monitor.normal_state import Noise
 
+#: Normal quantile of an 80 % interval.
+Q80 = 1.2815515655446004
 #: Smallest standard deviation between shifts, of a log level: what a steady robot in a steady hall still shows.
 FLOOR = 0.0005
 #: Standard deviations between shifts that are weighed against each other.

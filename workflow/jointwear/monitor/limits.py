@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.monitor.dispersion import Q80
 from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.parts import (
     LEAST_VISCOUS,
@@ -21,8 +22,6 @@ from jointwear.monitor.shift_forecast import forecast_shifts
 from jointwear.monitor.watching import Watch
 
 COULOMB, VISCOUS = "coulomb friction", "viscous friction"
-#: Normal quantile of the 80 % interval: growth whose interval holds zero has no date of a limit.
-Q80 = 1.2815515655446004
 #: Last shifts whose mean is the growth of now.
 LATEST = 2
 NOTHING = Forecast(np.nan, np.nan, np.nan)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.text_files import replace_text
+from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.advice import advice
 from jointwear.monitor.condition import SHOWN_BY, UNRESOLVED, AxisCondition, axis_conditions, robot_episodes
@@ -18,9 +19,9 @@ from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.standing import standing
 from jointwear.monitor.state import RobotState
-from jointwear.monitor.summaries import axis_summary, headline, name_axes, told_flags, when, why_unjudged
+from jointwear.monitor.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
-from jointwear.monitor.words import sure_words, todo
+from jointwear.monitor.words import sure_percent, sure_words, todo
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
 from jointwear.publishing.report.rendering import render_page
@@ -38,12 +39,10 @@ LISTED = 30
 
 def alarm_rows(state: RobotState, episode: Episode, zone: tzinfo) -> list[dict[str, Any]]:
     """Return the alarms of an episode, the newest first, with their times in words and how sure the axis is."""
-    rows = []
-    for alarm in reversed(episode.alarms[-LISTED:]):
-        sure = alarm["probability_axis"]
-        words = "" if sure is None else "> 99 %" if sure > 0.99 else f"{100 * sure:.0f} %"
-        rows.append({**alarm, "sure": words, "when": when(state, alarm["time"], zone)})
-    return rows
+    return [
+        {**alarm, "sure": sure_percent(alarm["probability_axis"]), "when": when(state, alarm["time"], zone)}
+        for alarm in reversed(episode.alarms[-LISTED:])
+    ]
 
 
 def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") -> dict[str, Any]:

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from jointwear.monitor.decision import TOLERATED
-from jointwear.monitor.dispersion import inflated
-from jointwear.monitor.limits import Q80
+from jointwear.monitor.dispersion import Q80, inflated
 from jointwear.monitor.watching import Watch
 
 #: Length of time at the end [s] that counts as now: a day, so that the shifts of a day weigh alike.

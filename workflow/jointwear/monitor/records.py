@@ -11,6 +11,7 @@ import numpy as np
 
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
+from jointwear.monitor.dispersion import Q80
 from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.limits import COULOMB, NOTHING, VISCOUS, Limits
@@ -24,8 +25,6 @@ from jointwear.monitor.windows import WindowStatistics
 
 HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
 DETECTORS = ("model", "paper")
-#: Normal quantile of the 80 % interval of a change.
-_Q80 = 1.2815515655446004
 #: An alarm that lasts is told again after this many hours, with a new forecast; after that when growth has risen by
 #: this much more, or after a week.
 REPEAT_HOURS, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 0.02, 168.0
@@ -165,7 +164,7 @@ class Teller:
         threshold = level.threshold + TOLERATED / level.mean_std
         for k, j in np.argwhere(self._told):
             name, mean, error = self._parts(k, j)
-            values = [mean, mean - _Q80 * error, mean + _Q80 * error]
+            values = [mean, mean - Q80 * error, mean + Q80 * error]
             by_level = self._level.alarm[k, j] and (name == COULOMB or self._level.axes[j].source == "friction")
             if by_level:
                 changes = [self._level.axes[j].unit * float(np.expm1(v)) for v in values]

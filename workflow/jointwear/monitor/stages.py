@@ -82,6 +82,7 @@ def judge_windows(
     alarms: str | Path,
     recall: str | Path,
     name: str | None = None,
+    survey: str | Path | None = None,
 ) -> None:
     """Judge all windows of a robot; write the state of every axis and the alarms.
 
@@ -90,6 +91,7 @@ def judge_windows(
     windows : files of :func:`accumulate_windows`, in the order of their logs.
     entry : the robot's entry of the config. recall : what the baseline told, read if it is there and written for the
         next call. name : of that entry, for the page; default the robot's own.
+    survey : file of :func:`survey_logs`, from which it is told that a dead band is all noise.
 
     Raises
     ------
@@ -98,7 +100,7 @@ def judge_windows(
     pieces = [piece for path in windows for piece in read_pieces(path)]
     code = code_of("judge_windows")
     told = read_recall(recall, code)
-    judge_pieces(pieces, robot, entry, state, alarms, name, told)
+    judge_pieces(pieces, robot, entry, state, alarms, name, told, survey)
     write_recall(recall, told, code)
 
 
@@ -120,12 +122,13 @@ def judge_pieces(
     alarms: str | Path,
     name: str | None = None,
     recall: Recall | None = None,
+    survey: str | Path | None = None,
 ) -> None:
     """Judge the statistics of logs, in the order of the logs; see :func:`judge_windows`.
 
     Parameters
     ----------
-    recall : of what the baseline told before, :mod:`.recall`.
+    recall : of what the baseline told before, :mod:`.recall`. survey : as of :func:`judge_windows`.
     """
     arm = load_robot(robot)
     whole = assemble(pieces)
@@ -143,18 +146,17 @@ def judge_pieces(
         told = {"time": begin, "axes": [], "kind": "baseline", "words": baseline.words}
         judgement = replace(judgement, findings=[told, *judgement.findings])
     more = [*clock_findings(whole), *missing_temperature(statistics, arm)]
-    more += _dead_bands(Path(state).parent / "survey.json", statistics, judgement, baseline.count)
+    if survey is not None:
+        more += _dead_bands(read_survey(survey), statistics, judgement, baseline.count)
     judgement = replace(judgement, findings=[*more, *judgement.findings])
     write_state(state, judgement, whole, baseline.count, arm, entry, name or arm.name)
     write_alarms(alarms, judgement.alarms, whole.statistics.dated)
 
 
-def _dead_bands(path: Path, statistics: WindowStatistics, judgement: Judgement, baseline: int) -> list[dict[str, Any]]:
-    """Return findings on dead bands of the survey beside the state, none where there is no sound survey."""
-    try:
-        survey = read_survey(path)
-    except InputError:
-        return []
+def _dead_bands(
+    survey: Survey, statistics: WindowStatistics, judgement: Judgement, baseline: int
+) -> list[dict[str, Any]]:
+    """Return findings on dead bands of the survey that are all noise."""
     unseen = (judgement.status[baseline:] == UNJUDGED).all(axis=0)
     coarse = {axis for f in judgement.findings if f["kind"] == COARSE for axis in f["axes"]}
     unseen |= np.isin(np.arange(1, len(unseen) + 1), list(coarse))

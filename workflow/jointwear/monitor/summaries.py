@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.json_values import finite
+from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import (
@@ -201,11 +202,3 @@ def headline(
     if unjudged:
         sentences.append(f"Cannot be judged: {unjudged}. That is no sign of health; the reasons are below.")
     return heading, sentences
-
-
-def name_axes(axes: Sequence[int]) -> str:
-    """Return `axis 3` or `axes 1, 2 and 5`, empty without any."""
-    if not axes:
-        return ""
-    *others, last = [str(axis) for axis in axes]
-    return f"axes {', '.join(others)} and {last}" if others else f"axis {last}"

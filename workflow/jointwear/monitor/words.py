@@ -41,10 +41,13 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
 
 def sure_words(probability: float | None) -> str:
     """Return in words how likely it is that an alarm names the right axis, empty where nothing says so."""
-    if probability is None:
-        return ""
-    percent = "> 99" if probability > SURE else f"{100 * probability:.0f}"
-    return f"axis is right with {percent}{NO_BREAK}%"
+    percent = sure_percent(probability)
+    return f"axis is right with {percent}".replace(" %", NO_BREAK + "%") if percent else ""
+
+
+def sure_percent(probability: float | None) -> str:
+    """Return a probability of an axis in percent, empty where there is none."""
+    return "" if probability is None else "> 99 %" if probability > SURE else f"{100 * probability:.0f} %"
 
 
 def bar(axis: Mapping[str, Any]) -> float | None:

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.text_files import replace_text
+from jointwear.files.wording import name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.findings import COARSE
 from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_time, log_time
-from jointwear.monitor.summaries import name_axes
 from jointwear.monitor.words import todo
 from jointwear.publishing.report.rendering import render_page
 

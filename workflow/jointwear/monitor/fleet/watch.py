@@ -96,7 +96,14 @@ def watch_robot(
             readings.judged = ""
             recall = read_recall(own / "recall.json", code)
             judge_pieces(
-                readings.pieces(), entry["robot"], entry, own / "state.nc", own / "alarms.csv", name, recall=recall
+                readings.pieces(),
+                entry["robot"],
+                entry,
+                own / "state.nc",
+                own / "alarms.csv",
+                name,
+                recall=recall,
+                survey=readings.survey,
             )
             write_recall(own / "recall.json", recall, code)
         state = read_state(own / "state.nc")

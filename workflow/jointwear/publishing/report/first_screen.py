@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from jointwear.publishing.report.numbers import count, number, percent
+from jointwear.files.wording import count
+from jointwear.publishing.report.numbers import number, percent
 from jointwear.reproduction.verdicts import NOT_COMPARABLE
 
 Line = dict[str, str]

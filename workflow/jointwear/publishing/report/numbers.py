@@ -83,11 +83,6 @@ def span_percent(low: float | None, high: float | None, decimals: int = 0) -> st
     return f"{span(100 * low, 100 * high, decimals)}{_THIN}%"
 
 
-def count(many: int, noun: str) -> str:
-    """Return a count with its noun in singular or plural."""
-    return f"{many} {noun}" if many == 1 else f"{many} {noun}s"
-
-
 def run_name(run: str) -> str:
     """Return the name of a run as people say it: axis1_10percent is "axis 1, 10 %"."""
     axis, _, growth = run.removeprefix("axis").removesuffix("percent").partition("_")

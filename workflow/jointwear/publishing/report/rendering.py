@@ -16,6 +16,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from jointwear.files.wording import count
 from jointwear.publishing.report import numbers
 
 TEMPLATES = Path(__file__).resolve().parents[4] / "report"
@@ -47,7 +48,7 @@ def _environment(templates: Path) -> Environment:
         keep_trailing_newline=True,
     )
     env.filters.update(number=numbers.number, with_std=numbers.with_std, fixed=numbers.fixed, percent=numbers.percent)
-    env.globals.update(span=numbers.span, span_percent=numbers.span_percent, count=numbers.count)
+    env.globals.update(span=numbers.span, span_percent=numbers.span_percent, count=count)
     env.filters.update(run_name=numbers.run_name)
     return env
 
