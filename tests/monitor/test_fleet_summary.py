@@ -29,7 +29,7 @@ DAY = 86400.0
 
 def axis(number=1, level=HEALTHY, **more):
     calm = {"reached": False, "growth": 0.1, "growth_std": 0.1, "limit": 20.0, "hours": None, "quantity": "",
-            "change": None, "unit": "", "since": None, "alarms": 0, "check": ""}  # fmt: skip
+            "change": None, "unit": "", "since": None, "alarms": 0, "check": "", "viscous_growth": None}  # fmt: skip
     if level in (CHANGED, UNRESOLVED):
         calm |= {"quantity": "coulomb friction", "since": NOW - DAY, "alarms": 3, "check": "check the gear"}
     return {"axis": number, "joint": f"joint_{number}", "level": level, **calm, **more}
@@ -44,7 +44,7 @@ def robot(name, *axes, **more):
 FLEET = [
     robot("calm"),
     robot("worn", axis(2, CHANGED, growth=12.0, hours=[200.0, 90.0, None])),
-    robot("sooner", axis(3, CHANGED, growth=9.0, hours=[80.0, 40.0, 400.0])),
+    robot("sooner", axis(3, CHANGED, growth=9.0, viscous_growth=31.0, hours=[80.0, 40.0, 400.0])),
     robot("done", axis(1, CHANGED, growth=23.0, hours=[0.0, 0.0, 0.0], reached=True)),
     robot("broken", result="refused", reason="degrees <b>", axes=[], refused_logs=10),
     robot("odd", axis(2, UNRESOLVED), copied_logs=3),
@@ -127,6 +127,9 @@ def test_metrics_are_what_prometheus_reads(built):
         for sample in family.samples:
             found[sample.name, *sorted(sample.labels.values())] = sample.value
     assert found["jointwear_axis_coulomb_growth_ratio", "2", "joint_2", "worn"] == 0.12
+    growths = [key for key in found if key[0] == "jointwear_axis_viscous_growth_ratio"]
+    assert growths == [("jointwear_axis_viscous_growth_ratio", "3", "joint_3", "sooner")]
+    assert found[growths[0]] == 0.31
     assert found["jointwear_axis_hours_to_limit", "2", "high", "joint_2", "worn"] == np.inf
     assert found["jointwear_robot_urgency", "broken", "refused"] == 1
     assert found["jointwear_robot_stale_logs", "silent"] == 5

@@ -16,7 +16,7 @@ from jointwear.files.regular_files import check_regular
 from jointwear.monitor.state import RobotState
 
 #: Estimates that have a column each and one for the standard deviation; empty where a robot has none.
-ESTIMATES = ("coulomb_percent", "coulomb", "viscous", "friction", "backlash")
+ESTIMATES = ("coulomb_percent", "coulomb", "viscous_percent", "viscous", "friction", "backlash")
 _MOMENT = pa.timestamp("ms", tz="UTC")
 SCHEMA = pa.schema(
     [
