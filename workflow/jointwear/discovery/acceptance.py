@@ -20,6 +20,9 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import INERTIAL, Folds, White
 from jointwear.effects import get_effect
 
+#: Standard deviations by which a factor of all torque of an axis has to be off: less than that, its own interval says
+#: that it may be right.
+SIGMAS = 3.0
 #: The gate that asks every record alone.
 ONE_RECORD = "nats gained on the record left out that gains least"
 
@@ -144,6 +147,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         if follows_time(trial.candidate):
             gates.append(("nats gained on the last record left out", found.last, settings.worst_record))
             gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
+            lead = _levels_lead(white, beside, trial)
+            gates.append(("nats by which a level of its own in each record does better", -lead, -half))
         gates.append(
             ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
         )
@@ -156,6 +161,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             nats, share = where_noise_is_harmless(white, beside, trial.candidate)
             gates.append(("nats in the band in which noise feigns no rate of torque", nats, half))
             gates.append(("share of what that band has of it at any size", share, settings.nearly_all))
+        if effect.of_drive:
+            gates.append(("standard deviations by which it is off", _sigmas(white, before, beside, trial), SIGMAS))
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     if is_body(trial.candidate):
@@ -258,6 +265,17 @@ def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
     return float(max(shares))
 
 
+def _sigmas(white: White, before: list[Term], beside: Fit, trial: Named) -> float:
+    """Return the most standard deviations by which a coefficient of an effect is off, by what is left on its axis.
+
+    Nats count the noise alone: where the model misses more than that of an axis, they promise too much.
+    """
+    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    worst = float(np.sqrt(misfit_of(white, white.fit([*before, *trial.terms]))[trial.candidate.axis]))
+    spread = worst * np.sqrt(np.diag(np.linalg.inv(gram + np.diag(1 / std**2))))
+    return float(np.max(np.abs(posterior_mean(b, gram, std)) / spread))
+
+
 def _step_lead(white: White, beside: Fit, trial: Named) -> float:
     """Return the nats by which a step within one record does better than an effect that follows time."""
     problem, candidate = white.problem, trial.candidate
@@ -279,6 +297,25 @@ def _step_lead(white: White, beside: Fit, trial: Named) -> float:
     gains = 0.5 * (std * b) ** 2 / scaled - 0.5 * np.log(scaled)
     b, gram = beside.gram(trial.term.blocks)
     return float(np.max(gains) - np.log(len(steps)) - gain(b, gram, trial.term.std))
+
+
+def _levels_lead(white: White, beside: Fit, trial: Named) -> float:
+    """Return the nats by which another level in every record does better than an effect that follows time.
+
+    A zero that is set anew differs from record to record: a wave of free phase and period threads a few such levels,
+    and says nothing of the record to come. Growth without a phase of its own cannot.
+    """
+    problem, candidate = white.problem, trial.candidate
+    effect, state = get_effect(candidate.effect), problem.train_state
+    label = np.asarray(state.record)
+    records = np.unique(label)
+    if effect.shape is None or len(trial.term.std) < 2 or len(records) < 3:
+        return -np.inf
+    carrier, _ = effect.shape(state, candidate.axis, candidate.nonlinear)
+    columns = carrier[:, None] * (label[:, None] == records)
+    b, gram = beside.gram({candidate.axis: white.columns(candidate.axis, columns)})
+    levels = gain(b, gram, prior_std(white, candidate, columns))
+    return float(levels - gain(*beside.gram(trial.term.blocks), trial.term.std))
 
 
 def where_noise_is_harmless(white: White, beside: Fit, candidate: Candidate) -> tuple[float, float]:

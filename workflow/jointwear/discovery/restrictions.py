@@ -11,6 +11,8 @@ from jointwear.measurement.checks import Refused
 #: Temperatures are said to go with the trajectories where these are fewer, and their means scatter by so many times
 #: what they do within.
 FEW_RECORDS, APART = 5, 3.0
+#: Range of positions [rad] from which a joint that cannot be judged is not called at rest: some degrees.
+TURNED = 0.1
 
 
 def motion_restrictions(problem) -> list[str]:
@@ -31,7 +33,12 @@ def motion_restrictions(problem) -> list[str]:
     for axis in range(n):
         if axis not in problem.judged:
             silent = np.ptp(problem.measured.torque[:, axis]) == 0.0
-            why = "has a torque that keeps one value" if silent else "is at rest in the training trajectories"
+            if silent:
+                why = "has a torque that keeps one value"
+            elif np.ptp(problem.measured.position[problem.train, axis]) > TURNED:
+                why = "turns too slowly in the training trajectories for the noise of its position"
+            else:
+                why = "is at rest in the training trajectories"
             found.append(f"joint {axis + 1} {why}: nothing can be said about its drive")
     moving = problem.measured.usable[problem.test].any(axis=0)
     if not moving.any():

@@ -53,7 +53,9 @@ def retuned_parameters(final: Final) -> list[Retuned]:
                         unit=_FRICTION_UNITS[k],
                     )
                 )
-    return found + _wrong_mass(final)
+    # Where no mass is off by its own uncertainty, centres and inertias differ: it is told if nothing else would be.
+    masses = _wrong_mass(final)
+    return found + [m for m in masses if not found or abs(m.value - m.nominal) > m.std]
 
 
 def _wrong_mass(final: Final) -> list[Retuned]:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.linear import Fit, Term
@@ -28,6 +29,10 @@ LARGEST = 0.6
 EVEN = 0.05
 #: Delays that are compared on either side of none.
 STEPS = 60
+#: Sampling periods within which joints have one delay.
+AGREE = 0.1
+#: Delays of one joint that are computed; what lies between is led over.
+ASKED = 25
 
 
 def sampling_period(recording: Recording) -> float:
@@ -49,17 +54,22 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
     beside : terms of the model beside which it is asked.
     """
     fit = white.fit(list(beside))
-    found = [of_joint for axis in white.problem.judged if (of_joint := _of_joint(white, fit, axis, period)) is not None]
-    if not found:
-        return read
-    delay, sigma = np.array(found).T
     settings = white.problem.settings
     shares = np.append(np.linspace(-LARGEST, LARGEST, 2 * STEPS + 1), read / period)
-    left = shares[:, None] - read / period
-    against = np.minimum(0.5 * ((delay - left) / sigma) ** 2, 0.5 * settings.accept).sum(axis=1)
+    lost = [
+        of_joint
+        for axis in white.problem.judged
+        if (of_joint := _of_joint(white, fit, axis, period, shares - read / period)) is not None
+    ]
+    if not lost:
+        return read
+    against = np.minimum(lost, 0.5 * settings.accept).sum(axis=0)
     best = int(np.argmin(against))
     if against[-1] - against[best] <= settings.accept:
         return read
+    # Which delay it is, those joints tell that have it, each by all that it knows.
+    agree = [of_joint for of_joint in lost if abs(shares[np.argmin(of_joint)] - shares[best]) <= AGREE]
+    best = int(np.argmin(np.sum(agree, axis=0))) if agree else best
     return float(shares[best] * period) if against[STEPS] - against[best] > settings.accept else 0.0
 
 
@@ -69,15 +79,21 @@ def lasting_terms(named: Sequence[Named]) -> list[Term]:
     return [t for n in lasting for t in n.terms]
 
 
-def _of_joint(white: White, fit: Fit, axis: int, period: float) -> tuple[float, float] | None:
-    """Return the delay of the torque of one joint and its standard deviation, both in sampling periods."""
-    state = white.timing_state(axis)
-    late = change_by_delay(state, axis, 0.5 * period)
-    b, gram = fit.gram({axis: white.columns(axis, late[:, None])})
-    if not gram[0, 0] > 0:
+def _of_joint(white: White, fit: Fit, axis: int, period: float, shares: np.ndarray) -> np.ndarray | None:
+    """Return the nats that each delay (k,) of the torque of one joint, in sampling periods, costs against its best.
+
+    A delay is no factor of a chord: within half a period waves near the end of the band turn by up to a quarter, and
+    steps of friction pass whole samples. Each is compared as it is, with its own size.
+    """
+    state = white.state_of(get_effect("actuation_delay"), axis, {"delay": period, "lag": 0})
+    asked = np.linspace(shares.min(), shares.max(), ASKED)
+    late = np.stack([change_by_delay(state, axis, share * period) for share in asked], axis=1)
+    b, gram = fit.gram({axis: white.columns(axis, late)})
+    if not np.diag(gram).any():
         return None
     misfit = max(float(np.sqrt(np.mean(fit.residual[axis] ** 2))), 1.0)
-    return 0.5 * float(b[0] / gram[0, 0]), 0.5 * misfit / float(np.sqrt(gram[0, 0]))
+    nats = CubicSpline(asked, (0.5 * np.diag(gram) - b) / misfit**2)(shares)
+    return nats - nats.min()
 
 
 def without_delay(recording: Recording, delay: float) -> Recording:

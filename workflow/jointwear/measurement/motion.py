@@ -20,6 +20,7 @@ from jointwear.measurement.derived_noise import DerivedNoise, quantisation_densi
 from jointwear.measurement.even_steps import evenly, pieces_of
 from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
+from jointwear.measurement.jumps import without_jumps
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 from jointwear.measurement.velocity_lag import put_in_time
@@ -131,7 +132,8 @@ def measure(recording: Recording) -> Measured:
 
     A sample that is missing of one joint makes that joint unusable there. Where more than :data:`LONGEST_BRIDGE`
     samples in a row are missing of the motion of a joint, no joint is used: every torque depends on every position.
-    What is missing is bridged by straight lines for the filter only. Samples that are not evenly spaced are put on an
+    What is missing is bridged by straight lines for the filter only; positions that jump away and come back are missing
+    (:mod:`jointwear.measurement.jumps`). Samples that are not evenly spaced are put on an
     even grid first: see :mod:`jointwear.measurement.even_steps`.
     """
     raw = _raw(recording)
@@ -227,6 +229,7 @@ class _Raw:
 
 def _raw(recording: Recording) -> _Raw:
     """Return a recording on an even grid, its velocities in time with its positions."""
+    recording = without_jumps(recording)
     recording, time = evenly(recording, elapsed_time(recording.time, recording.trajectory))
     pieces = pieces_of(time, recording.trajectory)
     step = float(np.median(np.concatenate([np.diff(time[p]) for p in pieces if p.stop - p.start > 1] or [[1.0]])))
