@@ -70,6 +70,9 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
     # Which delay it is, those joints tell that have it, each by all that it knows.
     agree = [of_joint for of_joint in lost if abs(shares[np.argmin(of_joint)] - shares[best]) <= AGREE]
     best = int(np.argmin(np.sum(agree, axis=0))) if agree else best
+    if abs(shares[best]) >= LARGEST:
+        # What is later still is no matter of sampling.
+        return read
     return float(shares[best] * period) if against[STEPS] - against[best] > settings.accept else 0.0
 
 
