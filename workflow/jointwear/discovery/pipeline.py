@@ -19,6 +19,7 @@ from jointwear.discovery.leftovers import lasting
 from jointwear.discovery.outcome import Outcome, Unexplained
 from jointwear.discovery.outside_force import force_in_words
 from jointwear.discovery.problem import Problem, build_problem
+from jointwear.discovery.recorded_in_time import coulomb_steps
 from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
@@ -166,7 +167,7 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
         if delay != read:
             log, white, read = recording, as_it_came, delay
             if delay:
-                log = without_delay(recording, delay)
+                log = without_delay(recording, delay, coulomb_steps(as_it_came, as_it_came.fit(), delay))
                 white = whitened(build_problem(log, problem.robot, problem.settings, moving_torques(log)))
         outcome = beside_slow_noise(white, search)
         beside = lasting_terms(outcome.named)

@@ -9,6 +9,8 @@ long as its size is not fitted: of noise alone half would fit best.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import fourier_shift
@@ -16,6 +18,7 @@ from scipy.ndimage import fourier_shift
 from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
 from jointwear.effects.order import earlier_sense, level_between
+from jointwear.effects.state import State
 from jointwear.measurement.motion import runs
 
 #: Samples by which a record is continued, turned about its ends, before it is shifted.
@@ -41,16 +44,45 @@ def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:
 
     Of the :data:`SHARES` of the delay the one that gains most counts. Below 0 it is early.
     """
-    problem = white.problem
-    torque, pieces = problem.measured.torque[problem.train, axis], runs(np.asarray(problem.train_state.record))
-    used, now = problem.usable[:, axis], _steps(white, fit, axis, 0.0)
     gains = []
     for share in SHARES:
-        smooth = bridged(torque - _steps(white, fit, axis, share * delay), used)
-        parts = [put_forward(smooth[piece], share * delay, problem.measured.rate) for piece in pieces]
-        column = white.columns(axis, (torque - np.concatenate(parts) - now)[:, None])
+        column = white.columns(axis, change_in_time(white, fit, axis, share * delay)[:, None])
         gains.append(gain_of_one(*fit.gram({axis: column})))
     return max(gains)
+
+
+def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
+    """Return the recorded torque of an axis (0-based) less what it is when put forward by `delay` [s], (m,) [N m].
+
+    What a delay adds to a torque: less it, with a coefficient of one, the log is that of no delay. Friction turns
+    between two samples, as :class:`Steps` has it. Below 0 it is early.
+    """
+    problem = white.problem
+    torque, used = problem.measured.torque[problem.train, axis], problem.usable[:, axis]
+    late, now = (_coulomb(problem.train_state, fit, axis, d) for d in (delay, 0.0))
+    pieces = runs(np.asarray(problem.train_state.record))
+    smooth = bridged(torque - late, used)
+    parts = [put_forward(smooth[piece], delay, problem.measured.rate) for piece in pieces]
+    return torque - np.concatenate(parts) - now
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Coulomb friction (m, n) [N m] of all axes, `late` by a delay and `now`, and which samples are `used` (m, n)."""
+
+    late: np.ndarray
+    now: np.ndarray
+    used: np.ndarray
+
+
+def coulomb_steps(white: White, fit: Fit, delay: float) -> Steps:
+    """Return the Coulomb friction of all samples `delay` [s] earlier and as it is, as the fit has it; 0 where no axis
+    is judged."""
+    problem = white.problem
+    late, now = np.zeros((2, *problem.state.torque.shape))
+    for axis in problem.judged:
+        late[:, axis], now[:, axis] = (_coulomb(problem.state, fit, axis, d) for d in (delay, 0.0))
+    return Steps(late, now, problem.measured.usable)
 
 
 def bridged(values: np.ndarray, used: np.ndarray) -> np.ndarray:
@@ -65,13 +97,12 @@ def bridged(values: np.ndarray, used: np.ndarray) -> np.ndarray:
     return np.where(used, values, spline(np.clip(np.arange(len(values)), places[0], places[-1])))
 
 
-def _steps(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
+def _coulomb(state: State, fit: Fit, axis: int, delay: float) -> np.ndarray:
     """Return the Coulomb friction (m,) [N m] of an axis `delay` [s] earlier, as the fit has it.
 
     It jumps between two samples: a fraction of a sample late, friction of a hundred times the noise rings louder than
     all that a delay does.
     """
-    state = white.problem.train_state
     sense, drive = earlier_sense(state, axis, delay), state.drive
     fitted = next(fit.theta[w] for t, w in zip(fit.terms, fit.slices, strict=True) if t.drive == (axis,))
     forward, backward = drive.coulomb_positive[axis] + fitted[0], drive.coulomb_negative[axis] + fitted[1]

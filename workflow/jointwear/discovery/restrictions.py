@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.discovery.reversals import unseen_slow_motion
 from jointwear.effects.temperature import SMALLEST_SPREAD
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks import Refused
@@ -40,6 +41,7 @@ def motion_restrictions(problem) -> list[str]:
             else:
                 why = "is at rest in the training trajectories"
             found.append(f"joint {axis + 1} {why}: nothing can be said about its drive")
+    found += unseen_slow_motion(problem.measured, problem.judged)
     moving = problem.measured.usable[problem.test].any(axis=0)
     if not moving.any():
         found.append("no joint moves in the test trajectories: the gap on held-out motion is unknown")

@@ -7,6 +7,7 @@ instead of falling to its noise floor.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,9 @@ from jointwear.measurement.motion import RESOLVED, Measured
 
 #: Time [s] left out on either side of a reversal that is not resolved.
 BESIDE = 0.1
+#: Slow motion is missing where all but one sample in a hundred are this many times faster than the slowest that shows
+#: a direction.
+SLOWEST, MISSING = 0.01, 3.0
 
 
 def resolved_motion(measured: Measured) -> bool:
@@ -39,3 +43,20 @@ def leave_out_reversals(measured: Measured) -> Measured:
         for instant in np.flatnonzero(np.diff(moves) != 0) + 1:
             usable[max(instant - reach, 0) : instant + reach + 1, axis] = False
     return replace(measured, usable=usable)
+
+
+def unseen_slow_motion(measured: Measured, judged: Collection[int]) -> list[str]:
+    """Return in words below which speeds nothing is seen because reversals are left out; `judged` 0-based joints."""
+    if resolved_motion(measured):
+        return []
+    slowest = {}
+    for axis in judged:
+        speed = np.abs(measured.velocity[measured.usable[:, axis], axis])
+        low = float(np.quantile(speed, SLOWEST)) if len(speed) else 0.0
+        if low > MISSING * measured.speed_floor[axis]:
+            slowest[axis] = low
+    if not slowest:
+        return []
+    speeds = ", ".join(f"{low:.2g} rad/s on joint {axis + 1}" for axis, low in slowest.items())
+    told = f"positions do not resolve what follows a reversal, and {BESIDE:g} s beside it are left out"
+    return [f"{told}: nothing is seen of friction slower than {speeds}; log faster for it"]

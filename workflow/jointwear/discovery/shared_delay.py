@@ -17,10 +17,9 @@ from scipy.interpolate import CubicSpline
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.recorded_in_time import put_forward
+from jointwear.discovery.recorded_in_time import Steps, bridged, change_in_time, put_forward
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
-from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import Recording
 
 #: Largest delay, in sampling periods: half of one, and what it is not known to.
@@ -32,7 +31,7 @@ STEPS = 60
 #: Sampling periods within which joints have one delay.
 AGREE = 0.1
 #: Delays of one joint that are computed; what lies between is led over.
-ASKED = 25
+ASKED = 17
 
 
 def sampling_period(recording: Recording) -> float:
@@ -85,36 +84,49 @@ def lasting_terms(named: Sequence[Named]) -> list[Term]:
 def _of_joint(white: White, fit: Fit, axis: int, period: float, shares: np.ndarray) -> np.ndarray | None:
     """Return the nats that each delay (k,) of the torque of one joint, in sampling periods, costs against its best.
 
-    A delay is no factor of a chord: within half a period waves near the end of the band turn by up to a quarter, and
-    steps of friction pass whole samples. Each is compared as it is, with its own size.
+    Each is compared as it is, not as a share of another: within half a period waves near the end of the band turn by up
+    to a quarter, and friction turns between two samples. What the model says at another time would hold the error of
+    derived accelerations; the recorded torque does not.
     """
-    state = white.state_of(get_effect("actuation_delay"), axis, {"delay": period, "lag": 0})
     asked = np.linspace(shares.min(), shares.max(), ASKED)
-    late = np.stack([change_by_delay(state, axis, share * period) for share in asked], axis=1)
+    late = np.stack([change_in_time(white, fit, axis, share * period) for share in asked], axis=1)
     b, gram = fit.gram({axis: white.columns(axis, late)})
     if not np.diag(gram).any():
         return None
-    misfit = max(float(np.sqrt(np.mean(fit.residual[axis] ** 2))), 1.0)
-    nats = CubicSpline(asked, (0.5 * np.diag(gram) - b) / misfit**2)(shares)
+    misfit = max(float(np.mean(fit.residual[axis] ** 2)), 1.0)
+    nats = CubicSpline(asked, (0.5 * np.diag(gram) - b) / misfit)(shares)
     return nats - nats.min()
 
 
-def without_delay(recording: Recording, delay: float) -> Recording:
+def without_delay(recording: Recording, delay: float, steps: Steps | None = None) -> Recording:
     """Return a recording whose torque is read `delay` [s] later within each trajectory.
 
     It keeps its whole band: the mean of two neighbours would lack the highest frequencies, which the noise model then
     makes much of. Where samples are missing or not even it is read straight between them.
+
+    Parameters
+    ----------
+    steps : of this delay. What is put forward is the torque without its friction, led over rests, so that it does not
+        ring beside a reversal. None, or of other samples than those of the recording: as it is.
     """
     torque = np.array(recording.torque, dtype=float)
+    if steps is not None and steps.used.shape != torque.shape:
+        steps = None
     for label in recording.labels:
         rows = recording.trajectory == label
         time = recording.time[rows]
         step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
         even = step > 0 and np.ptp(np.diff(time)) < EVEN * step
         for axis, values in enumerate(recording.torque[rows].T):
-            whole = even and np.isfinite(values).all()
-            later = put_forward(values, delay, 1.0 / step) if whole else np.interp(time + delay, time, values)
-            torque[rows, axis] = later
+            if not (even and np.isfinite(values).all()):
+                torque[rows, axis] = np.interp(time + delay, time, values)
+                continue
+            torque[rows, axis] = put_forward(values, delay, 1.0 / step)
+            if steps is None or not steps.used[rows, axis].any():
+                continue
+            used = steps.used[rows, axis]
+            smooth = put_forward(bridged(values - steps.late[rows, axis], used), delay, 1.0 / step)
+            torque[rows, axis] = np.where(used, smooth + steps.now[rows, axis], torque[rows, axis])
     return replace(recording, torque=torque)
 
 
