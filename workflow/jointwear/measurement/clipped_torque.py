@@ -16,30 +16,48 @@ STILL = 10
 
 def clipped_torques(recording: Recording) -> list[str]:
     """Return in words which joints reach a limit of their torque while they move, and for how long."""
+    there, limits = at_limit(recording.torque, recording.position, recording.trajectory)
     found = []
-    for j, (torque, position) in enumerate(zip(recording.torque.T, recording.position.T, strict=True)):
-        moves = _differs(position, recording.trajectory, STILL)
-        moves[:-STILL] &= moves[STILL:]
-        if moves.sum() < FEWEST or not np.isfinite(torque).any() or np.nanmin(torque) == np.nanmax(torque):
-            continue
-        repeats = moves & ~_differs(torque, recording.trajectory, 1)
-        ends = np.nanmin(torque), np.nanmax(torque)
-        elsewhere = _longest(repeats & ~np.isin(torque, ends)) + 1
-        at_limit, limits = np.zeros(len(torque), bool), []
-        for limit in ends:
-            there = torque == limit
-            longest = _longest(repeats & there) + 1
-            if longest >= FEWEST_IN_A_ROW and longest > LONGER * elsewhere:
-                at_limit |= there
-                limits.append(f"{limit:.4g}")
-        if limits:
-            percent = 100 * at_limit.mean()
+    for j, reached in enumerate(limits):
+        if reached:
+            percent = 100 * there[:, j].mean()
             found.append(
-                f"the torque of joint {j + 1} stays at {' and '.join(limits)} N m in "
+                f"the torque of joint {j + 1} stays at {' and '.join(f'{x:.4g}' for x in reached)} N m in "
                 f"{percent:.{0 if percent >= 10 else 1}f} % of the samples: a drive or a sensor at its limit, which no "
                 "effect describes"
             )
     return found
+
+
+def at_limit(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> tuple[np.ndarray, list[list[float]]]:
+    """Return where torques (m, n) stay at a limit, (m, n) bool, and the limits [N m] that each joint reaches.
+
+    Parameters
+    ----------
+    position : (m, n) [rad]. label : (m,) of the uninterrupted stretch.
+    """
+    there, limits = np.zeros(torque.shape, dtype=bool), []
+    for j, (values, places) in enumerate(zip(torque.T, position.T, strict=True)):
+        limits.append(_limits(values, places, label))
+        there[:, j] = np.isin(values, limits[-1])
+    return there, limits
+
+
+def _limits(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> list[float]:
+    """Return the limits [N m] that the torque of one joint reaches while it moves, arrays (m,)."""
+    same = ~_differs(torque, label, 1)
+    # Hardly any log has a run to look at.
+    if _longest(same) + 1 < FEWEST_IN_A_ROW or not np.isfinite(torque).any():
+        return []
+    ends = np.unique([np.nanmin(torque), np.nanmax(torque)])
+    moves = _differs(position, label, STILL)
+    moves[:-STILL] &= moves[STILL:]
+    if moves.sum() < FEWEST or len(ends) < 2:
+        return []
+    repeats = moves & same
+    elsewhere = _longest(repeats & ~np.isin(torque, ends)) + 1
+    runs = {float(x): _longest(repeats & (torque == x)) + 1 for x in ends}
+    return [x for x, longest in runs.items() if longest >= FEWEST_IN_A_ROW and longest > LONGER * elsewhere]
 
 
 def _differs(values: np.ndarray, label: np.ndarray, reach: int) -> np.ndarray:

@@ -17,10 +17,12 @@ class Flag(IntFlag):
     TORQUE_FROZEN = 64
     REFUSED = 128
     UNEXPLAINED = 256
+    CONTRADICTED = 512
+    SATURATED = 1024
 
 
 #: Flags that keep a window (of that axis) from being judged, whatever its statistics are.
-DISQUALIFYING = Flag.OUTSIDE_LIMITS | Flag.TORQUE_FROZEN | Flag.REFUSED
+DISQUALIFYING = Flag.OUTSIDE_LIMITS | Flag.TORQUE_FROZEN | Flag.REFUSED | Flag.CONTRADICTED
 
 FLAG_WORDS = {
     Flag.GAP: "a gap in the log",
@@ -32,4 +34,6 @@ FLAG_WORDS = {
     Flag.TORQUE_FROZEN: "the torque does not change while the axis moves",
     Flag.REFUSED: "the log contradicts the model (units, order or sign of the axes)",
     Flag.UNEXPLAINED: "the model explains much less of the torque than in the first log",
+    Flag.CONTRADICTED: "the torque is none that the model and the first log know: another unit or sign, or a fault",
+    Flag.SATURATED: "the torque stays at a limit of its drive or sensor, left out there",
 }

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects import get_effect
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.local_time import duration
@@ -162,6 +163,51 @@ def _shared(
         )
         until = {"end": end} if b < len(names) else {}
         result.append({"time": time, **until, "axes": [], "kind": "shared", "words": words})
+    return result
+
+
+#: What was found in reading that keeps axes from being judged, or samples from counting: kind -> flag and words.
+_READ = {
+    "refused": (
+        Flag.REFUSED,
+        "Samples of {axes} contradict the model and are not judged; the reasons, and what mends them, are under Logs.",
+    ),
+    "contradicted": (
+        Flag.CONTRADICTED,
+        (
+            "The torque of {axes} is none that the model and the first log know: another unit, a size without its sign, "
+            "another column or a fault of its measurement. It is not judged there; mend these logs or leave them out."
+        ),
+    ),
+    "saturated": (
+        Flag.SATURATED,
+        (
+            "The torque of {axes} stays at a limit of its drive or its sensor in a part of the samples. These are left "
+            "out: what the axis needs there is not known."
+        ),
+    ),
+}
+
+
+def reading_findings(statistics: WindowStatistics) -> list[dict[str, Any]]:
+    """Return one finding for each run of windows in which samples were refused, torques are none that the model knows,
+    or torques stay at a limit."""
+    result: list[dict[str, Any]] = []
+    for kind, (flag, words) in _READ.items():
+        marked = statistics.flags & int(flag) != 0
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], marked.any(axis=1), [False]])))
+        for a, b in zip(edges[::2], edges[1::2], strict=True):
+            axes = (np.flatnonzero(marked[a:b].any(axis=0)) + 1).tolist()
+            told = "all axes" if len(axes) == statistics.axes else _axes_words(axes)
+            result.append(
+                {
+                    "time": float(statistics.start[a]),
+                    "end": float(statistics.end[b - 1]),
+                    "axes": [] if len(axes) == statistics.axes else axes,
+                    "kind": kind,
+                    "words": words.format(axes=told),
+                }
+            )
     return result
 
 

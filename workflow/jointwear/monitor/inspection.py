@@ -28,7 +28,8 @@ class Inspector:
         self._told: set[str] = set()
 
     def __call__(self, around: Ordered, motion: Motion, kept: slice) -> np.ndarray:
-        """Return flags (m,) of a block, of which only `kept` is looked at: in parts where something is wrong."""
+        """Return flags (m, n) of a block, of which only `kept` is looked at: in parts where something is wrong."""
+        self._check.begin()
         marks = self._look(around, motion, [kept.start, kept.stop])
         if not marks.any() or kept.stop - kept.start < PARTS * SMALLEST_PART:
             return marks
@@ -36,20 +37,19 @@ class Inspector:
         closer = self._look(around, motion, edges)
         if (marks & int(Flag.REFUSED)).any():
             closer[closer != 0] |= int(Flag.REFUSED)
-        elif (closer[kept] == int(Flag.UNEXPLAINED)).all():
+        elif (closer[kept] & int(Flag.UNEXPLAINED) != 0).all():
             self._check.accept()
         return closer
 
     def _look(self, around: Ordered, motion: Motion, edges: list[int]) -> np.ndarray:
-        marks = np.zeros(len(around.stretch), dtype=np.int64)
+        marks = np.zeros(around.chunk.position.shape, dtype=np.int64)
         moved = {f.name: getattr(motion, f.name) for f in fields(motion)}
         for start, stop in pairwise(edges):
             part = slice(start, stop)
             seen = part_of(around, part)
             cut = Motion(**{k: None if v is None else v[part] for k, v in moved.items()})
             try:
-                if self._check(seen.chunk, seen.stretch, cut):
-                    marks[part] |= int(Flag.UNEXPLAINED)
+                marks[part] |= self._check(seen.chunk, seen.stretch, cut)
             except Refused as refusal:
                 marks[part] |= int(Flag.REFUSED)
                 # Parts of a log with one fault differ in the numbers of their sentences alone.

@@ -25,7 +25,7 @@ from jointwear.monitor.backlash import (
 )
 from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
-from jointwear.monitor.findings import coarse_findings, findings_of
+from jointwear.monitor.findings import coarse_findings, findings_of, reading_findings
 from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.parts import viscous_part, viscous_scale
@@ -199,6 +199,7 @@ def judge(
     findings += coarse_findings(statistics, first, teller.least, limit)
     findings += backlash_findings(hidden, float(statistics.start[0]))
     findings += program_findings(statistics, first)
+    findings += reading_findings(statistics)
     return Judgement(
         estimates=estimates,
         std=std,

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.measurement.clipped_torque import at_limit
 from jointwear.measurement.clock import Clock, Ordered, join, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
@@ -114,10 +115,12 @@ def _block_statistics(
     chunk, robot = around.chunk, model.robot
     motion = derive_motion(chunk, around.stretch, np.array(survey.cutoff))
     flags = around.flags[:, None] | motion.flags
-    usable = motion.usable
+    saturated, _ = at_limit(chunk.torque, chunk.position, around.stretch)
+    flags[saturated] |= int(Flag.SATURATED)
+    usable = motion.usable & ~saturated
     marks = inspector(around, motion, kept)
-    flags = flags | marks[:, None]
-    usable = usable & (marks & int(Flag.REFUSED) == 0)[:, None]
+    flags = flags | marks
+    usable = usable & (marks & int(Flag.REFUSED) == 0)
     far = outside_limits(chunk.position, robot)
     flags[far] |= int(Flag.OUTSIDE_LIMITS)
     usable = usable & ~far.any(axis=1)[:, None]

@@ -1,9 +1,10 @@
 """Does a log belong to the robot: degrees, swapped joints, flipped signs, torque of the motor side.
 
 The first log is checked as discovery checks a recording. A later piece of a log is compared with it: where the model
-leaves far more of the torque than in the first log, and as little as there once an axis is turned around or two are
-exchanged, the piece is refused. Where nothing of that kind explains it, the piece is only marked: another load at the
-flange does the same.
+leaves far more of the torque than in the first log, and as little as there once an axis is turned around, two are
+exchanged or the torque is divided by a factor, the piece is refused. Where nothing of that kind explains it, the piece
+is only marked: another load at the flange does the same. An axis whose torque the model hardly explains at all,
+whatever the load, is not judged.
 """
 
 from __future__ import annotations
@@ -23,14 +24,17 @@ from jointwear.measurement.checks import (
     explained,
     explained_otherwise,
 )
+from jointwear.measurement.clipped_torque import at_limit
 from jointwear.measurement.derivative_checks import check_derivatives
+from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import check_torque_moves
+from jointwear.measurement.torque_scale import off_scale, thinned
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion
-from jointwear.monitor.misreadings import check_readings
+from jointwear.monitor.misreadings import check_readings, without_load
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -48,6 +52,11 @@ MOST_LEFT, FEWEST_AXES = 1.0, 3
 WORSE, MENDED = 2.0, 1.0
 #: Growth of each axis up to which two pieces count as alike.
 ALIKE = 0.7
+#: Share of the squared torque of an axis that the model leaves where it no longer explains it, and growth of its log
+#: since the first log: friction may be any size in that share, and twice the torque leaves a tenth of it.
+HARDLY, FAR_WORSE = 0.3, 1.5
+#: Share of the axes that move from which on none is judged.
+MOST_LOST = 0.5
 
 
 def check_first(
@@ -91,34 +100,93 @@ class LaterCheck:
         self._usual = np.maximum([np.nan if u is None else u for u in usual], RIGHT)
         self._known: np.ndarray | None = None
         self._last: np.ndarray | None = None
+        self._scale = np.ones(dynamics.robot.joints)
+        self._refusal: Refused | None = None
+        self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
+
+    def begin(self) -> None:
+        """Begin another block: another scale of the torque that was found is looked for in its parts alone."""
+        self._refusal = None
 
     def accept(self) -> None:
         """Take what the last piece left for granted, so that pieces like it are not examined again."""
         self._known = self._last
 
-    def __call__(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> bool:
-        """Return whether the model explains much less of the torque than in the first log.
+    def __call__(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> np.ndarray:
+        """Return flags (n,): where the model explains much less of the torque than in the first log, and of which axes
+        next to nothing.
 
         Raises
         ------
-        Refused : where turning an axis around, exchanging two or reading degrees mends it.
+        Refused : where turning an axis around, exchanging two, another scale of the torque or reading degrees mends it.
         """
+        nothing = np.zeros(self._dynamics.robot.joints, dtype=np.int64)
         measured = _measured(chunk, stretch, motion, self._dead_band)
         if len(measured.time) < FEWEST:
-            return False
+            return nothing
         _check_units(measured, self._dynamics.robot, self._name)
         check_derivatives(chunk, stretch, self._name)
         parts, usable = _thinned(measured)
         self._last = self._growth(parts, usable)
         plain = float(np.nansum(self._last))
+        if self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
+            raise self._refusal
         if plain < WORSE:
-            return False
+            return nothing
         if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
-            return True
+            return self._marks()
         best, reading = min(self._read_otherwise(parts, usable), key=lambda x: x[0])
         if best < MENDED and plain - best > WORSE and self._is_likelier(reading, parts, usable):
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy)
-        return True
+        self._check_scale(measured, parts, usable, plain)
+        self._lost = self._hardly(self._last, parts, usable)
+        if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
+            parts, usable = _thinned(lighter)
+            self._lost &= self._hardly(self._growth(parts, usable), parts, usable)
+        # What befell most torques befell the others too, though they may resemble what they were.
+        self._lost |= self._lost.sum() > MOST_LOST * np.isfinite(self._last).sum()
+        return self._marks()
+
+    def _marks(self) -> np.ndarray:
+        return np.where(self._lost, int(Flag.UNEXPLAINED | Flag.CONTRADICTED), int(Flag.UNEXPLAINED))
+
+    def _hardly(self, growth: np.ndarray, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+        """Return the axes (n,) whose torque the model hardly explains any more."""
+        return (growth > FAR_WORSE) & (explained(self._dynamics, parts, usable) > HARDLY)
+
+    def _check_scale(self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
+        """Check that no other scale of the torque explains a piece as well as the first log.
+
+        Raises
+        ------
+        Refused : with the factors.
+        """
+        robot = self._dynamics.robot
+        scale = off_scale(thinned(measured), robot)
+        if scale is None or plain - self._left_over(parts, usable, scale) <= WORSE - MENDED:
+            return
+        if self._left_over(parts, usable, scale) >= MENDED:
+            return
+        lighter = without_load(measured, robot)
+        if lighter is not None and off_scale(thinned(lighter), robot) is None:
+            return
+        known, self._scale = np.flatnonzero(scale != 1.0), scale
+        factors = ", ".join(f"{scale[j]:.3g} on joint {j + 1}" for j in known)
+        mended = ", ".join(f"{1 / scale[j]:.3g} for joint {j + 1}" for j in known)
+        self._refusal = Refused(
+            f"{self._name}: the torque is another multiple of the model's than in the first log ({factors}); it looks "
+            "like another unit, a current, a share of a rating or a torque that counts the other way round; it would "
+            f"fit times about {mended}",
+            "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
+            "logs of a robot",
+        )
+        raise self._refusal
+
+    def _left_over(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray) -> float:
+        """Return the growth, summed over axes, once the torque is divided by a scale (n,)."""
+        scaled = parts.copy()
+        scaled[:, 3] /= scale
+        return float(np.nansum(self._growth(scaled, usable)))
 
     def _is_likelier(self, reading: Reading, parts: np.ndarray, usable: np.ndarray) -> bool:
         """Return whether another reading is likelier than the plain one whatever the arm carries.
@@ -148,6 +216,7 @@ def _measured(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.n
     """Return the busiest piece with its motion, as discovery takes it."""
     chosen = _busiest(motion.velocity * motion.usable, LOOK)
     usable = motion.usable & moving(motion.velocity, stretch, dead_band, 1) & np.isfinite(chunk.torque)
+    usable &= ~at_limit(chunk.torque, chunk.position, stretch)[0]
     n = usable.shape[1]
     return Measured(
         time=chunk.time[chosen],

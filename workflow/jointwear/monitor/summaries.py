@@ -130,7 +130,11 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     if not here.any():
         return ""
     flags = told_flags(state)[start:, j][here]
-    found = [(int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f]) for f in Flag if f not in (Flag.GAP, Flag.UNEXPLAINED)]
+    found = [
+        (int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f])
+        for f in Flag
+        if f not in (Flag.GAP, Flag.UNEXPLAINED, Flag.SATURATED)
+    ]
     count, words = max(found, key=lambda pair: pair[0])
     if count == len(flags):
         return words
