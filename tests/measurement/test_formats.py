@@ -6,6 +6,7 @@ from monitor_logs import START, columns, layout, make_log, write_bag, write_csv,
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import read_log
+from jointwear.measurement.units import converted
 
 
 def whole(path, rows=100_000, **entry):
@@ -126,3 +127,18 @@ def test_temperature_of_the_arm_and_labels(tmp_path, log):
     found, _ = whole(write_parquet(tmp_path / "log.parquet", table))
     assert found["temperature"].shape == log.torque.shape
     assert found["trajectory"].tolist() == label.tolist()
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [
+        ("Nmm", 1e-3),
+        ("N·mm", 1e-3),
+        ("mNm", 1e-3),
+        ("kgf cm", 0.0980665),
+        ("ft-lbf", 1.3558179483),
+        ("lbf in", 0.112984829),
+    ],
+)
+def test_units_of_torque_by_other_names(unit, factor):
+    np.testing.assert_allclose(converted(np.ones(1), "torque", unit, "log"), factor)

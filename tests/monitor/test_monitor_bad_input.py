@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from monitor_logs import START, columns, layout, make_log, model, write_bag, write_csv, write_netcdf, write_parquet
@@ -62,6 +63,15 @@ WRONG = {
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
     return write_parquet(tmp_path_factory.mktemp("good") / "good.parquet", columns(make_log(48.0)))
+
+
+def test_revolutions_in_the_first_log_are_named(tmp_path):
+    path = tmp_path / "log.nc"
+    with xr.open_dataset("data/examples/monitor_puma560/day_1.nc") as shipped:
+        shipped.assign(position=shipped["position"] / (2 * np.pi)).to_netcdf(path)
+    with pytest.raises(InputError, match="look like revolutions; state units"):
+        read(path)
+    assert read(path, units={"position": "rev"}).statistics.count[:, :5].any()
 
 
 @pytest.mark.parametrize("kind", WRONG)

@@ -9,7 +9,7 @@ from jointwear.running.told_of import named_in_file
 def files(tmp_path):
     first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
     first.write_text("monitor:\n  robots:\n    arm: {window: 1x, events: [{time: 3}]}\nseed: 1\n")
-    second.write_text("monitor:\n  stale_after: 1h\nseed: 2\n")
+    second.write_text("monitor:\n  stale_after: 1h\n  notify: [{name: shop, robots: [x]}]\nseed: 2\n")
     return [first, second]
 
 
@@ -20,6 +20,7 @@ def files(tmp_path):
         ("monitor.robots.arm.events[0].time", 0),
         ("monitor.stale_after", 1),
         ("seed", 1),
+        ("monitor.notify: shop.robots", 1),
         ("monitor.robots.arm.logs", 0),
     ],
 )

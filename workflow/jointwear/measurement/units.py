@@ -26,10 +26,21 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
         }.items()
     },
     "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
-    "position": {"rad": (1.0, 0.0), "deg": (math.pi / 180, 0.0)},
+    "position": {"rad": (1.0, 0.0), "deg": (math.pi / 180, 0.0), "rev": (2 * math.pi, 0.0)},
     "velocity": {"rad/s": (1.0, 0.0), "deg/s": (math.pi / 180, 0.0)},
     "acceleration": {"rad/s2": (1.0, 0.0), "deg/s2": (math.pi / 180, 0.0)},
-    "torque": {"N m": (1.0, 0.0), "mN m": (1e-3, 0.0), "kN m": (1e3, 0.0)},
+    "torque": {
+        name: (factor, 0.0)
+        for name, factor in {
+            "N m": 1.0,
+            "mN m": 1e-3,
+            "kN m": 1e3,
+            "kgf m": 9.80665,
+            "kgf cm": 0.0980665,
+            "lbf ft": 1.3558179483314004,
+            "lbf in": 0.1129848290276167,
+        }.items()
+    },
     "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
 }
 SPELLINGS = {
@@ -42,6 +53,12 @@ SPELLINGS = {
     "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
     "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s", "": "s",
     "minute": "min", "minutes": "min", "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
+    "N·m": "N m", "mNm": "mN m", "mN·m": "mN m", "mN*m": "mN m", "mN.m": "mN m", "Nmm": "mN m", "N mm": "mN m",
+    "N·mm": "mN m", "N*mm": "mN m", "N.mm": "mN m", "kNm": "kN m", "kN·m": "kN m", "kgfm": "kgf m", "kgf·m": "kgf m",
+    "kgfcm": "kgf cm", "kgf·cm": "kgf cm", "kgf-cm": "kgf cm", "lbft": "lbf ft", "lbf·ft": "lbf ft", "lb ft": "lbf ft",
+    "ft lbf": "lbf ft", "ft-lbf": "lbf ft", "lbf-ft": "lbf ft", "lbin": "lbf in", "lbf·in": "lbf in", "lb in": "lbf in",
+    "in lbf": "lbf in", "in-lbf": "lbf in", "lbf-in": "lbf in",
+    "turn": "rev", "turns": "rev", "revolution": "rev", "revolutions": "rev", "revs": "rev",
     "microsecond": "us", "usec": "us", "nanosecond": "ns", "nsec": "ns",
 }  # fmt: skip
 

@@ -175,7 +175,7 @@ _READ = {
     "contradicted": (
         Flag.CONTRADICTED,
         (
-            "The torque of {axes} is none that the model and the first log know: another unit, a size without its sign, "
+            "The torque of {axes} is none that the model and the first log know: another unit, a size without sign, "
             "another column or a fault of its measurement. It is not judged there; mend these logs or leave them out."
         ),
     ),

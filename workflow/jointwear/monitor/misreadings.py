@@ -24,6 +24,8 @@ from jointwear.robots.robot import Robot
 
 #: Share of the squared torque, a median over the axes, that reading degrees may leave, and that rad leaves at least.
 DEGREES_LEFT, RADIANS_LEFT = 0.05, 0.3
+#: Factor by which revolutions must leave less of two axes than rad.
+FAR_LESS = 10.0
 #: Multiple of the reach of a joint that no position can have.
 BEYOND = 4.0
 
@@ -41,11 +43,17 @@ def check_readings(measured: Measured, robot: Robot, check: Callable[[Measured],
     """
     thin = thinned(measured)
     check_reach(thin, robot, name)
-    scale, degrees = wrong_scale(thin, robot), left_in_degrees(thin, robot)
+    scale, degrees, turns = wrong_scale(thin, robot), left_in_degrees(thin, robot), left_in_turns(thin, robot)
     if degrees is not None and (scale is None or degrees < scale.left):
         raise Refused(
             f"{name}: read as degrees the positions fit the torque, read as rad they do not; they look like degrees",
             "state units: {position: deg}",
+        )
+    if turns is not None and (scale is None or turns < scale.left):
+        raise Refused(
+            f"{name}: read as revolutions the positions fit the torque, read as rad they do not; they look like "
+            "revolutions",
+            "state units: {position: rev}",
         )
     if scale is not None and not scale.unit:
         scale = _or_a_load(scale, measured, robot)
@@ -78,16 +86,33 @@ def _or_a_load(scale: WrongScale, measured: Measured, robot: Robot) -> WrongScal
 def left_in_degrees(measured: Measured, robot: Robot) -> float | None:
     """Return the share of the squared torque that the motion read as degrees leaves, a median over the axes; None where
     it fits no better than rad, or the positions are too small to tell."""
-    parts = [measured.position, measured.velocity, measured.acceleration, np.nan_to_num(measured.torque)]
-    if np.abs(parts[0]).max(initial=0.0) < 1.0:
+    if np.abs(measured.position).max(initial=0.0) < 1.0:
         return None
-    dynamics = Dynamics(robot)
-    left = explained(dynamics, np.stack(parts, axis=1), measured.usable)
-    if not np.isfinite(left).any() or np.nanmedian(left) < RADIANS_LEFT:
+    rad, degrees = _left_as_read(measured, robot), _left_as_read(measured, robot, np.pi / 180)
+    if not np.isfinite(rad).any() or np.nanmedian(rad) < RADIANS_LEFT:
         return None
-    turned = [np.radians(x) for x in parts[:3]]
-    other = explained(dynamics, np.stack([*turned, parts[3]], axis=1), measured.usable)
-    return float(np.nanmedian(other)) if np.nanmedian(other) < DEGREES_LEFT else None
+    return float(np.nanmedian(degrees)) if np.nanmedian(degrees) < DEGREES_LEFT else None
+
+
+def left_in_turns(measured: Measured, robot: Robot) -> float | None:
+    """Return the share of the squared torque that the motion read as revolutions leaves, a median over the axes; None
+    where it leaves much of any axis, leads out of the limits of a joint, or fits not far better than rad.
+
+    Most of the torque of a slow axis is friction, which tells nothing of the unit: two axes have to.
+    """
+    reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+    if np.any(2 * np.pi * np.quantile(np.abs(measured.position), 0.99, axis=0) > 1.1 * reach):
+        return None
+    rad, turns = _left_as_read(measured, robot), _left_as_read(measured, robot, 2 * np.pi)
+    if not np.isfinite(rad).any() or np.nanmax(rad) < RADIANS_LEFT or np.nanmax(turns) > DEGREES_LEFT:
+        return None
+    return float(np.nanmedian(turns)) if np.sum(rad > FAR_LESS * turns) >= 2 else None
+
+
+def _left_as_read(measured: Measured, robot: Robot, unit: float = 1.0) -> np.ndarray:
+    """Return the share of the squared torque of each axis (n,) that the motion in a unit [rad] leaves."""
+    motion = [unit * x for x in (measured.position, measured.velocity, measured.acceleration)]
+    return explained(Dynamics(robot), np.stack([*motion, np.nan_to_num(measured.torque)], axis=1), measured.usable)
 
 
 def check_reach(measured: Measured, robot: Robot, name: str) -> None:

@@ -29,7 +29,8 @@ def named_in_file(message: str, files: Iterable[str | Path], given: Mapping[str,
     found = _KEY.match(message)
     if found is None:
         return message
-    parts = [part for part in re.split(r"\.|\[\d+\]", found["key"]) if part]
+    # Of an entry of a list, told by its name as in 'monitor.notify: shop.robots', the list is looked for.
+    parts = [part for part in re.split(r"\.|\[\d+\]", found["key"].split(": ")[0]) if part]
     depths = {str(path): _depth(_read(path), parts) for path in files} | {"--config": _depth(given or {}, parts)}
     deepest = max(depths.values(), default=0)
     if deepest < max(len(parts) - 1, 1):

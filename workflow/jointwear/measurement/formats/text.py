@@ -21,6 +21,8 @@ from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.units import UNITS
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
+#: What loggers and spreadsheets write besides where a value is missing; in a row of units "-" is one.
+_ALSO_MISSING = ["#N/A", "#NA", "n/a", "-", "--", "---", "#VALUE!", "ERROR", "Error", "error"]
 _BYTES_A_NUMBER = 18
 
 
@@ -72,7 +74,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             convert_options=arrow_csv.ConvertOptions(
                 column_types=types,
                 include_columns=wanted,
-                null_values=_MISSING,
+                null_values=[*_MISSING, *_ALSO_MISSING],
                 strings_can_be_null=True,
                 decimal_point=head.decimal,
             ),
