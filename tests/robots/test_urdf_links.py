@@ -8,7 +8,15 @@ import pytest
 
 from jointwear.files.errors import InputError
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import bodies, inertial_regressor, mass_direction, prior_factor, written_change
+from jointwear.robots.inertia import (
+    bodies,
+    inertial_regressor,
+    links_from_parameters,
+    mass_direction,
+    parameters_of_body,
+    prior_factor,
+    to_joint_frame,
+)
 from jointwear.robots.robot import Robot, load_robot, robot_from_data
 from jointwear.robots.urdf_links import urdf_with_links
 
@@ -39,6 +47,18 @@ def torques(robot: Robot, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
     q = rng.uniform(robot.lower, robot.upper, (20, robot.joints))
     v, a = rng.standard_normal((2, *q.shape))
     return q, v, a
+
+
+def written_change(robot: Robot, delta: np.ndarray) -> np.ndarray:
+    """Return the change (10 n,) of the parameters that :func:`links_from_parameters` writes when asked for `delta`."""
+    result = np.zeros(10 * robot.joints)
+    nominal = bodies(robot)
+    for link, body in enumerate(links_from_parameters(robot, delta)):
+        xx, yy, zz, xy, yz, xz = body["inertia"]
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        new = parameters_of_body(body["mass"], np.array(body["com"]), inertia)
+        result[10 * link : 10 * link + 10] = to_joint_frame(robot, link) @ (new - parameters_of_body(*nominal[link]))
+    return result
 
 
 def assert_written_as_meant(robot: Robot, path: Path, rng: np.random.Generator) -> None:

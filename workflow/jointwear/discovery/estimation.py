@@ -80,9 +80,9 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         candidate = simplest(white, fit, refine(white, fit, one.candidate))
         refined.append((one, candidate, effect_term(white, candidate, one.term)))
     forms: list[tuple[Form, Term] | None] = []
-    for i, (one, candidate, term) in enumerate(refined):
+    for i, (_, candidate, term) in enumerate(refined):
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
-        forms.append(_form_if_kept(white, one, candidate, term, others))
+        forms.append(_form_if_kept(white, candidate, term, others))
     found = [t for _, _, t in refined] + [f[1] for f in forms if f is not None]
     misfit = misfit_of(white, white.fit([*found, *mass_terms]))
     unwritten: tuple[Estimate, ...] = ()
@@ -295,7 +295,7 @@ def _base_of(white: White, fit: Fit, masses: list[Named]):
     return friction, std, inertial
 
 
-def _form_if_kept(white, one: Named, candidate, term, others) -> tuple[Form, Term] | None:
+def _form_if_kept(white, candidate, term, others) -> tuple[Form, Term] | None:
     form = form_of(white, candidate)
     if form is None or stiff(candidate):
         return None

@@ -186,7 +186,7 @@ def judge(
     viscous = watched("viscous", VISCOUS_SHARE)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
-    teller = Teller(statistics, conditions, shift, first, level, viscous, series, usual, limit, settings.events)
+    teller = Teller(statistics, shift, first, level, viscous, series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
         alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime, events)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.dispersion import Q80
 from jointwear.monitor.events import Event
@@ -46,7 +45,6 @@ class Teller:
     def __init__(
         self,
         statistics: WindowStatistics,
-        conditions: Conditions,
         shift: np.ndarray,
         baseline: np.ndarray,
         level: Watch,

@@ -177,18 +177,6 @@ class Dynamics:
         matrices = np.triu(matrices) + np.triu(matrices, 1).transpose(0, 2, 1)
         return matrices.reshape(*np.shape(position), n)
 
-    def forward_dynamics(
-        self,
-        position: np.ndarray,
-        velocity: np.ndarray,
-        torque: np.ndarray,
-        coulomb: tuple[np.ndarray, np.ndarray] | None = None,
-    ) -> np.ndarray:
-        """Return the acceleration that `torque` causes against friction and gravity. Shape (..., n) [rad/s2]."""
-        rest = np.zeros_like(position, dtype=float)
-        bias = self.inverse_dynamics(position, velocity, rest, coulomb)
-        return np.linalg.solve(self.mass_matrix(position), (torque - bias)[..., None])[..., 0]
-
     def forward_kinematics(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return translation (..., 3) [m] and rotation (..., 3, 3) of the last link frame in the base frame."""
         flat = np.asarray(position, dtype=float).reshape(-1, self.robot.joints)

@@ -204,15 +204,3 @@ def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
             }
         )
     return result
-
-
-def written_change(robot: Robot, delta: np.ndarray) -> np.ndarray:
-    """Return the change (10 n,) of the parameters that :func:`links_from_parameters` writes when asked for `delta`."""
-    result = np.zeros(10 * robot.joints)
-    nominal = bodies(robot)
-    for link, body in enumerate(links_from_parameters(robot, delta)):
-        xx, yy, zz, xy, yz, xz = body["inertia"]
-        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        new = parameters_of_body(body["mass"], np.array(body["com"]), inertia)
-        result[10 * link : 10 * link + 10] = to_joint_frame(robot, link) @ (new - parameters_of_body(*nominal[link]))
-    return result

@@ -75,7 +75,7 @@ def _connection(path: Path, reader: Reader, layout: Layout):
     return states
 
 
-def _order(path: Path, names: tuple[str, ...], layout: Layout) -> np.ndarray | None:
+def _order(names: tuple[str, ...], layout: Layout) -> np.ndarray | None:
     """Return where the axes are in a message with these joint names; None if it does not hold them all."""
     if not names:
         return np.arange(layout.axes)
@@ -94,7 +94,7 @@ def _samples(path: Path, reader: Reader, connections, layout: Layout, rows: int)
         message = decode(raw, JOINT_STATE)
         names = tuple(message.name)
         if names not in orders:
-            orders[names] = _order(path, names, layout)
+            orders[names] = _order(names, layout)
         order = orders[names]
         if order is None:
             other = names

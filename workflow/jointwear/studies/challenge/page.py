@@ -54,7 +54,7 @@ def _target(name: str, tier: str) -> str:
     return f"{'at most' if name in UPPER_LIMITS else 'at least'} {value:g}"
 
 
-def _shown(name: str, score: Mapping[str, Any]) -> str:
+def _shown(score: Mapping[str, Any]) -> str:
     if score["value"] is None:
         return "no cases"
     interval = f" ({score['low']:.2f} to {score['high']:.2f})" if score["low"] is not None else ""
@@ -73,8 +73,8 @@ def score_table(tiers: Mapping[str, Any]) -> list[dict[str, Any]]:
             "words": _WORDS[name],
             "cells": [
                 {
-                    "value": _shown(name, score_of(content, name)),
-                    "all": _shown(name, score_of(content, name, "all_cases")),
+                    "value": _shown(score_of(content, name)),
+                    "all": _shown(score_of(content, name, "all_cases")),
                     "count": score_of(content, name)["count"],
                     "target": _target(name, tier),
                     "reached": reached(name, tier, score_of(content, name)),

@@ -201,6 +201,6 @@ class PaperFit:
         return experiments
 
 
-def choose_reading(screened: Sequence[ScreenedArm], readings: Sequence[PcaReading] = READINGS) -> int:
+def choose_reading(screened: Sequence[ScreenedArm]) -> int:
     """Return the place of the reading with the smallest mean cost over arms, three best poses of every task each."""
     return int(np.argmin(np.mean([s.best(3) for s in screened], axis=0)))

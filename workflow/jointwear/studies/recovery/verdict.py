@@ -167,7 +167,7 @@ def build_verdict(
             "augmented": [six_digits(x) for x in gap[1].ravel()],
             "noise_floor": [six_digits(x) for x in (0.0045 * tables.maximum).ravel()],
         },
-        "not_identifiable": _not_identifiable(fits, chosen, ensemble),
+        "not_identifiable": _not_identifiable(chosen, ensemble),
         "next_experiment": None,
         "runner_up": {
             "candidate": second,
@@ -186,7 +186,7 @@ def _best_retuned(fits: Mapping[str, ExplanationFit]) -> ExplanationFit:
     return min((fits[n] for n in names), key=lambda f: f.bic) if names else fits[NOTHING]
 
 
-def _not_identifiable(fits, chosen: str, ensemble) -> list[dict[str, Any]]:
+def _not_identifiable(chosen: str, ensemble) -> list[dict[str, Any]]:
     result = [
         {"effects": [p, *COMPONENTS[p].same_in_slow_motion], "axis": None, "reason": "alike in slow motion"}
         for p in parts(chosen)
