@@ -6,6 +6,7 @@ pay for numpy.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,14 @@ from jointwear.files.registered import path_in, will_be_fetched
 from jointwear.robots.rigid_body import has_no_negative_moment
 from jointwear.robots.urdf_file import read_urdf_joints
 
+#: Position [rad], four turns, that no limit of a joint lies beyond: 90 and 180 are degrees. Length [m] of the DH table
+#: beyond which it is one in mm.
+FARTHEST_TURN, LONGEST = 25.2, 100.0
+#: Largest mass of a link [kg], largest radius of gyration [m], and mass [kg] below which the latter says nothing.
+HEAVIEST, LARGEST_RADIUS, LIGHTEST = 5000.0, 5.0, 1e-3
+#: Distance [m] of a centre of mass that is taken of any arm: a link of next to no mass, as `discover` may write one,
+#: has it far outside.
+FARTHEST_MASS = 20.0
 _DEFAULTS: dict[str, Any] = {
     "gear_ratio": 1.0,
     "motor_inertia": 0.0,
@@ -43,6 +52,7 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
         )
     data = read_yaml(path)
     schema = read_schema("robot")
+    _check_lengths(path, data)
     check(data, schema, path)
     data = normalise_numbers(data, schema)
     data.setdefault("gravity", [0.0, 0.0, -9.81])
@@ -55,6 +65,7 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
                 f"{path}: '{where}.inertia' is {shown(body['inertia'])}, which no body has: as a matrix it must not "
                 "have negative principal moments (order: xx yy zz xy yz xz)"
             )
+        _check_size(path, where, body, sum(abs(row["a"]) + abs(row["d"]) for row in data.get("dh", [])))
     if "urdf" in data:
         if "links" in data:
             raise InputError(f"{path}: 'links' is only for robots given by 'dh'; a URDF brings its own")
@@ -83,6 +94,54 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
     return data
 
 
+def _check_lengths(path: Path, data: dict[str, Any]) -> None:
+    """Check that no length of the DH table is as large as one in mm.
+
+    Raises
+    ------
+    InputError : naming the key and its value in m.
+    """
+    rows = data.get("dh")
+    for i, row in enumerate(rows if isinstance(rows, list) else []):
+        for key in ("a", "d"):
+            value = row.get(key) if isinstance(row, dict) else None
+            if isinstance(value, (int, float)) and LONGEST < abs(value) < float("inf"):
+                raise InputError(
+                    f"{path}: 'dh[{i}].{key}' is {value:g}, in m; this looks like mm: {value / 1000:g} (allowed: "
+                    f"-{LONGEST:g} to {LONGEST:g})"
+                )
+
+
+def _check_size(path: Path, where: str, body: dict[str, Any], reach: float) -> None:
+    """Check that a body is one that an arm can have: mass in kg, centre of mass in m, inertia in kg m2.
+
+    Parameters
+    ----------
+    where : key of the body. reach : summed lengths of the DH table [m], 0 with a URDF.
+
+    Raises
+    ------
+    InputError : naming the key and the unit that it looks like.
+    """
+    mass = body.get("mass", 0.0)
+    if mass > HEAVIEST:
+        raise InputError(f"{path}: '{where}.mass' is {mass:g}, in kg; this looks like g (allowed: up to {HEAVIEST:g})")
+    farthest = max(3 * reach, FARTHEST_MASS)
+    distance = math.hypot(*body.get("com", (0.0,)))
+    if distance > farthest:
+        raise InputError(
+            f"{path}: '{where}.com' lies {distance:.3g} m from the origin of its frame, farther than an arm of "
+            f"{reach:.3g} m can have it; this looks like mm (allowed: up to {farthest:.3g} m)"
+        )
+    moment = max(map(abs, body.get("inertia", [0.0])))
+    if mass >= LIGHTEST and moment > mass * LARGEST_RADIUS**2:
+        raise InputError(
+            f"{path}: '{where}.inertia' reaches {moment:g} kg m2 on {mass:g} kg, a radius of gyration of "
+            f"{math.sqrt(moment / mass):.3g} m; this looks like another unit, as g m2 or kg mm2 (allowed: up to "
+            f"{LARGEST_RADIUS:g} m)"
+        )
+
+
 def _complete(path: Path, index: int, joint: dict[str, Any]) -> dict[str, Any]:
     where = f"joints[{index}]"
     joint = {**_DEFAULTS, **joint}
@@ -91,7 +150,7 @@ def _complete(path: Path, index: int, joint: dict[str, Any]) -> dict[str, Any]:
     lower, upper = joint["limits"]
     if not lower < upper:
         raise InputError(f"{path}: '{where}.limits' is [{lower}, {upper}]; the lower limit must come first")
-    if max(abs(lower), abs(upper)) > 100:
+    if max(abs(lower), abs(upper)) > FARTHEST_TURN:
         raise InputError(f"{path}: '{where}.limits' is [{lower}, {upper}], in rad; this looks like degrees")
     if joint["gear_ratio"] == 0:
         raise InputError(f"{path}: '{where}.gear_ratio' is 0; a joint known on the joint side has gear_ratio 1")
