@@ -296,6 +296,14 @@ def test_a_clock_that_goes_back_flags_its_window(tmp_path, good):
     assert found.statistics.windows == 4
 
 
+def test_an_hour_that_comes_twice_is_told(tmp_path):
+    log = make_log(48.0, start=START)
+    path = write_parquet(tmp_path / "log.parquet", columns(replace(log, time=np.tile(log.time[:1200], 2))))
+    (told,) = reading_findings(read(path).statistics)
+    assert told["kind"] == "set_back"
+    assert "summer time" in told["words"]
+
+
 def test_a_frozen_torque_is_not_judged(tmp_path, good):
     log = make_log(48.0)
     log.torque[:, 3] = 1.25

@@ -168,6 +168,10 @@ def _shared(
 
 #: What was found in reading that keeps axes from being judged, or samples from counting: kind -> flag and words.
 _READ = {
+    "set_back": (
+        Flag.CLOCK_RESET,
+        "The clock of the logs was set back: windows hold two times, as where summer time ends; log in UTC.",
+    ),
     "refused": (
         Flag.REFUSED,
         "Samples of {axes} contradict the model and are not judged; the reasons, and what mends them, are under Logs.",
@@ -190,11 +194,13 @@ _READ = {
 
 
 def reading_findings(statistics: WindowStatistics) -> list[dict[str, Any]]:
-    """Return one finding for each run of windows in which samples were refused, torques are none that the model knows,
-    or torques stay at a limit."""
+    """Return one finding for each run of windows in which the clock went back, samples were refused, torques are none
+    that the model knows, or torques stay at a limit."""
     result: list[dict[str, Any]] = []
     for kind, (flag, words) in _READ.items():
         marked = statistics.flags & int(flag) != 0
+        if flag == Flag.CLOCK_RESET and not statistics.dated:
+            continue
         edges = np.flatnonzero(np.diff(np.concatenate([[False], marked.any(axis=1), [False]])))
         for a, b in zip(edges[::2], edges[1::2], strict=True):
             axes = (np.flatnonzero(marked[a:b].any(axis=0)) + 1).tolist()
