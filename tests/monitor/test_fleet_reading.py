@@ -85,6 +85,56 @@ def test_what_was_read_of_logs_that_are_gone_counts_on(logs, tmp_path):
     assert lost["reason"] == "config: there is no folder logs"
 
 
+def own_robot(tmp_path):
+    """A robot file of the test alone, and the entry that names it."""
+    robot = tmp_path / "robot.yaml"
+    robot.write_bytes(ROBOT.read_bytes())
+    return robot, ENTRY | {"robot": str(robot)}
+
+
+def test_a_comment_and_other_words_lose_nothing(logs, tmp_path):
+    robot, entry = own_robot(tmp_path)
+    watched(logs, tmp_path, entry=entry)
+    robot.write_text(robot.read_text() + "# moved to cell 4\n")
+    found = watched(logs[2:], tmp_path, entry=entry | {"window": 12, "scale": 1.0})
+    assert (found["result"], found["logs_read"], found["kept_logs"]) == ("judged", 0, 2)
+
+
+@pytest.mark.parametrize("there", [slice(2, None), slice(0, 0)])
+def test_another_model_does_not_take_logs_that_are_gone_away(logs, tmp_path, there):
+    robot, entry = own_robot(tmp_path)
+    before = watched(logs, tmp_path, entry=entry)
+    given = robot.read_text()
+    robot.write_text(given.replace("mass: ", "mass: 1"))
+    for _ in range(2):
+        found = watched(logs[there], tmp_path, entry=entry)
+        assert found["result"] == "refused"
+        assert f"{4 - len(logs[there])} logs that can no longer be reached" in found["reason"]
+        assert f"move {tmp_path / 'robots/arm'} away" in found["reason"]
+    robot.write_text(given)
+    assert watched(logs[there], tmp_path, entry=entry)["windows"] == before["windows"]
+
+
+def test_another_model_reads_logs_that_moved_again(logs, tmp_path):
+    robot, entry = own_robot(tmp_path)
+    watched(logs, tmp_path, entry=entry)
+    (tmp_path / "logs/moved").mkdir()
+    logs = [shutil.move(log, tmp_path / "logs/moved") for log in logs]
+    assert watched([str(log) for log in logs], tmp_path, entry=entry)["copied_logs"] == 4
+    robot.write_text(robot.read_text().replace("torque_limit: null", "torque_limit: 1000"))
+    robot.write_text(robot.read_text().replace("viscous: ", "viscous: 0"))
+    assert watched([str(log) for log in logs], tmp_path, entry=entry | {"window": "6s"})["logs"] == 4
+
+
+@pytest.mark.parametrize("file", ["survey.json", "read.json"])
+def test_what_is_kept_is_not_forgotten_because_a_file_beside_it_broke(logs, tmp_path, file):
+    whole = watched(logs, tmp_path)
+    (tmp_path / "robots/arm" / file).write_text("{")
+    found = watched(logs[2:], tmp_path)
+    assert (found["result"], "cannot be read any more" in found["reason"]) == ("refused", True)
+    assert watched(logs, tmp_path)["windows"] == whole["windows"]
+
+
 def test_a_folder_that_was_never_reached_is_a_refusal_with_its_reason(tmp_path):
     found = watched([], tmp_path, unreachable="config: there is no folder logs")
     assert (found["result"], found["reason"]) == ("refused", "config: there is no folder logs")

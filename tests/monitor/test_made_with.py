@@ -1,8 +1,10 @@
 """A kept baseline knows what its windows were made with."""
 
+import pytest
+import yaml
 from monitor_logs import ROBOT
 
-from jointwear.monitor.stages import made_with
+from jointwear.monitor.made_with import made_with
 
 
 def test_the_digest_follows_the_robot_and_how_logs_are_read_and_nothing_else(tmp_path):
@@ -13,5 +15,27 @@ def test_the_digest_follows_the_robot_and_how_logs_are_read_and_nothing_else(tmp
     assert made_with(robot, {**entry, "limits": {"coulomb_increase_percent": 10}}) == first
     assert made_with(robot, {**entry, "units": {"position": "rad"}}) != first
     assert made_with(robot, {**entry, "program": {"columns": ["task"]}}) != first
-    robot.write_bytes(ROBOT.read_bytes() + b"# learnt\n")
+    robot.write_text(ROBOT.read_text().replace("viscous: ", "viscous: 1"))
     assert made_with(robot, entry) != first
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"window": "60min"},
+        {"window": 3600},
+        {"scale": 1, "sign": [1] * 6},
+        {"time_zone": "UTC"},
+        {"variables": {"position": "position"}},
+        {"units": {"torque": " N m", "position": "degrees"}},
+    ],
+)
+def test_other_words_for_the_same_change_nothing(tmp_path, other):
+    robot = tmp_path / "robot.yaml"
+    robot.write_bytes(ROBOT.read_bytes())
+    entry = {"units": {"position": "deg", "torque": "N m"}, "window": "1h"}
+    first = made_with(robot, entry)
+    data = yaml.safe_load(ROBOT.read_text())
+    data |= {"provenance": {"source": "elsewhere"}, "gravity": [0, 0, -9.81]}
+    robot.write_text(f"# a comment\n{yaml.safe_dump(data)}")
+    assert made_with(robot, entry | other) == first

@@ -45,7 +45,7 @@ def assemble(pieces: Sequence[Piece]) -> History:
     seen: dict[tuple, str] = {}
     for given in pieces:
         piece, statistics = given, given.statistics
-        key = _fingerprint(piece)
+        key = fingerprint(piece)
         if key in seen:
             # What was refused in it was refused in the log that it is a copy of, and is told there.
             placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(), copy_of=seen[key]))
@@ -64,7 +64,7 @@ def assemble(pieces: Sequence[Piece]) -> History:
     return History(merge([p.statistics for p in placed]), tuple(placed), shifted)
 
 
-def _fingerprint(piece: Piece) -> tuple | None:
+def fingerprint(piece: Piece) -> tuple | None:
     """Return what two copies of one log have in common and two logs have not; None where nothing tells.
 
     That is without samples that show friction, or without dates: a clock that starts anew tells no two logs apart.

@@ -2,8 +2,8 @@
 
 `from`, `until` and `windows` of the config are turned into an interval once there are enough windows. Interval and
 statistics are kept beside the state, so that neither logs that are deleted after a while nor logs that arrive late
-move what counts as normal; a change of these keys chooses anew. Where the interval holds too little, it goes on until
-it holds enough, and says so.
+move what counts as normal; a change of these keys chooses anew, of the kept windows too. Where the interval holds too
+little, it goes on until it holds enough, and says so.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import parse_json
 from jointwear.files.storage import open_dataset
 from jointwear.files.wording import count
-from jointwear.measurement.timestamps import utc_seconds
+from jointwear.measurement.timestamps import moment_of, utc_seconds
 from jointwear.monitor.findings import moment_words
 from jointwear.monitor.learning import FEWEST_SHIFTS, FEWEST_WINDOWS
 from jointwear.monitor.shifts import shift_labels
@@ -128,39 +129,93 @@ def keep_baseline(statistics: WindowStatistics, baseline: Baseline, given: Mappi
     if not (baseline.complete and statistics.dated) or path.exists():
         return
     rows = statistics.part(baseline.mask)
-    more = {"given": json.dumps(dict(given), sort_keys=True), "interval": [float(rows.start[0]), float(rows.end[-1])]}
+    more = {"given": _text(given), "interval": [float(rows.start[0]), float(rows.end[-1])]}
     write_statistics(rows, path, "windows of the baseline", dict(given), {**more, "words": baseline.words})
 
 
 def with_kept_baseline(
     statistics: WindowStatistics, given: Mapping[str, Any], path: Path
 ) -> tuple[WindowStatistics, Baseline]:
-    """Return all windows, those of the kept baseline that the logs no longer hold among them, and the baseline."""
-    kept = _kept(statistics, given, path)
+    """Return all windows, those of the kept baseline that the logs no longer hold among them, and the baseline.
+
+    Parameters
+    ----------
+    given : as of :func:`keep_baseline`; `made_with`, what the windows were made with, may be among its keys.
+
+    Raises
+    ------
+    InputError : where logs of the kept baseline are gone and its windows do not compare with those of now.
+    """
+    kept = _kept(path) if statistics.dated and path.exists() else None
     if kept is None:
         path.unlink(missing_ok=True)
         return statistics, choose_baseline(statistics, given)
-    rows, (begin, end), words = kept
-    gone = ~np.isin(np.rint(rows.start / rows.length), np.rint(statistics.start / statistics.length))
+    gone = ~_covered(kept.rows, statistics)
+    if not kept.compares(statistics, given):
+        lost = int(np.sum(gone & (kept.rows.count.max(axis=1) > 0)))
+        if lost:
+            raise InputError(
+                f"{path}: {count(lost, 'window')} of the baseline came of logs that are gone, read with another robot "
+                "file, other keys that decide how logs are read, or another survey; put these logs back, undo the "
+                "change, or move this file away to choose the baseline among the logs that are left"
+            )
+        path.unlink()
+        return statistics, choose_baseline(statistics, given)
+    rows = kept.rows
     whole = merge([rows.part(gone), statistics]) if gone.any() else statistics
+    if kept.given != _text(given):
+        path.unlink()
+        return whole, choose_baseline(whole, given)
+    begin, end = kept.interval
     # What arrived late for the time of the baseline does not change it.
     known = np.isin(np.rint(whole.start / whole.length), np.rint(rows.start / rows.length))
-    return whole, Baseline(known & (whole.start >= begin) & (whole.end <= end), True, words)
+    return whole, Baseline(known & (whole.start >= begin) & (whole.end <= end), True, kept.words)
 
 
-def _kept(
-    statistics: WindowStatistics, given: Mapping[str, Any], path: Path
-) -> tuple[WindowStatistics, tuple[float, float], str] | None:
-    if not statistics.dated or not path.exists():
-        return None
+def _covered(rows: WindowStatistics, statistics: WindowStatistics) -> np.ndarray:
+    """Return which windows of `rows` share time with a window of `statistics`, (w,) bool."""
+    if not statistics.windows:
+        return np.zeros(rows.windows, dtype=bool)
+    next_one = np.searchsorted(statistics.end, rows.start, side="right")
+    return (next_one < statistics.windows) & (
+        statistics.start[np.minimum(next_one, statistics.windows - 1)] < rows.end - 1e-6
+    )
+
+
+def _text(given: Mapping[str, Any]) -> str:
+    """Return the keys of a baseline in one wording: a time is one moment however it is written."""
+    moments = {key: float(moment_of(given[key])) for key in ("from", "until") if given.get(key) is not None}
+    return json.dumps({**given, **moments}, sort_keys=True)
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A kept baseline: its windows, what was `given` for it as text, its interval [s] and what was said of it."""
+
+    rows: WindowStatistics
+    given: str
+    interval: tuple[float, float]
+    words: str
+
+    def compares(self, statistics: WindowStatistics, given: Mapping[str, Any]) -> bool:
+        """Return whether its windows were made as those of `statistics`."""
+        rows = self.rows
+        alike = rows.axes == statistics.axes and np.isclose(rows.length, statistics.length)
+        made_with = parse_json(self.given, "baseline", dict).get("made_with")
+        return bool(
+            alike
+            and np.allclose(rows.torque_reference, statistics.torque_reference)
+            and made_with == given.get("made_with")
+        )
+
+
+def _kept(path: Path) -> _Kept | None:
+    """Return the kept baseline, or None where the file cannot be read."""
     try:
         with open_dataset(path) as dataset:
-            same = str(dataset.given) == json.dumps(dict(given), sort_keys=True)
-            interval = tuple(float(x) for x in np.atleast_1d(dataset.interval))
-            words = str(dataset.words)
-        rows = read_statistics(path)
-    except (InputError, AttributeError):
+            given, words = str(dataset.given), str(dataset.words)
+            begin, end = (float(x) for x in np.atleast_1d(dataset.interval))
+        parse_json(given, path, dict)
+        return _Kept(read_statistics(path), given, (begin, end), words)
+    except (InputError, AttributeError, ValueError):
         return None
-    alike = rows.axes == statistics.axes and np.isclose(rows.length, statistics.length)
-    scaled = alike and np.allclose(rows.torque_reference, statistics.torque_reference)
-    return (rows, interval, words) if same and scaled else None

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -20,15 +18,15 @@ from jointwear.monitor.clocks import clock_findings
 from jointwear.monitor.findings import COARSE, dead_band_findings, missing_temperature
 from jointwear.monitor.judge import UNJUDGED, Judgement, judge, settings_of
 from jointwear.monitor.logs import log_statistics
+from jointwear.monitor.made_with import made_with
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.piece_files import read_pieces, write_pieces
-from jointwear.monitor.plan import READING_KEYS, window_seconds
+from jointwear.monitor.plan import window_seconds
 from jointwear.monitor.recall import Recall, read_recall, write_recall
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import Survey, read_survey, survey_log
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
-from jointwear.robots.robot_file import robot_sources
 from jointwear.running.modules import code_of
 from jointwear.running.processes import in_processes
 
@@ -102,16 +100,6 @@ def judge_windows(
     told = read_recall(recall, code)
     judge_pieces(pieces, robot, entry, state, alarms, name, told, survey)
     write_recall(recall, told, code)
-
-
-def made_with(robot: str | Path, entry: Mapping[str, Any]) -> str:
-    """Return a digest of what windows depend on besides the log: the files of the robot, and how logs are read."""
-    digest = hashlib.sha256()
-    for path in robot_sources(str(robot)):
-        digest.update(Path(path).read_bytes() + b"\0")
-    reading = {key: entry[key] for key in READING_KEYS if key in entry}
-    digest.update(json.dumps(reading, sort_keys=True).encode())
-    return digest.hexdigest()
 
 
 def judge_pieces(

@@ -1,12 +1,12 @@
 """Read each log of a robot once: what a log came to is kept until the log, the model or the library changes.
 
 `read.json` beside the statistics says which log was read with what. Statistics of logs that are no longer on disk are
-kept: a store that deletes old logs does not take the baseline away.
+kept: a store that deletes old logs does not take the baseline away. Where the model changes, or how logs are read, they
+cannot be read again: such a robot is refused until somebody decides.
 """
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,14 @@ from typing import Any
 from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
-from jointwear.monitor.assembly import Piece
+from jointwear.files.wording import count
+from jointwear.monitor.assembly import Piece, fingerprint
 from jointwear.monitor.fleet.plan import digest, stamp_of
+from jointwear.monitor.made_with import made_with
 from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import READING_KEYS, in_order
 from jointwear.monitor.stages import log_pieces, survey_logs
 from jointwear.monitor.survey import read_survey
-from jointwear.robots.robot_file import robot_sources
 
 #: Logs between two saves: what a run that is killed has to read again at most.
 SAVE_EVERY = 64
@@ -50,11 +51,6 @@ _RECORD = {
 }
 
 
-def model_of(robot: str) -> str:
-    """Return a digest of the files that a robot is made of."""
-    return digest([hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in robot_sources(robot)])
-
-
 class Readings:
     """The statistics of the logs of one robot in the folder `own`, and the record of how they were read."""
 
@@ -65,7 +61,7 @@ class Readings:
             known = read_json(self._record)
             check(known, _RECORD, self._record)
         except InputError:
-            known = {}  # everything is read again
+            known = {"logs": self._kept_logs()}  # everything is read again
         self.settings: str = known.get("settings", "")
         self.code: str = known.get("code", "")
         self.judged: str = known.get("judged", "")
@@ -86,15 +82,21 @@ class Readings:
 
         Raises
         ------
-        InputError : if no survey could be made of the first logs.
+        InputError : if no survey could be made of the first logs, or logs that are gone were read otherwise.
         """
         reading = {key: entry[key] for key in READING_KEYS if key in entry}
-        settings = digest([reading, model_of(entry["robot"])])
-        if settings != self.settings:
+        settings = made_with(entry["robot"], entry)
+        changed = settings != self.settings
+        if changed:
+            other = "another robot file, or other keys that decide how logs are read"
+            self._refuse_lost(logs, other if self.settings else "a record that cannot be read any more")
+        if not logs:
+            return 0
+        if changed:
             self.logs = {}
             # The windows of a baseline that another model made do not compare with those to come.
             (self.own / "baseline.nc").unlink(missing_ok=True)
-        self._survey(entry, reading, logs, anew=settings != self.settings)
+        self._survey(entry, reading, logs, anew=changed)
         fresh = settings == self.settings and code == self.code
         self.settings, self.code = settings, code
         stamps = {log: digest(stamp_of(log)) for log in logs}
@@ -134,6 +136,16 @@ class Readings:
                     found[piece.log] = piece
         return [found[log] for log in in_order(found)]
 
+    def _kept_logs(self) -> dict[str, dict[str, str]]:
+        """Return the logs whose statistics lie there, for a record that cannot be read; their stamps are unknown."""
+        found = {}
+        for path in sorted((self.own / "windows").glob("*.nc")):
+            try:
+                found |= {piece.log: {"stamp": "", "file": path.name} for piece in read_pieces(path)}
+            except InputError:
+                continue
+        return found
+
     def _file(self, log: str) -> Path:
         return self.own / "windows" / self.logs[log]["file"]
 
@@ -143,6 +155,7 @@ class Readings:
                 read_survey(self.survey)
                 return
             except InputError:
+                self._refuse_lost(logs, "a survey that cannot be read any more")
                 self.logs = {}
         refused = None
         for log in logs[:SURVEY_TRIES]:
@@ -152,6 +165,30 @@ class Readings:
             except InputError as error:
                 refused = refused or error
         raise refused or InputError("there is no log yet")
+
+    def _refuse_lost(self, logs: Sequence[str], what: str) -> None:
+        """Refuse the robot if samples of logs that are not among `logs` would be lost; `what` they were read with.
+
+        Raises
+        ------
+        InputError : with the number of these logs and what to do.
+        """
+        lost = set(self.logs) - set(logs)
+        if not lost:
+            return
+        try:
+            pieces = self.pieces()
+        except InputError:
+            pass  # nothing tells which of them hold anything
+        else:
+            there = {fingerprint(p) for p in pieces if p.log not in lost} - {None}
+            lost = {p.log for p in pieces if p.log in lost and p.statistics.count.any() and fingerprint(p) not in there}
+        if lost:
+            raise InputError(
+                f"{count(len(lost), 'log')} that can no longer be reached, '{in_order(lost)[0]}' the first, came in "
+                f"with {what}; put them back, undo the change, or move {self.own} away to forget them and learn what "
+                "is normal from the logs that are left"
+            )
 
     def _tidy(self, reading: Mapping[str, Any]) -> None:
         """Put all statistics into one file where there are many, and remove files that nothing refers to."""

@@ -17,7 +17,8 @@ from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
 from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.plan import digest
 from jointwear.monitor.fleet.ranking import asks
-from jointwear.monitor.fleet.reading import Readings, model_of
+from jointwear.monitor.fleet.reading import Readings
+from jointwear.monitor.made_with import model_of
 from jointwear.monitor.page import write_page
 from jointwear.monitor.recall import read_recall, write_recall
 from jointwear.monitor.stages import judge_pieces
@@ -85,7 +86,7 @@ def watch_robot(
         own = own_folder(folder, name, entry)
         row["folder"] = own.name
         readings = Readings(own)
-        row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows"), processes) if logs else 0
+        row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows"), processes)
         if not readings.logs:
             raise InputError(unreachable or "there is no log yet")
         code = code_of("judge_windows")

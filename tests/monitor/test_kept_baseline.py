@@ -1,0 +1,58 @@
+"""A kept baseline outlives its logs, whatever words its keys have, and is not chosen anew behind anybody's back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.baseline import keep_baseline, with_kept_baseline
+from jointwear.monitor.windows import blank_statistics
+
+DAY, COUNT = 86400.0, 40
+UNTIL = "1970-01-04T00:00:00Z"
+GIVEN = {"until": UNTIL, "made_with": "a"}
+
+
+def month():
+    """Windows of three hours of two axes, some moving samples in each."""
+    start = np.arange(COUNT) * DAY / 8
+    statistics = blank_statistics(start, DAY / 8, np.ones(2), dated=True)
+    statistics.count[:], statistics.samples[:] = 50, 60
+    return statistics
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "baseline.nc"
+    whole, baseline = with_kept_baseline(month(), GIVEN, path)
+    assert baseline.count == 24
+    keep_baseline(whole, baseline, GIVEN, path)
+    return path
+
+
+def later():
+    return month().part(slice(16, None))
+
+
+def test_one_moment_in_other_words_is_the_same_baseline(path):
+    for until in ("1970-01-04T01:00:00+01:00", "1970-01-04", 3 * DAY):
+        whole, baseline = with_kept_baseline(later(), GIVEN | {"until": until}, path)
+        assert (whole.windows, baseline.count) == (COUNT, 24)
+
+
+def test_another_baseline_is_chosen_of_the_windows_that_are_kept_too(path):
+    whole, baseline = with_kept_baseline(later(), {"windows": 10, "made_with": "a"}, path)
+    assert (whole.windows, baseline.count) == (COUNT, 10)
+
+
+def test_another_model_does_not_choose_anew_among_what_is_left(path):
+    changed = GIVEN | {"made_with": "b"}
+    with pytest.raises(InputError, match=r"16 windows of the baseline came of logs that are gone"):
+        with_kept_baseline(later(), changed, path)
+    surveyed_anew = replace(later(), torque_reference=np.full(2, 3.0))
+    with pytest.raises(InputError, match="another survey"):
+        with_kept_baseline(surveyed_anew, GIVEN, path)
+    assert path.exists()
+    assert with_kept_baseline(month(), changed, path)[1].count == 24
+    assert not path.exists()
