@@ -1,6 +1,7 @@
 """Bad logs end in one clear line or in flagged windows: never in a traceback, never in a silent wrong answer."""
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from jointwear.monitor.findings import reading_findings
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.plan import find_logs
 from jointwear.monitor.survey import survey_log
+from jointwear.running.script import with_suggestion
 
 LENGTH = 12.0
 
@@ -77,8 +79,9 @@ def test_revolutions_in_the_first_log_are_named(tmp_path):
 @pytest.mark.parametrize("kind", WRONG)
 def test_wrong_numbers_in_the_first_log_are_named(tmp_path, kind):
     path = write_parquet(tmp_path / "log.parquet", columns(broken(make_log(48.0), kind)))
-    with pytest.raises(InputError, match=WRONG[kind]) as error:
+    with pytest.raises(InputError) as error:
         read(path)
+    assert re.search(WRONG[kind], with_suggestion(error.value))
     assert "\n" not in str(error.value)
 
 

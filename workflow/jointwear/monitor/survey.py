@@ -13,7 +13,6 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.clock import Clock, Ordered
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.motion import spectral_floor
@@ -91,7 +90,8 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
 
     Raises
     ------
-    InputError : if the log cannot be read or contradicts the model (:class:`Refused`, with what to mend).
+    InputError : if the log cannot be read, or contradicts the model; the latter
+        :class:`~jointwear.measurement.checks.Refused`, with what to mend.
     """
     robot = model.robot
     clock = Clock(length, path)
@@ -125,10 +125,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     cutoff, noise = _spectra(chunk, stretch, rate, derived)
     motion = derive_motion(chunk, stretch, cutoff)
     dead_bands, noisy = _dead_band(motion, noise, dead_band)
-    try:
-        left = check_first(chunk, stretch, motion, robot, dead_bands, path)
-    except Refused as refusal:
-        raise Refused(f"{refusal}; {refusal.suggestion}", refusal.suggestion) from None
+    left = check_first(chunk, stretch, motion, robot, dead_bands, path)
     return Survey(
         dated=chunk.dated,
         rate=rate,

@@ -19,11 +19,16 @@ SURROUNDINGS = frozenset(
 )
 
 
+def with_suggestion(error: InputError) -> str:
+    """Return what is wrong and, where the error tells it, what to mend."""
+    suggestion = getattr(error, "suggestion", "")
+    return f"{error}; {suggestion}" if suggestion else str(error)
+
+
 def message_of(error: BaseException) -> str | None:
     """Return the one line that says what is wrong, None for an error that only a traceback explains."""
     if isinstance(error, InputError):
-        suggestion = getattr(error, "suggestion", "")
-        return f"jointwear: {error}" + (f"; {suggestion}" if suggestion else "")
+        return f"jointwear: {with_suggestion(error)}"
     if isinstance(error, OSError) and error.errno in SURROUNDINGS:
         return f"jointwear: {error.filename or 'a file'}: {error.strerror}"
     if isinstance(error, MemoryError):
