@@ -158,6 +158,20 @@ def test_a_log_that_cannot_be_read_is_counted_and_stops_nothing(logs, tmp_path):
     assert any("bad.csv" in told for told in found["refusals"])
 
 
+def test_a_first_log_that_is_refused_is_not_read_as_a_later_one(logs, tmp_path, monkeypatch):
+    table = columns(make_log(36.0, seed=7, start=START - 60.0))
+    first = tmp_path / "logs/a.parquet"
+    write_parquet(first, table | {f"torque_{j}": 1e3 * table[f"torque_{j}"] for j in range(1, 7)})
+    for _ in range(2):
+        found = watched([str(first), *logs], tmp_path)
+        assert (found["result"], found["logs"], found["refused_logs"], found["windows"]) == ("judged", 5, 1, 12)
+        assert found["refusals"][0].count("state units: {torque: mN m}") == 1
+        monkeypatch.setattr(watch, "code_of", lambda script: f"another {script}")
+    write_parquet(first, table)
+    mended = watched([str(first), *logs], tmp_path)
+    assert (mended["logs_read"], mended["refused_logs"], mended["windows"]) == (1, 0, 15)
+
+
 def test_copies_of_logs_count_once_and_are_told_apart_from_refused_ones(logs, tmp_path):
     plain = watched(logs, tmp_path)
     copies = [shutil.copy(log, Path(log).with_name(f"copy_{Path(log).name}")) for log in logs]

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.clocks import clock_findings
@@ -24,9 +25,41 @@ def test_a_log_that_is_there_twice_counts_once_and_says_so():
     assert not history.pieces[2].refused
 
 
-def test_logs_of_one_hour_that_differ_add_up():
-    history = assemble([piece("a.csv", 0), replace(piece("b.csv", 0), last=7000.0)])
+def part(log: str, first: float, last: float, **more) -> Piece:
+    """A log of some hours, with samples in each."""
+    hours = np.arange(first // 3600, last // 3600 + 1)
+    statistics = blank_statistics(3600.0 * hours, 3600.0, np.ones(2), dated=True)
+    statistics.count[:], statistics.samples[:] = 50, 60
+    statistics.square[:] = 1.0 + first
+    statistics.labels[:] = more.pop("labels", "")
+    return Piece(log, statistics, first, last, **more)
+
+
+def test_logs_of_one_hour_that_follow_each_other_add_up():
+    history = assemble([part("a.csv", 0, 1800), part("b.csv", 1799.5, 3000)])
     assert (history.statistics.samples == 120).all()
+
+
+@pytest.mark.parametrize(
+    ("first", "last"), [(0.001, 86399.001), (43200, 86399), (1200, 87599), (-90, 3000), (20_000, 40_000)]
+)
+def test_logs_that_one_arm_cannot_have_written_are_not_added_up(first, last):
+    day = part("a.csv", 0, 86399)
+    history = assemble([day, part("b.csv", first, last), part("c.csv", 90_000, 95_000)])
+    assert [bool(p.refused) for p in history.pieces] == [False, True, False]
+    assert "b.csv: its samples lie between those of a.csv" in history.pieces[1].refused[0]
+    assert history.statistics.windows == 24 + 2
+    gone = assemble([replace(day, gone=True), part("b.csv", first, last)])
+    assert [bool(p.refused) for p in gone.pieces] == [True, False]
+
+
+def test_programs_that_take_turns_and_logs_in_a_pause_are_sound():
+    weld, pick = part("weld.csv", 0, 9000, labels='{"weld": 60}'), part("pick.csv", 100, 9100, labels='{"pick": 60}')
+    assert not any(p.refused for p in assemble([weld, pick]).pieces)
+    night = part("a.csv", 0, 40_000)
+    pause = np.array([3600.0 * 4 <= t < 3600.0 * 8 for t in night.statistics.start])
+    night = replace(night, statistics=night.statistics.part(~pause))
+    assert not any(p.refused for p in assemble([night, part("b.csv", 3600 * 5, 3600 * 7)]).pieces)
 
 
 def test_logs_of_a_clock_that_was_set_back_are_told():

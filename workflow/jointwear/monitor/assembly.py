@@ -7,14 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.monitor.program_labels import window_programs
 from jointwear.monitor.windows import WindowStatistics, merge
+
+#: Time [s] by which logs that follow each other may overlap: samples that a logger writes to both.
+TOUCHING = 1.0
 
 
 @dataclass(frozen=True)
 class Piece:
     """Statistics of one log: time of its first and last sample [s] (NaN if none), and what was refused, in words.
 
-    `copy_of`: the log before it that holds the same samples, empty if none does; a copy has no windows.
+    `copy_of`: the log before it that holds the same samples, empty if none does; a copy has no windows. `gone`: the log
+    is no longer there, only its statistics are.
     """
 
     log: str
@@ -23,6 +28,7 @@ class Piece:
     last: float
     refused: tuple[str, ...] = ()
     copy_of: str = ""
+    gone: bool = False
 
 
 @dataclass(frozen=True)
@@ -39,16 +45,26 @@ def assemble(pieces: Sequence[Piece]) -> History:
 
     Logs with dates go where their dates say. Logs without go on by their own clock; where one begins before the one
     before it ends, its clock was started anew, and it is moved on by whole windows to follow it. A log that holds the
-    same samples as a dated one before it, under another name or in another format, counts once.
+    same samples as a dated one before it, under another name or in another format, counts once. One with dates that
+    holds samples between those of another is refused, as one arm moves in one way at a time: the later one, or the one
+    that is gone.
     """
     placed, end, last, shifted = [], -np.inf, -np.inf, False
     seen: dict[tuple, str] = {}
-    for given in pieces:
+    among = _overlaps(pieces)
+    for number, given in enumerate(pieces):
         piece, statistics = given, given.statistics
         key = fingerprint(piece)
         if key in seen:
             # What was refused in it was refused in the log that it is a copy of, and is told there.
             placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(), copy_of=seen[key]))
+            continue
+        if number in among:
+            words = (
+                f"{piece.log}: its samples lie between those of {among[number]}, which one arm cannot do; is one of "
+                "them of another robot, with another clock, or a second export? Leave it out or mend its dates"
+            )
+            placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(*piece.refused, words)))
             continue
         if key is not None:
             seen[key] = piece.log
@@ -62,6 +78,45 @@ def assemble(pieces: Sequence[Piece]) -> History:
             end, last = max(end, float(statistics.end.max())), max(last, piece.last)
         placed.append(piece)
     return History(merge([p.statistics for p in placed]), tuple(placed), shifted)
+
+
+def _overlaps(pieces: Sequence[Piece]) -> dict[int, str]:
+    """Return, by its place among `pieces`, every log whose samples lie between those of another, with the other's name.
+
+    Copies are none of them, nor logs that show no friction.
+    """
+    first, last = (np.array([getattr(p, name) for p in pieces]) for name in ("first", "last"))
+    taken = np.zeros(len(pieces), dtype=bool)
+    keys: set[tuple] = set()
+    found: dict[int, str] = {}
+    for k in sorted(range(len(pieces)), key=lambda k: pieces[k].gone):
+        key = fingerprint(pieces[k])
+        if key is None or key in keys:
+            continue
+        near = np.flatnonzero(taken & (first < last[k] - TOUCHING) & (last > first[k] + TOUCHING))
+        other = next((pieces[i] for i in near if _one_arm_cannot(pieces[i], pieces[k])), None)
+        if other is not None:
+            found[k] = other.log
+            continue
+        keys.add(key)
+        taken[k] = True
+    return found
+
+
+def _one_arm_cannot(one: Piece, other: Piece) -> bool:
+    """Return whether each of two logs has samples in the time of the other; different programs may take turns."""
+    programs = [set(window_programs(p.statistics.labels)) - {""} for p in (one, other)]
+    if all(programs) and not programs[0] & programs[1]:
+        return False
+    return _within(one, other) and _within(other, one)
+
+
+def _within(one: Piece, other: Piece) -> bool:
+    """Return whether a log surely has samples between the first and the last of another."""
+    s, begin, end = one.statistics, other.first, other.last
+    if begin <= one.first <= end or begin <= one.last <= end:
+        return True
+    return bool(np.any((s.samples > 0) & (s.start >= begin) & (s.end <= end)))
 
 
 def fingerprint(piece: Piece) -> tuple | None:

@@ -7,21 +7,28 @@ cannot be read again: such a robot is refused until somebody decides.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
+from jointwear.measurement.checks import Refused
 from jointwear.monitor.assembly import Piece, fingerprint
 from jointwear.monitor.fleet.plan import digest, stamp_of
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.piece_files import read_pieces, write_pieces
-from jointwear.monitor.plan import READING_KEYS, in_order
+from jointwear.monitor.plan import READING_KEYS, in_order, window_seconds
 from jointwear.monitor.stages import log_pieces, survey_logs
 from jointwear.monitor.survey import read_survey
+from jointwear.monitor.windows import WindowStatistics, blank_statistics
+from jointwear.running.script import with_suggestion
 
 #: Logs between two saves: what a run that is killed has to read again at most.
 SAVE_EVERY = 64
@@ -39,6 +46,8 @@ _RECORD = {
         "settings": _TEXT,
         "code": _TEXT,
         "judged": _TEXT,
+        # First logs that contradicted the model, so that a later one was surveyed.
+        "misfits": {"type": "array", "items": _TEXT},
         "logs": {
             "type": "object",
             "additionalProperties": {
@@ -65,11 +74,12 @@ class Readings:
         self.settings: str = known.get("settings", "")
         self.code: str = known.get("code", "")
         self.judged: str = known.get("judged", "")
+        self.misfits: list[str] = known.get("misfits", [])
         self.logs: dict[str, dict[str, str]] = known.get("logs", {})
 
     def save(self) -> None:
         """Keep the record."""
-        names = ("settings", "code", "judged", "logs")
+        names = ("settings", "code", "judged", "misfits", "logs")
         write_json(self._record, {name: getattr(self, name) for name in names})
 
     def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str, processes: int = 1) -> int:
@@ -107,7 +117,7 @@ class Readings:
         ]
         for start in range(0, len(wanted), SAVE_EVERY):
             group = wanted[start : start + SAVE_EVERY]
-            pieces = log_pieces(group, self.survey, entry["robot"], reading, processes)
+            pieces = self._read(group, entry, reading, processes)
             name = f"{digest(group)[:16]}.nc"
             write_pieces(pieces, self.own / "windows" / name, reading)
             self.logs.update({log: {"stamp": stamps[log], "file": name} for log in group})
@@ -127,14 +137,15 @@ class Readings:
         """A digest of all that was read."""
         return digest([self.settings, self.code, self.logs])
 
-    def pieces(self) -> list[Piece]:
-        """Return the statistics of all logs in their order."""
+    def pieces(self, logs: Sequence[str] | None = None) -> list[Piece]:
+        """Return the statistics of all logs in their order; those that are not among `logs` are marked as gone."""
         found = {}
         for name in sorted({kept["file"] for kept in self.logs.values()}):
             for piece in read_pieces(self.own / "windows" / name):
                 if self.logs.get(piece.log, {}).get("file") == name:
                     found[piece.log] = piece
-        return [found[log] for log in in_order(found)]
+        there = set(found if logs is None else logs)
+        return [replace(found[log], gone=log not in there) for log in in_order(found)]
 
     def _kept_logs(self) -> dict[str, dict[str, str]]:
         """Return the logs whose statistics lie there, for a record that cannot be read; their stamps are unknown."""
@@ -158,13 +169,42 @@ class Readings:
                 self._refuse_lost(logs, "a survey that cannot be read any more")
                 self.logs = {}
         refused = None
+        self.misfits = []
         for log in logs[:SURVEY_TRIES]:
             try:
                 survey_logs(log, entry["robot"], reading, self.survey)
                 return
             except InputError as error:
                 refused = refused or error
+                if isinstance(error, Refused):
+                    self.misfits.append(log)
         raise refused or InputError("there is no log yet")
+
+    def _read(
+        self, logs: Sequence[str], entry: Mapping[str, Any], reading: Mapping[str, Any], processes: int
+    ) -> list[Piece]:
+        """Return the statistics of logs; a first log that contradicts the model is refused, as a survey refuses it.
+
+        What the survey asks of a first log is more than what is asked of a later one, which may show a new gain.
+        """
+        reasons = {}
+        for log in set(logs) & set(self.misfits):
+            try:
+                survey_logs(log, entry["robot"], reading, self.own / "tried.json")
+            except InputError as error:
+                reasons[log] = with_suggestion(error)
+            (self.own / "tried.json").unlink(missing_ok=True)
+        sound = [log for log in logs if log not in reasons]
+        found = {p.log: p for p in log_pieces(sound, self.survey, entry["robot"], reading, processes)}
+        empty = self._no_windows(entry)
+        refused = {log: Piece(log, empty, math.nan, math.nan, (reason,)) for log, reason in reasons.items()}
+        return [{**found, **refused}[log] for log in logs]
+
+    def _no_windows(self, entry: Mapping[str, Any]) -> WindowStatistics:
+        """Return the statistics of a log without any window."""
+        survey = read_survey(self.survey)
+        length = window_seconds(entry.get("window", "1h"))
+        return blank_statistics(np.zeros(0), length, np.array(survey.torque_reference), survey.dated)
 
     def _refuse_lost(self, logs: Sequence[str], what: str) -> None:
         """Refuse the robot if samples of logs that are not among `logs` would be lost; `what` they were read with.

@@ -25,6 +25,7 @@ from jointwear.monitor.stages import judge_pieces
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import read_state
 from jointwear.running.modules import code_of
+from jointwear.running.script import with_suggestion
 
 #: Robots of a fleet up to which each gets a page; in a larger one those on which something is to be checked.
 PAGES = 50
@@ -91,13 +92,14 @@ def watch_robot(
             raise InputError(unreachable or "there is no log yet")
         code = code_of("judge_windows")
         judging = [entry, model_of(entry["robot"]), readings.stamp, code, code_of("watch_fleet")]
+        judging.append(sorted(set(readings.logs) - set(logs)))
         judged = digest([judging, time_zone, page])
         fresh = judged == readings.judged and (own / "state.nc").is_file()
         if not fresh:
             readings.judged = ""
             recall = read_recall(own / "recall.json", code)
             judge_pieces(
-                readings.pieces(),
+                readings.pieces(logs),
                 entry["robot"],
                 entry,
                 own / "state.nc",
@@ -122,7 +124,7 @@ def watch_robot(
         row["page"] = "monitor.html" if (own / "monitor.html").is_file() else None
         return row
     except InputError as error:
-        reason = str(error)
+        reason = with_suggestion(error)
     except OSError as error:
         reason = f"{error.filename or own}: {error.strerror or error}"
     except Exception as error:  # a robot that breaks the library must not cost the others their judgement
