@@ -3,22 +3,25 @@
 import json
 from contextlib import nullcontext
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from monitor_logs import ROBOT, START, columns, layout, make_log, model, write_csv, write_parquet
 
 from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import write_json
 from jointwear.monitor.learned import stage
 from jointwear.monitor.learned.gather import Piece, baseline_pieces
 from jointwear.monitor.learned.programs import programs_of
 from jointwear.monitor.learned.selection import HELD_OUT, MOST_PIECES, choose, recording_of
 from jointwear.monitor.learned.stage import dropped, learn_normal, steady, with_given_links, worse
-from jointwear.monitor.plan import model_file
+from jointwear.monitor.learned_model import learnt_from, learnt_of_other, model_file
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import read_robot_file
 
@@ -128,9 +131,40 @@ def test_a_robot_learns_its_friction_and_the_monitor_takes_it(logs, tmp_path, mo
     assert np.nanmax(np.array(told["error"]["augmented"][0][:3]) / told["error"]["given"][0][:3]) < 0.7
     assert json.loads((tmp_path / "results/learned/arm/verdict.json").read_text())["dataset"] == "arm"
     monkeypatch.chdir(tmp_path)
-    assert model_file("arm", ENTRY) == "results/learned/arm/robot.yaml"
-    assert model_file("arm", ENTRY | {"use_learned": False}) == str(ROBOT)
+    entry = ENTRY | {"logs": [str(Path(logs[0]).parent / "*.parquet")]}
+    assert model_file("arm", entry) == "results/learned/arm/robot.yaml"
+    assert model_file("arm", entry | {"window": "2h", "scale": 1.0}) == "results/learned/arm/robot.yaml"
+    assert model_file("arm", entry | {"use_learned": False}) == str(ROBOT)
     assert model_file("other", ENTRY) == str(ROBOT)
+
+
+def test_a_learnt_model_of_something_else_is_not_used(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    robot, folder = tmp_path / "given.yaml", tmp_path / "results/learned/arm"
+    robot.write_bytes(ROBOT.read_bytes())
+    entry = ENTRY | {"robot": str(robot)}
+    folder.mkdir(parents=True)
+    (folder / "robot.yaml").write_bytes(ROBOT.read_bytes())
+    assert "another robot file is not used; run learn_normal" in learnt_of_other("arm", entry)
+    write_json(
+        folder / "learned.json", {"learnt_from": learnt_from(entry | {"sign": -1}, ["logs/a.csv", "logs/b.csv"])}
+    )
+    used = entry | {"sign": [-1] * 6}
+    assert (learnt_of_other("arm", used), model_file("arm", used)) == ("", "results/learned/arm/robot.yaml")
+    for change, why in (
+        ({"sign": 1}, "logs that were read with other keys"),
+        ({"logs": ["elsewhere/*"]}, "other logs"),
+    ):
+        assert why in learnt_of_other("arm", used | change)
+        assert model_file("arm", used | change) == str(robot)
+    assert learnt_of_other("arm", used | {"logs": ["logs/**/*.csv", "more/*"]}) == ""
+    robot.write_text(robot.read_text() + "# comment\n")
+    assert learnt_of_other("arm", used) == ""
+    data = yaml.safe_load(robot.read_text())
+    data |= {key: data[key][:3] for key in ("dh", "links", "joints")}
+    robot.write_text(yaml.safe_dump(data))
+    assert "another robot file" in learnt_of_other("arm", used)
+    assert model_file("arm", used) == str(robot)
 
 
 def test_a_model_that_follows_any_axis_worse_is_not_handed_on(logs, tmp_path, monkeypatch):

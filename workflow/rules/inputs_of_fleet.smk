@@ -2,7 +2,8 @@
 import time
 
 from jointwear.monitor.fleet.plan import batches, seen, processes_of_job
-from jointwear.monitor.plan import model_file, window_seconds
+from jointwear.monitor.learned_model import model_file
+from jointwear.monitor.plan import window_seconds
 
 MONITOR = config["monitor"]
 FLEET = batches(list(MONITOR["robots"]))

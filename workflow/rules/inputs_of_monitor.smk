@@ -3,6 +3,7 @@ from snakemake.exceptions import WorkflowError
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
 from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.learned_model import learnt_of_other, model_file
 from jointwear.monitor.notify.plan import check_channels
 from jointwear.monitor.plan import (
     READING_KEYS,
@@ -11,7 +12,6 @@ from jointwear.monitor.plan import (
     find_all_logs,
     find_logs,
     log_sources,
-    model_file,
     surveyed_log,
 )
 from jointwear.files.registered import will_be_fetched
@@ -27,6 +27,9 @@ FOUND_LOGS, SILENT = find_all_logs(config)
 if workflow.is_main_process:
     for reason in SILENT.values():
         print(f"jointwear: {reason}; the other robots go on", file=sys.stderr)
+    for name, entry in config["monitor"]["robots"].items():
+        if reason := learnt_of_other(name, entry):
+            print(f"jointwear: {reason}", file=sys.stderr)
 LOGS = {
     name: batches_of(logs, config["monitor"]["robots"][name])
     for name, logs in FOUND_LOGS.items()

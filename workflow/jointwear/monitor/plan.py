@@ -34,8 +34,6 @@ READING_KEYS = (
 )  # fmt: skip
 #: Logs that one job reads [bytes]: they take as long to read as the job takes to start (a second or two on one core).
 BATCH_BYTES = 8e6
-#: Where `learn_normal` leaves the robot file of a robot.
-LEARNED = "results/learned/{name}/robot.yaml"
 #: Shortest and longest length of time [s] in a config: a stroke of an arm, and the life of one.
 SHORTEST, LONGEST = 1.0, 3650 * 86400.0
 #: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
@@ -254,12 +252,6 @@ def _size(log: str) -> float:
     except OSError:
         return BATCH_BYTES
     return 1 << max(found.st_size - 1, 0).bit_length() if stat.S_ISREG(found.st_mode) else BATCH_BYTES
-
-
-def model_file(name: str, entry: Mapping[str, Any]) -> str:
-    """Return the robot file that a robot is monitored with: what `learn_normal` wrote, if it has, else the entry's."""
-    learned = Path(LEARNED.format(name=name))
-    return learned.as_posix() if entry.get("use_learned", True) and learned.is_file() else entry["robot"]
 
 
 def surveyed_log(survey: str | Path, logs: Sequence[str]) -> str:

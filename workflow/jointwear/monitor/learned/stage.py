@@ -21,6 +21,7 @@ from jointwear.measurement.motion import Measured, measure
 from jointwear.monitor.learned.gather import Piece, baseline_pieces
 from jointwear.monitor.learned.programs import programs_of
 from jointwear.monitor.learned.selection import FEWEST_PIECES, choose, recording_of
+from jointwear.monitor.learned_model import learnt_from
 from jointwear.monitor.plan import find_logs
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.robots.robot_file import read_robot_file, robot_sources
@@ -104,6 +105,7 @@ def learn_normal(
     told = {
         "robot": name,
         "given": str(entry["robot"]),
+        "learnt_from": learnt_from(entry, [p.log for p in pieces]),
         "adopted": adopted,
         "verdict": found.verdict,
         "left_out": dropped(found.files["augmented"]),
