@@ -189,6 +189,27 @@ def test_robots_of_one_name_and_different_logs_do_not_mix(logs, tmp_path):
     assert watched(logs, tmp_path)["logs_read"] == 0
 
 
+def test_other_patterns_for_the_same_logs_go_on(logs, tmp_path):
+    watched(logs, tmp_path, configuration="a")
+    Path(logs[0]).unlink()
+    found = watched(logs[1:], tmp_path, entry=ENTRY | {"logs": ["logs/*.parquet"]}, configuration="a")
+    assert (found["folder"], found["logs_read"], found["kept_logs"], found["windows"]) == ("arm", 0, 1, 12)
+    fewer = watched(logs[2:], tmp_path, entry=ENTRY | {"logs": ["logs/day_0[23]*"]}, configuration="a")
+    assert (fewer["folder"], fewer["logs"], fewer["kept_logs"]) == ("arm", 3, 1), "one is left out, one is gone"
+
+
+def test_another_configuration_with_some_of_the_logs_has_its_own_history_and_says_so(logs, tmp_path):
+    watched(logs, tmp_path, configuration="a")
+    other = {"entry": ENTRY | {"logs": ["logs/day_0[123]*"]}, "configuration": "b"}
+    for read in (3, 0):
+        theirs = watched(logs[1:], tmp_path, **other)
+        assert (theirs["folder"] != "arm", theirs["logs_read"]) == (True, read)
+        assert any("learnt what is normal anew" in found["words"] for found in theirs["findings"])
+    ours = watched(logs, tmp_path, configuration="a")
+    assert (ours["folder"], ours["logs_read"], ours["logs"]) == ("arm", 0, 4)
+    assert not any("learnt what is normal anew" in found["words"] for found in ours["findings"])
+
+
 def test_a_robot_that_breaks_does_not_stop_the_others(logs, tmp_path, monkeypatch, capsys):
     judge = watch.judge_pieces
 

@@ -43,6 +43,7 @@ rule watch_fleet:
         time_zone=MONITOR["time_zone"],
         robots=len(MONITOR["robots"]),
         folder="results/fleet/robots",
+        configuration=CONFIGURATION,
     script:
         "../scripts/watch_fleet.py"
 

@@ -1,11 +1,15 @@
 # What the rules of fleet.smk take from the entries of the robots.
 import time
 
-from jointwear.monitor.fleet.plan import batches, seen, processes_of_job
+from jointwear.monitor.fleet.plan import batches, digest, seen, processes_of_job
 from jointwear.monitor.learned_model import model_file
 from jointwear.monitor.plan import window_seconds
 
 MONITOR = config["monitor"]
+# Which configuration names the robots: two of them do not take each other's histories.
+CONFIGURATION = digest(
+    [from_here(Path(path).resolve()) for path in workflow.configfiles]
+)[:16]
 FLEET = batches(list(MONITOR["robots"]))
 
 

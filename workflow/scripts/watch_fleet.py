@@ -14,4 +14,5 @@ if __name__ == "__main__":
             time_zone=snakemake.params.time_zone,
             robots=snakemake.params.robots,
             processes=snakemake.threads,
+            configuration=snakemake.params.configuration,
         )

@@ -111,12 +111,14 @@ def judge_pieces(
     name: str | None = None,
     recall: Recall | None = None,
     survey: str | Path | None = None,
+    told: Sequence[str] = (),
 ) -> None:
     """Judge the statistics of logs, in the order of the logs; see :func:`judge_windows`.
 
     Parameters
     ----------
     recall : of what the baseline told before, :mod:`.recall`. survey : as of :func:`judge_windows`.
+    told : what a user must know of these logs as a whole, in words.
     """
     arm = load_robot(robot)
     whole = assemble(pieces)
@@ -129,10 +131,10 @@ def judge_pieces(
     keep_baseline(statistics, baseline, given, kept)
     whole = replace(whole, statistics=statistics)
     judgement = judge(statistics, baseline.mask, settings_of(arm, entry), recall=recall)
-    if baseline.words:
-        begin = float(statistics.start[0])
-        told = {"time": begin, "axes": [], "kind": "baseline", "words": baseline.words}
-        judgement = replace(judgement, findings=[told, *judgement.findings])
+    words = [("baseline", baseline.words)] if baseline.words else []
+    begin = float(statistics.start[0])
+    first = [{"time": begin, "axes": [], "kind": k, "words": w} for k, w in [*words, *(("robot", w) for w in told)]]
+    judgement = replace(judgement, findings=[*first, *judgement.findings])
     more = [*clock_findings(whole), *missing_temperature(statistics, arm)]
     if survey is not None:
         more += _dead_bands(read_survey(survey), statistics, judgement, baseline.count)

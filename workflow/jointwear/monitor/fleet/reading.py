@@ -127,6 +127,11 @@ class Readings:
         self.save()
         return len(wanted)
 
+    def leave_out(self, logs: Sequence[str]) -> None:
+        """Forget logs that are still there but not among `logs`: the patterns match them no more."""
+        self.logs = {log: kept for log, kept in self.logs.items() if log in logs or not Path(log).exists()}
+        self.save()
+
     @property
     def survey(self) -> Path:
         """The file of the survey."""

@@ -32,22 +32,60 @@ PAGES = 50
 #: Files of a judgement, which a robot that is refused must not leave behind.
 JUDGEMENT = ("state.nc", "alarms.csv", "monitor.html", "history.parquet")
 
-#: Largest mark of whose a folder is: a digest and a line's end. Bytes.
-LARGEST_MARK = 100
+#: Largest mark of whose a folder is: two digests and a line's end. Bytes.
+LARGEST_MARK = 200
 
 
-def own_folder(folder: Path, name: str, entry: Mapping[str, Any]) -> Path:
+def own_folder(
+    folder: Path,
+    name: str,
+    entry: Mapping[str, Any],
+    logs: Sequence[str] = (),
+    configuration: str = "",
+    complete: bool = True,
+) -> Path:
     """Return the folder of a robot: `folder`/`name`, made if it is not there.
 
-    A robot of the same name with other logs, of another configuration, has a folder of its own.
+    A robot of the same name with other logs, or with some of the same logs and of another configuration, has a folder
+    of its own. Within one configuration other patterns that match logs which were read before are the same robot.
+
+    Parameters
+    ----------
+    logs : that can be reached now. configuration : which configuration names the robot, a word without spaces.
+    complete : whether `logs` are all that the patterns match; others that are there are left out of what was read.
     """
     whose = digest(list(entry.get("logs", ())))
-    for own in (folder / name, folder / f"{name}_{whose[:8]}"):
-        mark = own / "whose.txt"
-        if not mark.exists() or _text(mark) == whose:
-            break
-    replace_text(mark, whose + "\n")
+    known = [folder / name, *sorted(folder.glob(f"{name}_{'[0-9a-f]' * 8}"))]
+    marks = {own: _text(own / "whose.txt").split() for own in known if (own / "whose.txt").exists()}
+    own = next((own for own, mark in marks.items() if mark[:1] == [whose]), None)
+    if own is None:
+        own = next((own for own, mark in marks.items() if _taken_on(own, mark, logs, configuration)), None)
+        if own is not None and complete:
+            Readings(own).leave_out(logs)
+    own = own or folder / (name if folder / name not in marks else f"{name}_{whose[:8]}")
+    mark = f"{whose} {configuration}".strip()
+    if marks.get(own) != mark.split():
+        replace_text(own / "whose.txt", mark + "\n")
     return own
+
+
+def _taken_on(own: Path, mark: Sequence[str], logs: Sequence[str], configuration: str) -> bool:
+    """Return whether a folder with another mark is of the same robot: one configuration, and logs read before."""
+    if not configuration or list(mark[1:]) != [configuration]:
+        return False
+    return not set(Readings(own).logs).isdisjoint(logs)
+
+
+def namesakes(own: Path, folder: Path, name: str) -> list[str]:
+    """Return in words that another robot of this name has a folder, or nothing."""
+    if own == folder / name:
+        return []
+    words = (
+        f"Another robot of the name {name}, with other logs or of another configuration, is judged in {folder / name}; "
+        f"this one has its own history, in {own}, and learnt what is normal anew. Give one of the two another name; if "
+        "they are one robot, let its patterns match the logs that were read before."
+    )
+    return [words]
 
 
 def _text(mark: Path) -> str:
@@ -68,6 +106,7 @@ def watch_robot(
     time_zone: str | None = None,
     page: bool = True,
     processes: int = 1,
+    configuration: str = "",
 ) -> dict[str, Any]:
     """Read what is new of one robot and judge it; files go to `folder`/`name`.
 
@@ -75,6 +114,7 @@ def watch_robot(
     ----------
     logs : that can be reached now, in order. unreachable : why some cannot; what was read of them before counts.
     time_zone : of the page. page : whether a healthy robot has one too. processes : in which logs are read.
+    configuration : see :func:`own_folder`.
 
     Returns
     -------
@@ -84,7 +124,7 @@ def watch_robot(
     own = folder / name
     row = {"robot": name, "folder": own.name, "result": "judged", "logs_read": 0, **NOTHING, "reason": unreachable}
     try:
-        own = own_folder(folder, name, entry)
+        own = own_folder(folder, name, entry, logs, configuration, complete=not unreachable)
         row["folder"] = own.name
         readings = Readings(own)
         row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows"), processes)
@@ -92,7 +132,8 @@ def watch_robot(
             raise InputError(unreachable or "there is no log yet")
         code = code_of("judge_windows")
         judging = [entry, model_of(entry["robot"]), readings.stamp, code, code_of("watch_fleet")]
-        judging.append(sorted(set(readings.logs) - set(logs)))
+        told = namesakes(own, folder, name)
+        judging += [told, sorted(set(readings.logs) - set(logs))]
         judged = digest([judging, time_zone, page])
         fresh = judged == readings.judged and (own / "state.nc").is_file()
         if not fresh:
@@ -107,6 +148,7 @@ def watch_robot(
                 name,
                 recall=recall,
                 survey=readings.survey,
+                told=told,
             )
             write_recall(own / "recall.json", recall, code)
         state = read_state(own / "state.nc")
@@ -146,6 +188,7 @@ def watch_robots(
     time_zone: str | None = None,
     robots: int | None = None,
     processes: int = 1,
+    configuration: str = "",
 ) -> None:
     """Judge every robot of a batch and write what came out as JSON.
 
@@ -157,6 +200,7 @@ def watch_robots(
     output : the JSON file: `robots`, one row each, and `process_seconds`, the processor time of the judging alone.
     unreachable : of robots whose logs cannot all be reached, why. time_zone : of the pages.
     robots : number of robots of the whole fleet, which decides who has a page. processes : in which logs are read.
+    configuration : see :func:`own_folder`.
     """
     begin = time.process_time()
     page = (robots or len(entries)) <= PAGES
@@ -174,6 +218,7 @@ def watch_robots(
                 time_zone=time_zone,
                 page=page,
                 processes=processes,
+                configuration=configuration,
             )
         )
     spent = time.process_time() - begin
