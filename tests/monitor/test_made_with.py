@@ -5,6 +5,7 @@ import yaml
 from monitor_logs import ROBOT
 
 from jointwear.monitor.made_with import made_with
+from jointwear.running.modules import LIBRARY, imported_by
 
 
 def test_the_digest_follows_the_robot_and_how_logs_are_read_and_nothing_else(tmp_path):
@@ -39,3 +40,11 @@ def test_other_words_for_the_same_change_nothing(tmp_path, other):
     data |= {"provenance": {"source": "elsewhere"}, "gravity": [0, 0, -9.81]}
     robot.write_text(f"# a comment\n{yaml.safe_dump(data)}")
     assert made_with(robot, entry | other) == first
+
+
+@pytest.mark.parametrize("script", ["survey_logs", "accumulate_windows"])
+def test_an_edit_of_the_judgement_reads_no_log_again(script):
+    read = imported_by(LIBRARY.parent / "scripts" / f"{script}.py")
+    names = {path.stem for path in read if path.parent == LIBRARY / "monitor"}
+    assert "survey" in names
+    assert not {"stages", "judge", "decision", "baseline", "findings", "state", "forecast"} & names

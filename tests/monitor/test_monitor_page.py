@@ -26,7 +26,8 @@ from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.page import write_page
-from jointwear.monitor.stages import accumulate_windows, judge_windows, survey_logs
+from jointwear.monitor.reading_stages import accumulate_windows, survey_logs
+from jointwear.monitor.stages import judge_windows
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms, write_state
 from jointwear.monitor.summaries import UNKNOWN, axis_summary, headline, why_unjudged

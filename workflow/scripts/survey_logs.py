@@ -1,6 +1,6 @@
 """Survey the first log of a monitored robot."""
 
-from jointwear.monitor.stages import survey_logs
+from jointwear.monitor.reading_stages import survey_logs
 from jointwear.running.script import reported
 
 if __name__ == "__main__":

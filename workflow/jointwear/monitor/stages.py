@@ -1,75 +1,31 @@
-"""The stages of ``snakemake monitor``, one function each: files in, files out."""
+"""The judging stage of ``snakemake monitor``: files in, files out.
+
+Logs are read in :mod:`jointwear.monitor.reading_stages`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.formats import Layout, layout_of
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import keep_baseline, with_kept_baseline
 from jointwear.monitor.clocks import clock_findings
 from jointwear.monitor.findings import COARSE, dead_band_findings, missing_temperature
 from jointwear.monitor.judge import UNJUDGED, Judgement, judge, settings_of
-from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.made_with import made_with
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.piece_files import read_pieces, write_pieces
-from jointwear.monitor.plan import window_seconds
+from jointwear.monitor.piece_files import read_pieces
 from jointwear.monitor.recall import Recall, read_recall, write_recall
 from jointwear.monitor.state import write_alarms, write_state
-from jointwear.monitor.survey import Survey, read_survey, survey_log
+from jointwear.monitor.survey import Survey, read_survey
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import load_robot
 from jointwear.running.modules import code_of
-from jointwear.running.processes import in_processes
-
-
-def survey_logs(log: str, robot: str | Path, entry: Mapping[str, Any], output: str | Path) -> None:
-    """Survey the first log of a robot; `entry` holds the keys that decide how logs are read.
-
-    Raises
-    ------
-    InputError : if the log cannot be read, or contradicts the model.
-    """
-    model = TorqueModel(load_robot(robot))
-    layout = layout_of(entry, model.robot.joint_names)
-    survey_log(log, layout, model, window_seconds(entry.get("window", "1h")), entry.get("dead_band")).write(output)
-
-
-def log_pieces(
-    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], processes: int = 1
-) -> list[Piece]:
-    """Return the statistics of logs, each a piece of its own; a log that is refused is a piece that says so.
-
-    Parameters
-    ----------
-    processes : in which logs are read at a time; the pieces do not depend on it.
-    """
-    model = TorqueModel(load_robot(robot))
-    layout, found = layout_of(entry, model.robot.joint_names), read_survey(survey)
-    length = window_seconds(entry.get("window", "1h"))
-    return in_processes(partial(_log_piece, layout=layout, model=model, survey=found, length=length), logs, processes)
-
-
-def _log_piece(log: str, layout: Layout, model: TorqueModel, survey: Survey, length: float) -> Piece:
-    done = log_statistics(log, layout, model, survey, length)
-    return Piece(log, done.statistics, done.first, done.last, done.refused)
-
-
-def accumulate_windows(
-    logs: Sequence[str], survey: str | Path, robot: str | Path, entry: Mapping[str, Any], output: str | Path
-) -> list[str]:
-    """Turn a batch of logs into window statistics; return what was refused, which is told in the file too."""
-    pieces = log_pieces(logs, survey, robot, entry)
-    write_pieces(pieces, output, entry)
-    return [line for piece in pieces for line in piece.refused]
 
 
 def judge_windows(

@@ -25,7 +25,7 @@ from jointwear.monitor.fleet.plan import digest, stamp_of
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import READING_KEYS, in_order, window_seconds
-from jointwear.monitor.stages import log_pieces, survey_logs
+from jointwear.monitor.reading_stages import log_pieces, survey_logs
 from jointwear.monitor.survey import read_survey
 from jointwear.monitor.windows import WindowStatistics, blank_statistics
 from jointwear.running.script import with_suggestion
