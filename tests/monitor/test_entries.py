@@ -22,7 +22,7 @@ def check(**more):
             {"units": {"position": "degreess"}},
             r"units\.position' is 'degreess'; did you mean 'degrees'\? \(allowed: rad,",
         ),
-        ({"units": {"torque": "V"}}, r"units\.torque' is 'V' .*\(allowed: N m, mN m, kN m, A, mA, %"),
+        ({"units": {"torque": "V"}}, r"units\.torque' is 'V' .*\(allowed: N m, mN m, kN m, kgf m, .*A, mA, %"),
         ({"variables": {"torques": SIX}}, r"variables' has the role 'torques'; did you mean 'torque'"),
         ({"variables": {"torque": SIX[:5]}}, r"variables\.torque' has 5 names; allowed: one, or 6, one a joint"),
         ({"variables": {"time": ["day", "hour"]}}, r"variables\.time' has 2 names; allowed: one"),

@@ -145,7 +145,13 @@ def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
 
 
 def evidence(
-    level: np.ndarray, extra: float = 0.0, inside: bool = True, odd: np.ndarray | float = 0.0, known=1e-6, loud=1.0
+    level: np.ndarray,
+    extra: float = 0.0,
+    inside: bool = True,
+    odd: np.ndarray | float = 0.0,
+    known=1e-6,
+    loud=1.0,
+    calm=True,
 ):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
@@ -161,7 +167,16 @@ def evidence(
         np.full(w, extra),
         np.full(w, inside),
         np.full(w, loud),
+        np.full(w, calm),
     )
+
+
+def test_a_large_step_in_weather_waits_for_a_second_shift():
+    stepped = np.array([0, 0, 0, 0.05])
+    assert np.isfinite(evidence(stepped).growth[-1])
+    assert evidence(stepped, calm=False).growth[-1] == -np.inf
+    twice = np.append(stepped, 0.05)
+    assert np.isfinite(evidence(twice, calm=False).growth[-1])
 
 
 def test_weather_that_lasts_is_not_averaged_away_and_a_fall_in_the_cold_proposes_nothing():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from monitor_logs import ROBOT, START, columns, make_log, write_parquet
 
-from jointwear.monitor import learning, stages, watching
+from jointwear.monitor import learning, reading_stages, stages, watching
 from jointwear.monitor.fleet import watch
 from jointwear.monitor.recall import Recall, key_of, read_recall, write_recall
 
@@ -70,8 +70,8 @@ def test_a_new_day_learns_and_simulates_nothing_again(monkeypatch, days_of_an_ar
 def test_the_rule_of_one_robot_learns_nothing_again(monkeypatch, days_of_an_arm, tmp_path):
     entry, logs = days_of_an_arm
     survey, windows = tmp_path / "survey.json", tmp_path / "windows.nc"
-    stages.survey_logs(logs[0], entry["robot"], entry, survey)
-    stages.accumulate_windows(logs, survey, entry["robot"], entry, windows)
+    reading_stages.survey_logs(logs[0], entry["robot"], entry, survey)
+    reading_stages.accumulate_windows(logs, survey, entry["robot"], entry, windows)
 
     def judged(name):
         (tmp_path / name).mkdir(exist_ok=True)

@@ -8,7 +8,8 @@ shift counts by how far off the other axes are in it (:mod:`.shift_scale`). An a
 - the largest z_K over K >= 2 exceeds the threshold and the last two shifts both exceed :data:`TOLERATED`, or
 - they do, and the last K shifts less those before them exceed a threshold of their own (friction that fell since the
   baseline, by running in, hides wear that begins from there; what is not known of the normal state they share), or
-- z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once.
+- z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once,
+  unless all axes move together in that shift: what one of them has beyond the others is then weather too.
 
 A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts. The threshold
 is that of :mod:`.null_runs`.
@@ -64,6 +65,7 @@ def shift_evidence(
     extra: np.ndarray,
     inside: np.ndarray,
     scale: np.ndarray,
+    calm: np.ndarray,
 ) -> Evidence:
     """Return the evidence at every window.
 
@@ -75,6 +77,7 @@ def shift_evidence(
     extra : (w,) variance that all windows of a shift share (shared error, range), and part of which carries on.
     inside : (w,) bool, at temperatures that the baseline had; a fall counts in shifts that mostly are.
     scale : (w,) factor of all variance of the shift of each window so far (:mod:`.shift_scale`).
+    calm : (w,) bool, in shifts in which the axes have not moved together so far; elsewhere one shift is no large step.
     """
     w = len(value)
     means = np.stack([n.mean for n in normal])
@@ -123,7 +126,7 @@ def shift_evidence(
         centre = np.einsum("wk,wk->w", solved, r[rows, :k]) / information
         error = 1.0 / np.sqrt(information)
         if k == 1:
-            full = count[rows] >= STEP_WINDOWS
+            full = (count[rows] >= STEP_WINDOWS) & calm[rows]
             up, down = full & (centre > STEP), np.zeros(len(rows), dtype=bool)
         else:
             up, down = both_up[rows], all_down[rows]

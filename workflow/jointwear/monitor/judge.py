@@ -44,8 +44,9 @@ from jointwear.robots.robot import Robot
 
 #: Limit [%] that counts where the user sets none.
 DEFAULT_LIMIT = 20.0
-#: Rounds in which changed scales of the torque are looked for.
-MOST_STEPS = 3
+#: Rounds in which changed scales of the torque are looked for, and at which rate of false alarms per 1,000 h: a scale
+#: makes axes be learnt anew, and no stated rate may decide what is learnt.
+MOST_STEPS, SCALE_RATE = 3, 1.0
 #: Shares of the allowance: of the charts for viscous friction alone, where the level that is judged leaves it out, and
 #: for backlash; the rest is that of the level. The viscous part takes two to four times its share: its law has heavier
 #: tails than the null runs', as oil and loads move it (docs/decisions/normal_state.md).
@@ -164,26 +165,26 @@ def judge(
     steps: list[ScaleStep] = []
     found: list[list[int]] = [[] for _ in range(statistics.axes)]
 
-    def watched(name: str, share: float, **more: bool) -> Watch:
-        return watch(known[name], conditions, first, shift, share * rate, events, found, recall=recall, **more)
+    def watched(name: str, allowed: float, **more: bool) -> Watch:
+        return watch(known[name], conditions, first, shift, allowed, events, found, recall=recall, **more)
 
-    for turn in range(MOST_STEPS + 1):
-        level = watched("level", LEVEL_SHARE)
-        if turn == MOST_STEPS:
-            break
-        scaled = watched("scale", 1.0, services=False, common=False)
+    steady = SCALE_RATE / 1000 * conditions.hours
+    for _ in range(MOST_STEPS):
+        level = watched("level", LEVEL_SHARE * steady)
+        scaled = watched("scale", steady, services=False, common=False)
         told = {(s.axis, s.window) for s in steps}
-        plain = watched("level", LEVEL_SHARE, services=False, common=False)
+        plain = watched("level", LEVEL_SHARE * steady, services=False, common=False)
         seen = gain_of_all(plain, scaled, shift, first) or scale_steps(level, scaled, shift, first)
         fresh = [s for s in seen if (s.axis, s.window) not in told]
         if not fresh:
             break
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
-    backlash = watched("backlash", BACKLASH_SHARE, services=False)
+    level = watched("level", LEVEL_SHARE * rate)
+    backlash = watched("backlash", BACKLASH_SHARE * rate, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
     found = [[s.window for s in starts if s.proposed] for starts in level.starts]
-    viscous = watched("viscous", VISCOUS_SHARE)
+    viscous = watched("viscous", VISCOUS_SHARE * rate)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, shift, first, level, viscous, series, usual, limit, settings.events)

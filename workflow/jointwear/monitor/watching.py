@@ -15,8 +15,9 @@ from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
 from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.recall import Recall, key_of
-from jointwear.monitor.shared_error import ALIKE, SharedError, shared_error
+from jointwear.monitor.shared_error import ALIKE, FINDING, SharedError, shared_error
 from jointwear.monitor.shift_scale import shift_scale
+from jointwear.monitor.shifts import running_sums
 
 #: Shifts that are learnt from after a service, and fewest windows of them.
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
@@ -129,9 +130,11 @@ def watch(
             shared = shared_error(raw, spread, baseline, shift, beyond)
         variance = spread - alike * beyond + shared.variance
         loud = shift_scale(raw - shared.value, variance, noise, memory, shift, beyond > 0)
+        calm = _calm(shared.common, shift)
         again = []
         for j, state in states.items():
-            evidence = state.judge(shared.value[:, j], shared.variance[:, j] + (1.0 - alike) * beyond[:, j], loud[:, j])
+            extra = shared.variance[:, j] + (1.0 - alike) * beyond[:, j]
+            evidence = state.judge(shared.value[:, j], extra, loud[:, j], calm)
             hit = np.flatnonzero(evidence.fall > falls[j])
             hit = hit[~baseline[hit]]
             if services and len(hit):
@@ -157,6 +160,17 @@ def watch(
         **fields, growth=growth, fall=fall, shifts=shifts, alarm=alarm, learning=learning, unseen=unseen,
         threshold=threshold, shared=shared, axes=axes, baseline=baseline, starts=starts,
     )  # fmt: skip
+
+
+def _calm(common: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Return the windows (w,) of shifts in which, so far, all axes together stay below what is a finding.
+
+    Parameters
+    ----------
+    common : (w,) what the axes have in common, log levels. shift : (w,) labels.
+    """
+    starts = np.concatenate([[True], np.diff(shift) != 0]) if len(shift) else np.zeros(0, dtype=bool)
+    return np.abs(running_sums(common, starts)) <= FINDING * running_sums(np.ones(len(common)), starts)
 
 
 class _Axis:
@@ -262,13 +276,13 @@ class _Axis:
         last[place] = segment
         return updated_between(dispersion, mean, own, last)[place]
 
-    def judge(self, shared: np.ndarray, extra: np.ndarray, loud: np.ndarray) -> Evidence:
+    def judge(self, shared: np.ndarray, extra: np.ndarray, loud: np.ndarray, calm: np.ndarray) -> Evidence:
         """Return the evidence of all windows; each segment stands for itself.
 
         Parameters
         ----------
         shared : (w,) error in common with the other axes. extra : (w,) variance of it, and of leaving the range.
-        loud : (w,) factor of all variance of a shift, :mod:`.shift_scale`.
+        loud : (w,) factor of all variance of a shift, :mod:`.shift_scale`. calm : (w,) bool, see :func:`_calm`.
         """
         parts = []
         residual = np.where(self.judged, self.residual - shared, np.nan)
@@ -288,6 +302,7 @@ class _Axis:
                     extra[part],
                     (self.normal.design.beyond == 0)[part],
                     loud[part],
+                    calm[part],
                 )
             )
         names = Evidence.__dataclass_fields__
