@@ -69,6 +69,14 @@ def test_where_the_gear_stays_on_one_flank_or_friction_rules_backlash_cannot_be_
     assert reach_of(0.9 * SLOWEST) == 0
 
 
+def test_what_the_model_misses_is_no_filter(plant):
+    statistics, coulomb = plant
+    for missed, words in ((0.5, "the model misses too much of its torque"), (0.1, "filtered too much")):
+        square = statistics.freedom * (missed * coulomb.mean(axis=1)) ** 2
+        blurred = replace(statistics, residual_square=square, pulse_far=1e-9 * statistics.pulse_far)
+        assert words in hidden_because(blurred, coulomb, np.arange(12) < 6)[0]
+
+
 def test_noise_ripple_and_scale_leave_the_ratio_as_it_is():
     m = 6000
     random = np.random.default_rng(0)

@@ -25,7 +25,7 @@ from jointwear.monitor.backlash import (
 )
 from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import Event, event_windows, events_of
-from jointwear.monitor.findings import coarse_findings, findings_of, reading_findings
+from jointwear.monitor.findings import coarse_findings, findings_of, loose_findings, reading_findings
 from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.parts import viscous_part, viscous_scale
@@ -198,6 +198,7 @@ def judge(
     status = raised_status(teller.status, backlash, CHANGED)
     findings = findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, conditions)
     findings += coarse_findings(statistics, first, teller.least, limit)
+    findings += loose_findings(statistics, first, level)
     findings += backlash_findings(hidden, float(statistics.start[0]))
     findings += program_findings(statistics, first)
     findings += reading_findings(statistics)
