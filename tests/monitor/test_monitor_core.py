@@ -28,7 +28,7 @@ from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import forecast
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, JudgeSettings, judge
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
-from jointwear.monitor.locate import axis_probability, named_axis
+from jointwear.monitor.locate import axis_probability, honest_probability, named_axis
 from jointwear.monitor.paper_detector import paper_alarms, raised_limit
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.watching import watch
@@ -216,6 +216,18 @@ def test_probabilities_of_axes():
     assert axis_probability(np.array([4.3, 4.1]), np.full(2, 4.2))[0] < 0.8
     assert named_axis(np.array([True, False, False, True]), z) == 1
     assert named_axis(np.zeros(4, dtype=bool), z) == 0
+
+
+def test_a_weak_alarm_beside_a_strong_one_or_while_all_axes_move_is_not_sure():
+    z, limit = np.array([9.0, 4.5, 1.0, np.nan]), np.full(4, 4.0)
+    p = honest_probability(z, limit)
+    assert p[0] > 0.99
+    assert p[1] == pytest.approx(1 / (1 + 5 * np.exp((16 - 20.25) / 2)), abs=1e-3)
+    assert p[3] == 0.0
+    assert honest_probability(np.array([9.0, 8.0, 1.0, np.nan]), limit)[1] > 0.99
+    one = np.array([4.0 + 1e-9, 0.0, 0.0, 0.0])
+    assert honest_probability(one, limit)[0] == pytest.approx(axis_probability(one, limit)[0])
+    assert honest_probability(one, limit, together=True)[0] == pytest.approx(0.5, abs=1e-3)
 
 
 @settings(deadline=None, max_examples=25)

@@ -9,6 +9,34 @@ from __future__ import annotations
 
 import numpy as np
 
+#: Odds that an alarm at its threshold is wear and no chance, where another cause is at hand: beside a stronger alarm of
+#: another axis, as robots on which two axes begin to wear in one month are rarer than the false alarms that the stated
+#: rate allows in it; and while all axes move together, where what they share may not be all taken out.
+SECOND, TOGETHER = 0.2, 1.0
+
+
+def honest_probability(statistic: np.ndarray, threshold: np.ndarray, together: bool = False) -> np.ndarray:
+    """Return :func:`axis_probability` (n,) of one window, with chance as a rival where another cause is at hand.
+
+    Parameters
+    ----------
+    statistic, threshold : (n,), as there. together : all axes move together at that time.
+
+    Notes
+    -----
+    Chance has the evidence that an axis has at its threshold, over the odds there: what barely alarms beside a stronger
+    axis is rather chance, what is far beyond its threshold is a second axis that wears.
+    """
+    z = np.nan_to_num(statistic)
+    excess = np.where(z > threshold, z**2 - threshold**2, -np.inf)
+    odds = np.full(len(z), TOGETHER if together else np.inf)
+    odds[(excess > -np.inf) & (np.arange(len(z)) != excess.argmax())] = SECOND
+    alone = axis_probability(statistic, threshold)
+    with np.errstate(over="ignore"):
+        chance = np.exp(np.minimum(threshold**2 - np.minimum(z, 30.0) ** 2, 700.0) / 2) / odds
+    # Both are odds against this axis.
+    return np.where(alone > 0, 1.0 / (1.0 / np.where(alone > 0, alone, 1.0) + chance), 0.0)
+
 
 def axis_probability(statistic: np.ndarray, threshold: np.ndarray) -> np.ndarray:
     """Return for every axis the probability that it changed, given that one of those not yet explained did, (..., n).

@@ -14,7 +14,7 @@ from jointwear.monitor.dispersion import Q80
 from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.limits import COULOMB, NOTHING, VISCOUS, Limits
-from jointwear.monitor.locate import axis_probability
+from jointwear.monitor.locate import honest_probability
 from jointwear.monitor.paper_detector import paper_alarms
 from jointwear.monitor.parts import viscous_episodes
 from jointwear.monitor.series import Series
@@ -171,7 +171,8 @@ class Teller:
             unit = "N m"
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
-            sure = axis_probability(statistic[k], threshold[k])[j] if self._level.alarm[k, j] else np.nan
+            together = bool(abs(level.shared.common[k]) > FINDING)
+            sure = honest_probability(statistic[k], threshold[k], together)[j] if level.alarm[k, j] else np.nan
             expected = self._limits.forecast(k, j, name)[1]
             result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
         return result
