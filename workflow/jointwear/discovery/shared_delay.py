@@ -55,24 +55,23 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
     fit = white.fit(list(beside))
     settings = white.problem.settings
     shares = np.append(np.linspace(-LARGEST, LARGEST, 2 * STEPS + 1), read / period)
-    lost = [
-        of_joint
-        for axis in white.problem.judged
-        if (of_joint := _of_joint(white, fit, axis, period, shares - read / period)) is not None
-    ]
+    lost = _of_joints(white, fit, period, shares - read / period)
     if not lost:
         return read
     against = np.minimum(lost, 0.5 * settings.accept).sum(axis=0)
     best = int(np.argmin(against))
     if against[-1] - against[best] <= settings.accept:
         return read
-    # Which delay it is, those joints tell that have it, each by all that it knows.
-    agree = [of_joint for of_joint in lost if abs(shares[np.argmin(of_joint)] - shares[best]) <= AGREE]
-    best = int(np.argmin(np.sum(agree, axis=0))) if agree else best
-    if abs(shares[best]) >= LARGEST:
-        # What is later still is no matter of sampling.
-        return read
-    return float(shares[best] * period) if against[STEPS] - against[best] > settings.accept else 0.0
+    if against[STEPS] - against[best] <= settings.accept:
+        return 0.0
+    # Which delay it is, those joints tell that have it, each by all that it knows; and where all that is recorded
+    # says nearly the same, it says so far more sharply.
+    near = np.abs(shares - shares[best]) <= AGREE
+    for told in (lost, _of_joints(white, fit, period, shares - read / period, whole=True)):
+        agree = [of_joint for of_joint in told if near[np.argmin(of_joint)]]
+        best = int(np.argmin(np.sum(agree, axis=0))) if agree else best
+    # What is later still is no matter of sampling.
+    return float(shares[best] * period) if abs(shares[best]) < LARGEST else read
 
 
 def lasting_terms(named: Sequence[Named]) -> list[Term]:
@@ -81,21 +80,26 @@ def lasting_terms(named: Sequence[Named]) -> list[Term]:
     return [t for n in lasting for t in n.terms]
 
 
-def _of_joint(white: White, fit: Fit, axis: int, period: float, shares: np.ndarray) -> np.ndarray | None:
-    """Return the nats that each delay (k,) of the torque of one joint, in sampling periods, costs against its best.
+def _of_joints(white: White, fit: Fit, period: float, shares: np.ndarray, whole: bool = False) -> list[np.ndarray]:
+    """Return for every joint that tells the nats that each delay (k,), in sampling periods, costs against its best.
 
-    Each is compared as it is, not as a share of another: within half a period waves near the end of the band turn by up
-    to a quarter, and friction turns between two samples. What the model says at another time would hold the error of
-    derived accelerations; the recorded torque does not.
+    Each delay is compared as it is, not as a share of another: within half a period waves near the end of the band turn
+    by up to a quarter, and friction turns between two samples. The torque of the model at another time would hold the
+    error of derived accelerations; the recorded one does not. But a controller answers to the noise of its encoder with
+    torque, which runs ahead of that noise in the accelerations: it is compared where that noise does no harm to rates
+    of torque, and where `whole`, in all of the band.
     """
-    asked = np.linspace(shares.min(), shares.max(), ASKED)
-    late = np.stack([change_in_time(white, fit, axis, share * period) for share in asked], axis=1)
-    b, gram = fit.gram({axis: white.columns(axis, late)})
-    if not np.diag(gram).any():
-        return None
-    misfit = max(float(np.mean(fit.residual[axis] ** 2)), 1.0)
-    nats = CubicSpline(asked, (0.5 * np.diag(gram) - b) / misfit)(shares)
-    return nats - nats.min()
+    asked, found = np.linspace(shares.min(), shares.max(), ASKED), []
+    for axis in white.problem.judged:
+        highest = np.inf if whole else white.cutoffs[axis].timing
+        late = np.stack([change_in_time(white, fit, axis, share * period, highest) for share in asked], axis=1)
+        b, gram = fit.gram({axis: white.columns(axis, late)})
+        if not np.diag(gram).any():
+            continue
+        misfit = max(float(np.mean(fit.residual[axis] ** 2)), 1.0)
+        nats = CubicSpline(asked, (0.5 * np.diag(gram) - b) / misfit)(shares)
+        found.append(nats - nats.min())
+    return found
 
 
 def without_delay(recording: Recording, delay: float, steps: Steps | None = None) -> Recording:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects import get_effect
-from jointwear.measurement.flags import Flag
 from jointwear.files.wording import name_axes
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.local_time import duration

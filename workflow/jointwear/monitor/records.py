@@ -17,7 +17,7 @@ from jointwear.monitor.limits import COULOMB, NOTHING, VISCOUS, Limits
 from jointwear.monitor.locate import honest_probability
 from jointwear.monitor.paper_detector import paper_alarms
 from jointwear.monitor.parts import viscous_episodes
-from jointwear.monitor.series import Series
+from jointwear.monitor.series import Series, loud_windows
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
@@ -36,6 +36,7 @@ class Reason(IntEnum):
     BASELINE = 1
     LEARNING = 2
     CONDITIONS = 3
+    LOUD = 4
 
 
 class Teller:
@@ -144,11 +145,13 @@ class Teller:
         """Return why each window (w, n) is not judged, of :class:`Reason`."""
         result = np.zeros(self.status.shape, dtype=np.int32)
         moved = self._s.count > 0
+        loud = loud_windows(self._s, self._baseline)
         for j, axis in enumerate(self._level.axes):
             hidden = ~np.isfinite(self._level.residual[:, j]) & moved[:, j]
             if axis is None:
                 result[hidden, j] = Reason.BASELINE
                 continue
+            result[hidden & loud[:, j], j] = Reason.LOUD
             result[hidden & self._level.unseen[:, j], j] = Reason.CONDITIONS
             result[hidden & self._level.learning[:, j], j] = Reason.LEARNING
         return result
