@@ -1,0 +1,77 @@
+"""Zeros that are set anew are no drift, a factor within its own error is none, and what is not seen is told."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+
+from jointwear.discovery import Settings
+from jointwear.discovery.acceptance import SIGMAS, _levels_lead, _sigmas
+from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.reversals import unseen_slow_motion
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.whitening import whiten
+from jointwear.effects import get_effect
+from jointwear.measurement.recording import split
+from jointwear.robots.robot import load_robot
+
+AXIS = 1
+
+
+@pytest.fixture(scope="module")
+def white():
+    robot = load_robot("config/robots/puma560.yaml")
+    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
+    problem = build_problem(recording, robot, Settings())
+    return whiten(problem, estimate_noise(problem))
+
+
+def _lacking(white, torque):
+    targets = [y + white.columns(a, torque) * (a == AXIS) for a, y in enumerate(white.targets)]
+    return replace(white, targets=targets)
+
+
+def _trial(white, effect, nonlinear):
+    candidate = Candidate(effect, AXIS, None, nonlinear)
+    columns = raw_columns(white, candidate)
+    term = Term(effect, {AXIS: white.columns(AXIS, columns)}, prior_std(white, candidate, columns), {AXIS: columns})
+    return Named(candidate, term, None, 99.0)
+
+
+def test_levels_of_records_are_no_wave(white):
+    state = white.problem.train_state
+    record, half = np.asarray(state.record), 0.5 * white.problem.settings.accept
+    waves = [p for p in get_effect("torque_offset_drift").grid(state, AXIS) if "period" in p]
+    levels = _lacking(white, np.array([6.0, -5.0, 7.0])[record - record.min()])
+    leads = [_levels_lead(levels, levels.fit([]), _trial(levels, "torque_offset_drift", p)) for p in waves]
+    assert min(leads) > half
+    drifts = _lacking(white, 7.0 * np.sin(2 * np.pi * (state.time - waves[2]["start"]) / waves[2]["period"]))
+    assert _levels_lead(drifts, drifts.fit([]), _trial(drifts, "torque_offset_drift", waves[2])) < half
+
+
+def test_a_factor_within_its_own_error_is_none(white):
+    trial = _trial(white, "torque_constant_error", {})
+    assert _sigmas(white, [], white.fit([]), trial) < SIGMAS
+    weaker = _lacking(white, 0.1 * raw_columns(white, trial.candidate)[:, 0])
+    assert _sigmas(weaker, [], weaker.fit([]), trial) > SIGMAS
+
+
+@pytest.mark.parametrize(("reach", "slow", "told"), [(45.0, False, True), (45.0, True, False), (5.0, False, False)])
+def test_speeds_that_are_not_seen_are_told(reach, slow, told):
+    velocity = np.linspace(0.0 if slow else 0.2, 1.0, 500)[:, None]
+    measured = SimpleNamespace(
+        band=np.inf,
+        reach=np.array([reach]),
+        rate=100.0,
+        velocity=velocity,
+        usable=velocity > 0.01,
+        speed_floor=np.array([0.01]),
+    )
+    words = unseen_slow_motion(measured, (0,))
+    assert bool(words) == told
+    assert not told or "slower than 0.21 rad/s on joint 1" in words[0]
