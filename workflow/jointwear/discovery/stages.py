@@ -29,7 +29,7 @@ from jointwear.robots.robot import load_robot
 #: Files of one data set, in its folder.
 VERDICT, AUGMENTED, RETUNED = "verdict.json", "robot.yaml", "retuned.yaml"
 RECORDING, MODELS_FILE, WHERE, EVIDENCE = "recording.nc", "models.nc", "where.nc", "evidence.nc"
-REFUSED, NEXT = "refused.json", "next_experiment.csv"
+REFUSED, NEXT, PAGE = "refused.json", "next_experiment.csv", "discover.html"
 
 
 def discover_dataset(
@@ -37,7 +37,7 @@ def discover_dataset(
 ) -> Discovery:
     """Run discovery on one data set and write all its files into `folder`.
 
-    A data set that must not be judged leaves ``refused.json`` there and no verdict.
+    A data set that must not be judged leaves ``refused.json`` there, no verdict and no page.
 
     Parameters
     ----------
@@ -56,7 +56,9 @@ def discover_dataset(
         check_effects(arm)
         found = discover(load_recording(entry, name), arm, settings_of(entry))
     except InputError as error:
-        (folder / VERDICT).unlink(missing_ok=True)
+        # A page without the verdict that it shows would be read as that of this data.
+        for stale in (VERDICT, PAGE):
+            (folder / stale).unlink(missing_ok=True)
         content = {
             "dataset": name,
             "reason": str(error),

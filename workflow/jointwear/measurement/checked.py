@@ -10,7 +10,7 @@ from jointwear.measurement.late_torque import check_delay
 from jointwear.measurement.model_size import check_model_size, unusual_parameters
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.silent_joints import moving_torques
+from jointwear.measurement.silent_joints import moving_torques, silence_in_words
 from jointwear.measurement.torque_follows import check_follows
 from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, torque_factors
 from jointwear.robots.robot import Robot
@@ -32,6 +32,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     restrictions += jumps_in_words(recording)
     check_rate(recording, name)
     measured = moving_torques(recording)
+    restrictions += silence_in_words(measured)
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.
     factors = torque_factors(recording, robot, measured)
     restrictions += check_scale(factors)

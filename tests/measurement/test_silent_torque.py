@@ -1,0 +1,38 @@
+"""A torque that keeps one value while its joint turns was not recorded there."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.measurement.recording import Recording
+from jointwear.measurement.silent_joints import moving_torques, silence_in_words
+
+RATE = 100.0
+
+
+def moves():
+    time = np.arange(0, 20.0, 1 / RATE)
+    position = np.stack([np.sin(time), np.cos(1.3 * time)], axis=1)
+    torque = 5 * np.cos(time)[:, None] + np.random.default_rng(1).standard_normal(position.shape)
+    return Recording(time, np.zeros(len(time), int), position, torque)
+
+
+def test_a_while_without_torque_is_left_out_and_told():
+    recording = moves()
+    torque = recording.torque.copy()
+    torque[400:800, 1] = 0.0
+    measured = moving_torques(replace(recording, torque=torque))
+    assert not measured.usable[400:800, 1].any()
+    assert measured.usable[400:800, 0].sum() > 300
+    assert silence_in_words(measured) == [
+        "the torque of joint 2 keeps one value in 400 samples in which the joint turns, first at 4 s: left out"
+    ]
+
+
+def test_a_coarse_scale_and_a_rest_are_recorded():
+    recording = moves()
+    position = recording.position.copy()
+    position[1000:1400] = position[1000]
+    torque = np.round(recording.torque / 4.0) * 4.0
+    torque[1000:1400] = torque[1000]
+    assert silence_in_words(moving_torques(replace(recording, torque=torque, position=position))) == []
