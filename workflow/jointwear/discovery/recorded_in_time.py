@@ -15,7 +15,6 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import fourier_shift
 
-from jointwear.discovery.instruments import limit
 from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
 from jointwear.effects.order import earlier_sense, level_between
@@ -52,27 +51,19 @@ def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:
     return max(gains)
 
 
-def change_in_time(white: White, fit: Fit, axis: int, delay: float, highest: float = np.inf) -> np.ndarray:
+def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
     """Return the recorded torque of an axis (0-based) less what it is when put forward by `delay` [s], (m,) [N m].
 
     What a delay adds to a torque: less it, with a coefficient of one, the log is that of no delay. Friction turns
     between two samples, as :class:`Steps` has it. Below 0 it is early.
-
-    Parameters
-    ----------
-    highest : frequency [Hz] at which it ends, steps of friction apart.
     """
     problem = white.problem
     torque, used = problem.measured.torque[problem.train, axis], problem.usable[:, axis]
     late, now = (_coulomb(problem.train_state, fit, axis, d) for d in (delay, 0.0))
-    record = np.asarray(problem.train_state.record)
+    pieces = runs(np.asarray(problem.train_state.record))
     smooth = bridged(torque - late, used)
-    parts = [put_forward(smooth[piece], delay, problem.measured.rate) for piece in runs(record)]
-    change = smooth - np.concatenate(parts)
-    if np.isfinite(highest):
-        change = limit(change[:, None], record, highest, problem.measured.rate)[:, 0]
-    # At rest nothing is judged, and there is nothing to put forward.
-    return np.where(used, change, torque - np.concatenate(parts) - late) + late - now
+    parts = [put_forward(smooth[piece], delay, problem.measured.rate) for piece in pieces]
+    return torque - np.concatenate(parts) - now
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from jointwear.discovery.outcome import Named
 from jointwear.discovery.recorded_in_time import Steps, bridged, change_in_time, put_forward
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
+from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import Recording
 
 #: Largest delay, in sampling periods: half of one, and what it is not known to.
@@ -64,10 +65,11 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
         return read
     if against[STEPS] - against[best] <= settings.accept:
         return 0.0
-    # Which delay it is, those joints tell that have it, each by all that it knows; and where all that is recorded
-    # says nearly the same, it says so far more sharply.
+    # Which delay it is, those joints tell that have it, each by all that it knows. The recorded torque tells it far more
+    # sharply and needs no accelerations, but it decides nothing: a controller answers to the noise of its encoder, and
+    # that torque runs ahead of the same noise in the accelerations.
     near = np.abs(shares - shares[best]) <= AGREE
-    for told in (lost, _of_joints(white, fit, period, shares - read / period, whole=True)):
+    for told in (lost, _of_joints(white, fit, period, shares - read / period, recorded=True)):
         agree = [of_joint for of_joint in told if near[np.argmin(of_joint)]]
         best = int(np.argmin(np.sum(agree, axis=0))) if agree else best
     # What is later still is no matter of sampling.
@@ -80,20 +82,25 @@ def lasting_terms(named: Sequence[Named]) -> list[Term]:
     return [t for n in lasting for t in n.terms]
 
 
-def _of_joints(white: White, fit: Fit, period: float, shares: np.ndarray, whole: bool = False) -> list[np.ndarray]:
+def _of_joints(white: White, fit: Fit, period: float, shares: np.ndarray, recorded: bool = False) -> list[np.ndarray]:
     """Return for every joint that tells the nats that each delay (k,), in sampling periods, costs against its best.
 
     Each delay is compared as it is, not as a share of another: within half a period waves near the end of the band turn
-    by up to a quarter, and friction turns between two samples. The torque of the model at another time would hold the
-    error of derived accelerations; the recorded one does not. But a controller answers to the noise of its encoder with
-    torque, which runs ahead of that noise in the accelerations: it is compared where that noise does no harm to rates
-    of torque, and where `whole`, in all of the band.
+    by up to a quarter, and friction turns between two samples.
+
+    Parameters
+    ----------
+    recorded : of the recorded torque, in all of its band, in place of that of the model, where the noise of derived
+        accelerations does no harm.
     """
     asked, found = np.linspace(shares.min(), shares.max(), ASKED), []
     for axis in white.problem.judged:
-        highest = np.inf if whole else white.cutoffs[axis].timing
-        late = np.stack([change_in_time(white, fit, axis, share * period, highest) for share in asked], axis=1)
-        b, gram = fit.gram({axis: white.columns(axis, late)})
+        if recorded:
+            late = [change_in_time(white, fit, axis, share * period) for share in asked]
+        else:
+            limited = white.timing_state(axis)
+            late = [change_by_delay(limited, axis, share * period) for share in asked]
+        b, gram = fit.gram({axis: white.columns(axis, np.stack(late, axis=1))})
         if not np.diag(gram).any():
             continue
         misfit = max(float(np.mean(fit.residual[axis] ** 2)), 1.0)
