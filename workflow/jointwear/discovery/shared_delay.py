@@ -65,9 +65,9 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
         return read
     if against[STEPS] - against[best] <= settings.accept:
         return 0.0
-    # Which delay it is, those joints tell that have it, each by all that it knows. The recorded torque tells it far more
-    # sharply and needs no accelerations, but it decides nothing: a controller answers to the noise of its encoder, and
-    # that torque runs ahead of the same noise in the accelerations.
+    # Which delay it is, those joints tell that have it, each by all that it knows. The recorded torque tells it more
+    # sharply, without accelerations, but decides nothing: a controller answers to the noise of its encoder, and that
+    # torque runs ahead of the same noise in the accelerations.
     near = np.abs(shares - shares[best]) <= AGREE
     for told in (lost, _of_joints(white, fit, period, shares - read / period, recorded=True)):
         agree = [of_joint for of_joint in told if near[np.argmin(of_joint)]]
