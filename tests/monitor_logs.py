@@ -14,9 +14,14 @@ from rosbags.typesys import Stores, get_typestore
 
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.measurement.formats import layout_of
+from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.survey import survey_log
 from jointwear.robots.robot import load_robot
 from jointwear.studies.monitor_study.example import TASK
+
+#: Length of the windows of :func:`read` [s].
+LENGTH = 12.0
 
 ROOT = Path(__file__).resolve().parents[1]
 ROBOT = ROOT / "config/robots/puma560.yaml"
@@ -116,3 +121,15 @@ def write_bag(
             )
             writer.write(connection, second * 10**9 + nanosecond, types.serialize_cdr(message, state.__msgtype__))
     return path
+
+
+def read(path, first=None, **entry):
+    """Statistics of a log, surveyed with itself or with another."""
+    survey = survey_log(str(first or path), layout(**entry), model(), LENGTH)
+    return log_statistics(str(path), layout(**entry), model(), survey, LENGTH)
+
+
+def flagged(found, flag, axis=None):
+    """Whether a flag is set in some window, of one axis or of any."""
+    flags = found.statistics.flags if axis is None else found.statistics.flags[:, axis]
+    return bool((flags & int(flag)).any())

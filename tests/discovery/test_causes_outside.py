@@ -5,23 +5,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from discovery_cases import make_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery import Settings, acceptance
+from jointwear.discovery import acceptance
 from jointwear.discovery.acceptance import predictive
 from jointwear.discovery.candidates import Candidate, raw_columns
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.structure import strongest_line
-from jointwear.discovery.whitening import whiten
-from jointwear.measurement.recording import split
-from jointwear.robots.robot import load_robot
 
 RATE, SAMPLES, RECORDS = 100.0, 1100, 3
 
@@ -41,14 +35,6 @@ def test_a_slow_sweep_is_found_at_any_rate(seed, rise, first):
     assert line.p_value < 1e-8
     assert line.rate == pytest.approx(rise, abs=0.03)
     assert line.frequency == pytest.approx(first, abs=0.3)
-
-
-@pytest.fixture(scope="module")
-def white():
-    robot = load_robot("config/robots/puma560.yaml")
-    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
-    problem = build_problem(recording, robot, Settings())
-    return whiten(problem, estimate_noise(problem))
 
 
 def _outcome(white, torques):

@@ -5,30 +5,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from discovery_cases import make_case
 
-from jointwear.discovery import Settings
-from jointwear.discovery.acceptance import SIGMAS, _levels_lead, _sigmas
+from jointwear.discovery.acceptance import _levels_lead, _sigmas
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.problem import build_problem
 from jointwear.discovery.reversals import unseen_slow_motion
-from jointwear.discovery.saturated import estimate_noise
-from jointwear.discovery.whitening import whiten
 from jointwear.effects import get_effect
-from jointwear.measurement.recording import split
-from jointwear.robots.robot import load_robot
 
 AXIS = 1
-
-
-@pytest.fixture(scope="module")
-def white():
-    robot = load_robot("config/robots/puma560.yaml")
-    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
-    problem = build_problem(recording, robot, Settings())
-    return whiten(problem, estimate_noise(problem))
 
 
 def _lacking(white, torque):
@@ -56,9 +41,10 @@ def test_levels_of_records_are_no_wave(white):
 
 def test_a_factor_within_its_own_error_is_none(white):
     trial = _trial(white, "torque_constant_error", {})
-    assert _sigmas(white, [], white.fit([]), trial) < SIGMAS
+    needed = white.problem.settings.mass_sigmas
+    assert _sigmas(white, [], white.fit([]), trial) < needed
     weaker = _lacking(white, 0.1 * raw_columns(white, trial.candidate)[:, 0])
-    assert _sigmas(weaker, [], weaker.fit([]), trial) > SIGMAS
+    assert _sigmas(weaker, [], weaker.fit([]), trial) > needed
 
 
 @pytest.mark.parametrize(("reach", "slow", "told"), [(45.0, False, True), (45.0, True, False), (5.0, False, False)])

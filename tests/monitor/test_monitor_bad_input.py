@@ -10,7 +10,20 @@ import pytest
 import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from monitor_logs import START, columns, layout, make_log, model, write_bag, write_csv, write_netcdf, write_parquet
+from monitor_logs import (
+    LENGTH,
+    START,
+    columns,
+    flagged,
+    layout,
+    make_log,
+    model,
+    read,
+    write_bag,
+    write_csv,
+    write_netcdf,
+    write_parquet,
+)
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import DISQUALIFYING, Flag
@@ -19,19 +32,6 @@ from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.plan import find_logs
 from jointwear.monitor.survey import survey_log
 from jointwear.running.script import with_suggestion
-
-LENGTH = 12.0
-
-
-def read(path, first=None, **entry):
-    """Statistics of a log, surveyed with itself or with another."""
-    survey = survey_log(str(first or path), layout(**entry), model(), LENGTH)
-    return log_statistics(str(path), layout(**entry), model(), survey, LENGTH)
-
-
-def flagged(found, flag, axis=None):
-    flags = found.statistics.flags if axis is None else found.statistics.flags[:, axis]
-    return bool((flags & int(flag)).any())
 
 
 def broken(log, kind):
@@ -60,11 +60,6 @@ WRONG = {
     "torque sign": r"the sign of the torque of joint 3 looks flipped",
     "motor torque": r"torque of joint 2 looks like that of the motor",
 }
-
-
-@pytest.fixture(scope="module")
-def good(tmp_path_factory):
-    return write_parquet(tmp_path_factory.mktemp("good") / "good.parquet", columns(make_log(48.0)))
 
 
 def test_revolutions_in_the_first_log_are_named(tmp_path):
@@ -114,90 +109,6 @@ def test_one_fault_of_many_parts_is_told_once(tmp_path, good):
     found = log_statistics(str(path), layout(), model(), survey, LENGTH, block=4800)
     assert len(found.refused) == 1
     assert (found.statistics.count == 0).all()
-
-
-SCALES = {
-    "current": -1.0 / np.array([11.8, -23.6, 10.8, -5.7, -4.7, -5.1]),
-    "share of a rating": 100 / np.array([97.6, 186.4, 89.4, 24.2, 20.1, 21.3]),
-    "N mm": np.full(6, 1e3),
-    "kgf m": np.full(6, 1 / 9.80665),
-}
-
-
-@pytest.mark.parametrize("kind", SCALES)
-def test_a_later_torque_in_another_unit_is_refused(tmp_path, good, kind):
-    log = make_log(48.0, seed=12)
-    path = write_parquet(tmp_path / "log.parquet", columns(replace(log, torque=log.torque * SCALES[kind])))
-    found = read(path, good)
-    assert len(found.refused) == 1
-    assert "another multiple" in found.refused[0]
-    assert "write the torque of this log" in found.refused[0]
-    assert (found.statistics.count == 0).all()
-
-
-@pytest.mark.parametrize("axes", [slice(2, 3), slice(None)])
-@pytest.mark.parametrize("factor", [0.74, 1.05, 1.15, 1.3])
-def test_a_gain_is_no_other_unit(tmp_path, good, axes, factor):
-    log = make_log(48.0, seed=13)
-    log.torque[:, axes] *= factor
-    found = read(write_parquet(tmp_path / "log.parquet", columns(log)), good)
-    assert found.refused == ()
-    assert found.statistics.judgeable[:, :5].all()
-
-
-@pytest.mark.parametrize(("axes", "times"), [([2], 5.0), ([0], 3.0), (slice(None), 3.0)])
-def test_friction_that_multiplied_is_judged(tmp_path, good, axes, times):
-    log = make_log(48.0, seed=14)
-    robot = model().robot
-    log.torque[:, axes] += (times - 1) * (np.sign(log.velocity) * np.abs(robot.coulomb_positive))[:, axes]
-    found = read(write_parquet(tmp_path / "log.parquet", columns(log)), good)
-    assert found.refused == ()
-    assert found.statistics.judgeable[:, :5].all()
-
-
-def test_a_torque_that_the_model_does_not_know_is_not_judged(tmp_path, good):
-    log = make_log(48.0, seed=15)
-    whole = np.abs(log.torque)
-    found = read(write_parquet(tmp_path / "abs.parquet", columns(replace(log, torque=whole))), good)
-    assert not found.statistics.judgeable[:, :5].any()
-    log.torque[:, 2] = np.random.default_rng(0).permutation(log.torque[:, 2])
-    found = read(write_parquet(tmp_path / "log.parquet", columns(log)), good)
-    assert found.refused == ()
-    assert flagged(found, Flag.CONTRADICTED, 2)
-    assert not found.statistics.judgeable[:, 2].any()
-    assert found.statistics.judgeable[:, :2].all()
-    (told,) = reading_findings(found.statistics)
-    assert told["axes"] == [3]
-    assert "none that the model and the first log know" in told["words"]
-
-
-def test_another_unit_from_the_middle_of_a_log_on(tmp_path, good):
-    log = make_log(96.0, seed=3)
-    log.torque[len(log.time) // 2 :] *= 1000.0
-    survey = survey_log(str(good), layout(), model(), LENGTH)
-    found = log_statistics(
-        str(write_parquet(tmp_path / "log.parquet", columns(log))), layout(), model(), survey, LENGTH
-    )
-    assert "another multiple" in found.refused[0]
-    assert (found.statistics.count[:3, :5] > 0).all()
-    assert (found.statistics.count[4:] == 0).all()
-
-
-def test_what_lies_at_a_limit_of_the_torque_is_left_out(tmp_path, good):
-    log = make_log(48.0, seed=16)
-    limit = 0.7 * np.abs(log.torque[:, 1]).max()
-    log.torque[:, 1] = np.clip(log.torque[:, 1], -limit, limit)
-    path = write_parquet(tmp_path / "log.parquet", columns(log))
-    found = read(path)
-    at_limit = np.abs(log.torque[:, 1]) == np.abs(log.torque[:, 1]).max()
-    assert at_limit.sum() > 50
-    assert found.statistics.count[:, 1].sum() < (~at_limit).sum()
-    assert flagged(found, Flag.SATURATED, 1)
-    assert not flagged(found, Flag.SATURATED, 0)
-    assert found.statistics.judgeable[:, 1].all()
-    (told,) = reading_findings(found.statistics)
-    assert told["axes"] == [2]
-    assert "limit" in told["words"]
 
 
 def test_a_good_later_log_is_not_refused(tmp_path, good):

@@ -1,7 +1,8 @@
 # What the rules of fleet.smk take from the entries of the robots.
 import time
 
-from jointwear.monitor.fleet.plan import batches, digest, seen, processes_of_job
+from jointwear.files.digests import digest
+from jointwear.monitor.fleet.plan import batches, seen, processes_of_job
 from jointwear.monitor.learned_model import model_file
 from jointwear.monitor.plan import window_seconds
 

@@ -20,9 +20,6 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import INERTIAL, Folds, White
 from jointwear.effects import get_effect
 
-#: Standard deviations by which a factor of all torque of an axis has to be off: less than that, its own interval says
-#: that it may be right.
-SIGMAS = 3.0
 #: The gate that asks every record alone.
 ONE_RECORD = "nats gained on the record left out that gains least"
 
@@ -162,7 +159,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             gates.append(("nats in the band in which noise feigns no rate of torque", nats, half))
             gates.append(("share of what that band has of it at any size", share, settings.nearly_all))
         if effect.of_drive:
-            gates.append(("standard deviations by which it is off", _sigmas(white, before, beside, trial), SIGMAS))
+            sigmas = _sigmas(white, before, beside, trial)
+            gates.append(("standard deviations by which it is off", sigmas, settings.mass_sigmas))
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     if is_body(trial.candidate):
@@ -270,10 +268,15 @@ def _sigmas(white: White, before: list[Term], beside: Fit, trial: Named) -> floa
 
     Nats count the noise alone: where the model misses more than that of an axis, they promise too much.
     """
-    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    mean, spread = _fitted(beside, trial)
     worst = float(np.sqrt(misfit_of(white, white.fit([*before, *trial.terms]))[trial.candidate.axis]))
-    spread = worst * np.sqrt(np.diag(np.linalg.inv(gram + np.diag(1 / std**2))))
-    return float(np.max(np.abs(posterior_mean(b, gram, std)) / spread))
+    return float(np.max(np.abs(mean) / (worst * spread)))
+
+
+def _fitted(beside: Fit, trial: Named) -> tuple[np.ndarray, np.ndarray]:
+    """Return the coefficients (k,) of an effect fitted beside others, and their standard deviations under the noise."""
+    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    return posterior_mean(b, gram, std), np.sqrt(np.diag(np.linalg.inv(gram + np.diag(1 / std**2))))
 
 
 def _step_lead(white: White, beside: Fit, trial: Named) -> float:
@@ -352,7 +355,6 @@ def within_bounds(white: White, beside: Fit, trial: Named) -> bool:
 
 def _above_least(white: White, beside: Fit, trial: Named) -> bool:
     """Return whether no coefficient lies further below its lowest value than a link mass may be off by chance."""
-    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
-    spread = np.sqrt(np.diag(np.linalg.inv(gram + np.diag(1 / std**2))))
+    mean, spread = _fitted(beside, trial)
     least = get_effect(trial.candidate.effect).least(white.problem.robot)
-    return bool(np.all(posterior_mean(b, gram, std) >= least - white.problem.settings.mass_sigmas * spread))
+    return bool(np.all(mean >= least - white.problem.settings.mass_sigmas * spread))

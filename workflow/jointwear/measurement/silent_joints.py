@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +33,9 @@ def silent_samples(measured: Measured) -> np.ndarray:
     for j, (torque, position) in enumerate(zip(measured.torque.T, measured.position.T, strict=True)):
         changes = (np.diff(torque) != 0) | (np.diff(measured.trajectory) != 0)
         edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [len(torque)]])
-        for a, b in itertools.pairwise(edges):
+        # A torque with noise changes at every sample.
+        for k in np.flatnonzero(np.diff(edges) >= fewest):
+            a, b = edges[k : k + 2]
             if moves[a:b, j].sum() >= fewest and np.ptp(position[a:b]) > TURNS:
                 silent[a:b, j] = True
     return silent

@@ -51,10 +51,10 @@ def assemble(pieces: Sequence[Piece]) -> History:
     """
     placed, end, last, shifted = [], -np.inf, -np.inf, False
     seen: dict[tuple, str] = {}
-    among = _overlaps(pieces)
-    for number, given in enumerate(pieces):
+    keys = [fingerprint(piece) for piece in pieces]
+    among = _overlaps(pieces, keys)
+    for number, (given, key) in enumerate(zip(pieces, keys, strict=True)):
         piece, statistics = given, given.statistics
-        key = fingerprint(piece)
         if key in seen:
             # What was refused in it was refused in the log that it is a copy of, and is told there.
             placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(), copy_of=seen[key]))
@@ -80,25 +80,25 @@ def assemble(pieces: Sequence[Piece]) -> History:
     return History(merge([p.statistics for p in placed]), tuple(placed), shifted)
 
 
-def _overlaps(pieces: Sequence[Piece]) -> dict[int, str]:
+def _overlaps(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int, str]:
     """Return, by its place among `pieces`, every log whose samples lie between those of another, with the other's name.
 
-    Copies are none of them, nor logs that show no friction.
+    Copies, which have the same of the `keys`, are none of them, nor logs that show no friction.
     """
     first, last = (np.array([getattr(p, name) for p in pieces]) for name in ("first", "last"))
     taken = np.zeros(len(pieces), dtype=bool)
-    keys: set[tuple] = set()
+    known: set[tuple] = set()
     found: dict[int, str] = {}
     for k in sorted(range(len(pieces)), key=lambda k: pieces[k].gone):
-        key = fingerprint(pieces[k])
-        if key is None or key in keys:
+        key = keys[k]
+        if key is None or key in known:
             continue
         near = np.flatnonzero(taken & (first < last[k] - TOUCHING) & (last > first[k] + TOUCHING))
         other = next((pieces[i] for i in near if _one_arm_cannot(pieces[i], pieces[k])), None)
         if other is not None:
             found[k] = other.log
             continue
-        keys.add(key)
+        known.add(key)
         taken[k] = True
     return found
 

@@ -12,6 +12,7 @@ import numpy as np
 from jointwear.effects import get_effect
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
+from jointwear.measurement.motion import runs
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.local_time import duration
@@ -207,14 +208,14 @@ def reading_findings(statistics: WindowStatistics) -> list[dict[str, Any]]:
         marked = statistics.flags & int(flag) != 0
         if flag == Flag.CLOCK_RESET and not statistics.dated:
             continue
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], marked.any(axis=1), [False]])))
-        for a, b in zip(edges[::2], edges[1::2], strict=True):
-            axes = (np.flatnonzero(marked[a:b].any(axis=0)) + 1).tolist()
+        seen = marked.any(axis=1)
+        for part in (p for p in runs(seen) if seen[p.start]):
+            axes = (np.flatnonzero(marked[part].any(axis=0)) + 1).tolist()
             told = "all axes" if len(axes) == statistics.axes else _axes_words(axes)
             result.append(
                 {
-                    "time": float(statistics.start[a]),
-                    "end": float(statistics.end[b - 1]),
+                    "time": float(statistics.start[part.start]),
+                    "end": float(statistics.end[part.stop - 1]),
                     "axes": [] if len(axes) == statistics.axes else axes,
                     "kind": kind,
                     "words": words.format(axes=told),

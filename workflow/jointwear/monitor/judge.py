@@ -168,19 +168,21 @@ def judge(
     def watched(name: str, allowed: float, **more: bool) -> Watch:
         return watch(known[name], conditions, first, shift, allowed, events, found, recall=recall, **more)
 
-    steady = SCALE_RATE / 1000 * conditions.hours
+    scale_rate, settled = SCALE_RATE / 1000 * conditions.hours, False
     for _ in range(MOST_STEPS):
-        level = watched("level", LEVEL_SHARE * steady)
-        scaled = watched("scale", steady, services=False, common=False)
+        level = watched("level", LEVEL_SHARE * scale_rate)
+        scaled = watched("scale", scale_rate, services=False, common=False)
         told = {(s.axis, s.window) for s in steps}
-        plain = watched("level", LEVEL_SHARE * steady, services=False, common=False)
+        plain = watched("level", LEVEL_SHARE * scale_rate, services=False, common=False)
         seen = gain_of_all(plain, scaled, shift, first) or scale_steps(level, scaled, shift, first)
         fresh = [s for s in seen if (s.axis, s.window) not in told]
         if not fresh:
+            settled = True
             break
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
-    level = watched("level", LEVEL_SHARE * rate)
+    if not settled or rate != scale_rate:
+        level = watched("level", LEVEL_SHARE * rate)
     backlash = watched("backlash", BACKLASH_SHARE * rate, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
     found = [[s.window for s in starts if s.proposed] for starts in level.starts]

@@ -47,7 +47,7 @@ def learnt_of_other(name: str, entry: Mapping[str, Any]) -> str:
         known, now = {}, {"model": ""}
     if not isinstance(known, dict) or known.get("model") != now["model"]:
         what = "another robot file"
-    elif _plain(known.get("reading")) != _plain(now["reading"]):
+    elif known.get("reading") != now["reading"]:
         what = "logs that were read with other keys"
     elif not any(_matches(str(log), entry["logs"]) for log in known.get("logs", ())):
         what = "other logs"
@@ -70,10 +70,3 @@ def model_file(name: str, entry: Mapping[str, Any]) -> str:
 def _matches(log: str, patterns: Iterable[str]) -> bool:
     """Return whether a log, there or not, has a name that a pattern stands for."""
     return any(fnmatchcase(Path(log).as_posix(), Path(p).as_posix().replace("**/", "*")) for p in patterns)
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON gives it back."""
-    if isinstance(value, Mapping):
-        return {key: _plain(x) for key, x in value.items()}
-    return [_plain(x) for x in value] if isinstance(value, (list, tuple)) else value

@@ -7,12 +7,12 @@ nothing heavy is imported here.
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.digests import digest
 from jointwear.measurement.units import SPELLINGS
 from jointwear.monitor.plan import window_seconds
 from jointwear.robots.robot_file import read_robot_file, robot_sources
@@ -32,20 +32,19 @@ def made_with(robot: str | Path, entry: Mapping[str, Any]) -> str:
     ------
     InputError : if the robot file is none.
     """
-    names = joint_names(robot)
-    return _digest([model_of(robot), reading_of(entry, names), _window(entry), _each(entry.get("dead_band"), names)])
+    names, window = joint_names(robot), window_seconds(entry.get("window", "1h"))
+    return digest([model_of(robot), reading_of(entry, names), window, _each(entry.get("dead_band"), names)])
 
 
 def model_of(robot: str | Path) -> str:
     """Return a digest of what the library reads of a robot file and its URDF, without comments and provenance."""
-    urdf = [hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in robot_sources(str(robot))[1:]]
-    return _digest([_content(str(robot), _stamp(robot), tuple(urdf))[0], urdf])
+    content, _, urdf = _read(robot)
+    return digest([content, urdf])
 
 
 def joint_names(robot: str | Path) -> list[str]:
     """Return the names of the joints of a robot file, in order of the axes."""
-    urdf = [hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in robot_sources(str(robot))[1:]]
-    return _content(str(robot), _stamp(robot), tuple(urdf))[1]
+    return _read(robot)[1]
 
 
 def reading_of(entry: Mapping[str, Any], names: list[str]) -> dict[str, Any]:
@@ -74,10 +73,6 @@ def reading_of(entry: Mapping[str, Any], names: list[str]) -> dict[str, Any]:
     return {key: value for key, value in found.items() if value}
 
 
-def _window(entry: Mapping[str, Any]) -> float:
-    return window_seconds(entry.get("window", "1h"))
-
-
 def _unit(unit: str) -> str:
     return SPELLINGS.get(unit.strip(), unit.strip())
 
@@ -93,13 +88,15 @@ def _unless_one(given: list[float] | None) -> list[float] | None:
     return None if given is None or all(x == 1.0 for x in given) else given
 
 
-def _stamp(robot: str | Path) -> str:
-    return hashlib.sha256(Path(robot).read_bytes()).hexdigest()
+def _read(robot: str | Path) -> tuple[dict[str, Any], list[str], list[str]]:
+    """Return what a robot file says with its defaults, the names of its joints, and what its URDF holds as digests."""
+    own, *urdf = (hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in robot_sources(str(robot)))
+    return *_content(str(robot), own, tuple(urdf)), urdf
 
 
 @lru_cache(maxsize=64)
-def _content(robot: str, stamp: str, urdf: tuple[str, ...]) -> tuple[dict[str, Any], list[str]]:
-    """Return what a robot file says with its defaults, and the names of its joints; a fleet shares its robot files."""
+def _content(robot: str, own: str, urdf: tuple[str, ...]) -> tuple[dict[str, Any], list[str]]:
+    """Return what a robot file says, and the names of its joints, anew for other bytes; a fleet shares robot files."""
     data = read_robot_file(robot)
     names = [joint["name"] for joint in data["joints"]]
     bodies = [*data.get("links", []), *([data["payload"]] if "payload" in data else [])]
@@ -119,7 +116,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_plain(x) for x in value]
     return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
-
-
-def _digest(content: Any) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

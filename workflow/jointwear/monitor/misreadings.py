@@ -88,9 +88,10 @@ def left_in_degrees(measured: Measured, robot: Robot) -> float | None:
     it fits no better than rad, or the positions are too small to tell."""
     if np.abs(measured.position).max(initial=0.0) < 1.0:
         return None
-    rad, degrees = _left_as_read(measured, robot), _left_as_read(measured, robot, np.pi / 180)
+    rad = _left_as_read(measured, robot)
     if not np.isfinite(rad).any() or np.nanmedian(rad) < RADIANS_LEFT:
         return None
+    degrees = _left_as_read(measured, robot, np.pi / 180)
     return float(np.nanmedian(degrees)) if np.nanmedian(degrees) < DEGREES_LEFT else None
 
 
@@ -103,8 +104,11 @@ def left_in_turns(measured: Measured, robot: Robot) -> float | None:
     reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
     if np.any(2 * np.pi * np.quantile(np.abs(measured.position), 0.99, axis=0) > 1.1 * reach):
         return None
-    rad, turns = _left_as_read(measured, robot), _left_as_read(measured, robot, 2 * np.pi)
-    if not np.isfinite(rad).any() or np.nanmax(rad) < RADIANS_LEFT or np.nanmax(turns) > DEGREES_LEFT:
+    rad = _left_as_read(measured, robot)
+    if not np.isfinite(rad).any() or np.nanmax(rad) < RADIANS_LEFT:
+        return None
+    turns = _left_as_read(measured, robot, 2 * np.pi)
+    if np.nanmax(turns) > DEGREES_LEFT:
         return None
     return float(np.nanmedian(turns)) if np.sum(rad > FAR_LESS * turns) >= 2 else None
 

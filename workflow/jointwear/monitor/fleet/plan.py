@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
+from jointwear.files.digests import digest
 from jointwear.monitor.plan import log_sources
 
 #: Robots of a job at most, because starting a job costs as much as judging one or two robots; at least, where there are
@@ -51,8 +50,3 @@ def stamp_of(log: str) -> list[list[str | int]]:
         except OSError:
             stamps.append([path])
     return stamps
-
-
-def digest(content: Mapping | Sequence | str) -> str:
-    """Return a digest of what JSON can hold."""
-    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()

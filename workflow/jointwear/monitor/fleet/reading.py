@@ -15,13 +15,14 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.digests import digest
 from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
 from jointwear.measurement.checks import Refused
 from jointwear.monitor.assembly import Piece, fingerprint
-from jointwear.monitor.fleet.plan import digest, stamp_of
+from jointwear.monitor.fleet.plan import stamp_of
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import READING_KEYS, in_order, window_seconds

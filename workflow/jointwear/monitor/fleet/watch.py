@@ -9,13 +9,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.digests import digest
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import write_json
 from jointwear.files.regular_files import read_text
 from jointwear.files.text_files import remove, replace_text
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
 from jointwear.monitor.fleet.history import write_history
-from jointwear.monitor.fleet.plan import digest
 from jointwear.monitor.fleet.ranking import asks
 from jointwear.monitor.fleet.reading import Readings
 from jointwear.monitor.made_with import model_of

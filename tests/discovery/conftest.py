@@ -1,0 +1,20 @@
+"""A PUMA in which nothing is hidden, as discovery sees it."""
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+
+from jointwear.discovery import Settings
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.whitening import whiten
+from jointwear.measurement.recording import split
+from jointwear.robots.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def white():
+    robot = load_robot("config/robots/puma560.yaml")
+    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
+    problem = build_problem(recording, robot, Settings())
+    return whiten(problem, estimate_noise(problem))
