@@ -103,6 +103,17 @@ def test_an_exchange_of_axes_that_hardly_move_is_not_believed(recording, puma, m
         check(recording, puma)
 
 
+@pytest.mark.parametrize(("left", "nats", "refused"), [(0.004, 41.0, False), (0.004, 81.0, True), (0.02, 41.0, True)])
+def test_a_flip_of_an_axis_that_the_model_explains_needs_more(recording, puma, monkeypatch, left, nats, refused):
+    flip = next(r for r in readings(puma) if r.kind == "flip" and r.axes == (5,))
+    shares, told = np.full(6, left), iter([0.0, nats])
+    monkeypatch.setattr(checks, "explained", lambda *_: shares)
+    monkeypatch.setattr(checks, "explained_otherwise", lambda *_: iter([(flip, shares)]))
+    monkeypatch.setattr(checks, "Likelihood", lambda *_: lambda *_: next(told))
+    with pytest.raises(Refused, match="sign of joint 6 looks flipped") if refused else contextlib.nullcontext():
+        check(recording, puma)
+
+
 def test_every_reading_is_undone_by_itself_or_its_gear(puma):
     rng = np.random.default_rng(0)
     parts, usable = rng.standard_normal((5, 4, 6)), rng.random((5, 6)) > 0.5

@@ -26,7 +26,8 @@ from jointwear.monitor.estimate import (
 )
 from jointwear.monitor.events import Event
 from jointwear.monitor.forecast import forecast
-from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, JudgeSettings, judge
+from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, judge
+from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.locate import axis_probability, honest_probability, named_axis
 from jointwear.monitor.paper_detector import paper_alarms, raised_limit

@@ -23,7 +23,8 @@ from jointwear.monitor.events import events_of
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.friction import window_friction
-from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
+from jointwear.monitor.judge import CHANGED, UNJUDGED, judge
+from jointwear.monitor.judge_settings import settings_of
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.page import write_page
 from jointwear.monitor.reading_stages import accumulate_windows, survey_logs

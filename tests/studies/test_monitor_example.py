@@ -5,7 +5,8 @@ from monitor_logs import ROBOT, ROOT, layout, model
 
 from jointwear.measurement.formats import read_log
 from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.judge import CHANGED, UNJUDGED, judge, settings_of
+from jointwear.monitor.judge import CHANGED, UNJUDGED, judge
+from jointwear.monitor.judge_settings import settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.plan import find_logs
 from jointwear.monitor.survey import survey_log

@@ -8,7 +8,7 @@ the last shifts is decided on (:mod:`.decision`), at a stated rate of false alar
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,30 +20,23 @@ from jointwear.monitor.backlash import (
     backlash_findings,
     backlash_records,
     backlash_series,
-    hidden_because,
     raised_status,
 )
-from jointwear.monitor.conditions import Conditions, operating_features
-from jointwear.monitor.events import Event, event_windows, events_of
 from jointwear.monitor.findings import coarse_findings, findings_of, loose_findings, reading_findings
 from jointwear.monitor.gain_of_all import gain_of_all
+from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.learning import AxisNormal, learn_axes
+from jointwear.monitor.observed import Observed, observe
 from jointwear.monitor.parts import viscous_part, viscous_scale
-from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.present import back_to_normal, error_now
-from jointwear.monitor.programs import labelled_regimes, program_findings
+from jointwear.monitor.programs import program_findings
 from jointwear.monitor.recall import Recall
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
-from jointwear.monitor.regimes import find_regimes, signatures
-from jointwear.monitor.scale import ScaleStep, scale_series, scale_steps
-from jointwear.monitor.series import Series, friction_series, sums_of, usual_speed
-from jointwear.monitor.shifts import shift_labels
+from jointwear.monitor.scale import ScaleStep, scale_steps
+from jointwear.monitor.series import Series, usual_speed
 from jointwear.monitor.watching import Watch, before_events, watch
 from jointwear.monitor.windows import WindowStatistics
-from jointwear.robots.robot import Robot
 
-#: Limit [%] that counts where the user sets none.
-DEFAULT_LIMIT = 20.0
 #: Rounds in which changed scales of the torque are looked for, and at which rate of false alarms per 1,000 h: a scale
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
 MOST_STEPS, SCALE_RATE = 3, 1.0
@@ -52,34 +45,6 @@ MOST_STEPS, SCALE_RATE = 3, 1.0
 #: tails than the null runs', as oil and loads move it (docs/decisions/normal_state.md).
 VISCOUS_SHARE, BACKLASH_SHARE = 0.05, 0.1
 LEVEL_SHARE = 1.0 - VISCOUS_SHARE - BACKLASH_SHARE
-
-
-@dataclass(frozen=True)
-class JudgeSettings:
-    """What the judgement needs to know of robot and user.
-
-    coulomb : (n, 2) nominal Coulomb levels [N m], both positive. viscous : (n,) [N m s/rad].
-    limit_percent : growth of the Coulomb friction that the forecast counts down to [%].
-    false_alarms_per_1000_h : of one detector, all axes of the robot together.
-    events : what was done to the robot.
-    """
-
-    coulomb: np.ndarray
-    viscous: np.ndarray
-    limit_percent: float = DEFAULT_LIMIT
-    false_alarms_per_1000_h: float = 1.0
-    events: tuple[Event, ...] = ()
-
-
-def settings_of(robot: Robot, entry: Mapping[str, Any]) -> JudgeSettings:
-    """Return the settings of a robot and its entry in the config."""
-    return JudgeSettings(
-        coulomb=np.stack([np.abs(robot.coulomb_positive), np.abs(robot.coulomb_negative)], axis=1),
-        viscous=np.abs(robot.viscous),
-        limit_percent=float(entry.get("limits", {}).get("coulomb_increase_percent", DEFAULT_LIMIT)),
-        false_alarms_per_1000_h=float(entry.get("false_alarms_per_1000_h", 1.0)),
-        events=events_of(entry),
-    )
 
 
 @dataclass(frozen=True)
@@ -132,76 +97,30 @@ def judge(
     """
     if not statistics.windows:
         raise InputError("there is no window to judge")
-    known = {} if known is None else known
-    first = np.arange(statistics.windows) < baseline if np.ndim(baseline) == 0 else np.asarray(baseline, dtype=bool)
-    coulomb = np.asarray(settings.coulomb, dtype=float)
-    series = friction_series(statistics, coulomb, settings.viscous, first)
-    scale = np.maximum(series["friction"].unit, 1e-9)
-    sums, noise = sums_of(statistics, coulomb, first)
-    share, load = gravity_share(sums, noise)
-    features, speed = operating_features(statistics, scale, share)
-    regime = labelled_regimes(statistics.labels, first)
-    named = regime is not None
-    if not named:
-        regime = find_regimes(signatures(statistics), first)
-    warmth = statistics.temperature
-    conditions = Conditions(statistics.start, statistics.end, warmth, features, speed, load, regime, named)
-    steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
-    shift = shift_labels(statistics.start, statistics.end, first, steady)
-    rate = settings.false_alarms_per_1000_h / 1000 * conditions.hours
-    events = event_windows(settings.events, statistics.start, statistics.axes)
-    levels = ("coulomb", "friction")
-    scale_of = scale_series(sums, noise)
-    hidden = hidden_because(statistics, coulomb, first)
-    for name, candidates in (
-        ("level", [series[n] for n in levels]),
-        ("scale", [scale_of]),
-        ("viscous", [series["viscous"]]),
-        ("backlash", [backlash_series(statistics, np.array([not reason for reason in hidden]))]),
-    ):
-        if name not in known:
-            quiet = before_events(first, events, statistics.axes)
-            known[name] = learn_axes(candidates, levels[: len(candidates)], conditions, quiet, shift, recall)
-    steps: list[ScaleStep] = []
-    found: list[list[int]] = [[] for _ in range(statistics.axes)]
-
-    def watched(name: str, allowed: float, **more: bool) -> Watch:
-        return watch(known[name], conditions, first, shift, allowed, events, found, recall=recall, **more)
-
-    scale_rate, settled = SCALE_RATE / 1000 * conditions.hours, False
-    for _ in range(MOST_STEPS):
-        level = watched("level", LEVEL_SHARE * scale_rate)
-        scaled = watched("scale", scale_rate, services=False, common=False)
-        told = {(s.axis, s.window) for s in steps}
-        plain = watched("level", LEVEL_SHARE * scale_rate, services=False, common=False)
-        seen = gain_of_all(plain, scaled, shift, first) or scale_steps(level, scaled, shift, first)
-        fresh = [s for s in seen if (s.axis, s.window) not in told]
-        if not fresh:
-            settled = True
-            break
-        steps += fresh
-        found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(statistics.axes)]
-    if not settled or rate != scale_rate:
-        level = watched("level", LEVEL_SHARE * rate)
-    backlash = watched("backlash", BACKLASH_SHARE * rate, services=False)
+    seen = observe(statistics, baseline, settings)
+    first, shift = seen.baseline, seen.shift
+    normal = _normal_states(statistics, seen, {} if known is None else known, recall)
+    rate = settings.false_alarms_per_1000_h / 1000 * seen.conditions.hours
+    level, steps, found = _watch_level(normal, seen, rate, recall)
+    backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, found, recall, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
-    found = [[s.window for s in starts if s.proposed] for starts in level.starts]
-    viscous = watched("viscous", VISCOUS_SHARE * rate)
+    fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
+    viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
-    teller = Teller(statistics, shift, first, level, viscous, series, usual, limit, settings.events)
+    teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
-        alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, regime, events)
-    estimates, std, now_error = _estimates(level, viscous, series, usual, shift, statistics.end)
+        alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, seen.regime, seen.events)
+    estimates, std, now_error = _estimates(level, viscous, seen.series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     hours, limited_by = teller.hours_to_limit()
     status = raised_status(teller.status, backlash, CHANGED)
-    findings = findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, conditions)
+    findings = findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, seen.conditions)
     findings += coarse_findings(statistics, first, teller.least, limit)
     findings += loose_findings(statistics, first, level)
-    findings += backlash_findings(hidden, float(statistics.start[0]))
+    findings += backlash_findings(seen.hidden, float(statistics.start[0]))
     findings += program_findings(statistics, first)
     findings += reading_findings(statistics)
     return Judgement(
@@ -219,6 +138,67 @@ def judge(
         reason=teller.reasons(),
         findings=findings,
     )
+
+
+def _normal_states(
+    statistics: WindowStatistics, seen: Observed, known: dict[str, list[AxisNormal | None]], recall: Recall | None
+) -> dict[str, list[AxisNormal | None]]:
+    """Return the normal states of the axes by name of the series; those that are not `known` are learnt and kept."""
+    levels = ("coulomb", "friction")
+    told = np.array([not reason for reason in seen.hidden])
+    quiet = before_events(seen.baseline, seen.events, statistics.axes)
+    for name, candidates in (
+        ("level", [seen.series[n] for n in levels]),
+        ("scale", [seen.scale]),
+        ("viscous", [seen.series["viscous"]]),
+        ("backlash", [backlash_series(statistics, told)]),
+    ):
+        if name not in known:
+            known[name] = learn_axes(candidates, levels[: len(candidates)], seen.conditions, quiet, seen.shift, recall)
+    return known
+
+
+def _watched(
+    normal: list[AxisNormal | None],
+    seen: Observed,
+    allowed: float,
+    found: Sequence[Sequence[int]],
+    recall: Recall | None,
+    **more: bool,
+) -> Watch:
+    """Watch one quantity, at `allowed` false alarms a window; `found` are the windows from which it is learnt anew."""
+    return watch(normal, seen.conditions, seen.baseline, seen.shift, allowed, seen.events, found, recall=recall, **more)
+
+
+def _watch_level(
+    normal: Mapping[str, list[AxisNormal | None]], seen: Observed, rate: float, recall: Recall | None
+) -> tuple[Watch, list[ScaleStep], list[list[int]]]:
+    """Watch the level of friction, learnt anew where the scale of the torque changed.
+
+    Returns
+    -------
+    the watch at `rate`, the changes of scale, and for each axis the windows at which they are.
+    """
+    steps: list[ScaleStep] = []
+    found: list[list[int]] = [[] for _ in normal["level"]]
+    scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
+    alone = {"services": False, "common": False}
+    for _ in range(MOST_STEPS):
+        level = _watched(normal["level"], seen, LEVEL_SHARE * scale_rate, found, recall)
+        scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
+        plain = _watched(normal["level"], seen, LEVEL_SHARE * scale_rate, found, recall, **alone)
+        changed = gain_of_all(plain, scaled, seen.shift, seen.baseline)
+        changed = changed or scale_steps(level, scaled, seen.shift, seen.baseline)
+        told = {(s.axis, s.window) for s in steps}
+        fresh = [s for s in changed if (s.axis, s.window) not in told]
+        if not fresh:
+            settled = True
+            break
+        steps += fresh
+        found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(len(found))]
+    if not settled or rate != scale_rate:
+        level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall)
+    return level, steps, found
 
 
 def _estimates(
@@ -251,4 +231,4 @@ def _estimates(
     return values, std, now
 
 
-__all__ = ["CHANGED", "DEFAULT_LIMIT", "DETECTORS", "HEALTHY", "UNJUDGED", "JudgeSettings", "Judgement", "judge"]
+__all__ = ["CHANGED", "DETECTORS", "HEALTHY", "UNJUDGED", "Judgement", "judge"]

@@ -17,7 +17,8 @@ from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import keep_baseline, with_kept_baseline
 from jointwear.monitor.clocks import clock_findings
 from jointwear.monitor.findings import COARSE, dead_band_findings, missing_temperature
-from jointwear.monitor.judge import UNJUDGED, Judgement, judge, settings_of
+from jointwear.monitor.judge import UNJUDGED, Judgement, judge
+from jointwear.monitor.judge_settings import settings_of
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.piece_files import read_pieces
 from jointwear.monitor.recall import Recall, read_recall, write_recall

@@ -39,7 +39,7 @@ EFFECT = Effect(
     name="Wear: growing Coulomb friction",
     equation="c1 (1/(1 + exp(-(c2 t)^m)) - 1/2) sign(v), m = 4 in the paper",
     parameters=(
-        Parameter("level", "N m", 0.0, 1e4, "c1, twice the growth in the end"),
+        Parameter("level", "N m", 0.0, 1e9, "c1, twice the growth in the end"),
         Parameter("rate", "1/s", 0.0, 1e6, "c2", 1e-6),
         Parameter("exponent", "1", 0.5, 6.0, "m", 4.0, fixed=True),
         Parameter("start", "s", -1e10, 1e10, "time at which wear starts", 0.0, fixed=True),

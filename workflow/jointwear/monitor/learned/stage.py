@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.pipeline import discover
+from jointwear.discovery.pipeline import Discovery, discover
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
@@ -65,38 +65,15 @@ def learn_normal(
     layout = layout_of(entry, arm.joint_names)
     logs = find_logs(entry["logs"], f"monitor.robots.{name}.logs") if logs is None else logs
     pieces, refused = baseline_pieces(logs, layout, entry)
-    if len(pieces) < FEWEST_PIECES:
-        why = f" ({refused[0]})" if refused else ""
-        raise InputError(
-            f"config: 'monitor.robots.{name}': the baseline holds {len(pieces)} uninterrupted pieces of motion, "
-            f"{FEWEST_PIECES} are needed to learn from{why}"
-        )
-    label = programs_of([p.chunk.position for p in pieces])
-    groups = [[p for p, k in zip(pieces, label, strict=True) if k == program] for program in range(label.max() + 1)]
-    if len(groups[0]) < FEWEST_PIECES:
-        # Hardly any two pieces run over one path: a robot that does something else each time is one program.
-        groups = [pieces]
+    groups = _by_program(pieces, refused, name)
     recording = recording_of(choose(groups[0]), name)
     found = discover(recording, arm)
-    others = [_checked(group, name) for group in groups[1 : 1 + CHECKED]]
-    files = {kind: steady(found.files[kind]) for kind in KINDS[:2]}
-    files["friction"] = with_given_links(files["augmented"], entry["robot"])
+    checked = [_checked(group, name) for group in groups[1 : 1 + CHECKED]]
 
-    def error_of(file: WrittenRobot) -> list[np.ndarray]:
-        with file.robot() as learnt:
-            return _errors(learnt, found.problem.measured, recording.test, others)
+    def error_of(robot: Robot) -> list[np.ndarray]:
+        return _errors(robot, found.problem.measured, recording.test, checked)
 
-    errors = {"given": _errors(arm, found.problem.measured, recording.test, others)}
-    adopted = "given"
-    for kind in KINDS:
-        errors[kind] = error_of(files[kind])
-        spared = [] if kind != "friction" else worse_axes(errors[kind], errors["given"])
-        if spared and len(spared) < arm.joints:
-            # Friction is a matter of its axis: those that it makes worse keep what they had.
-            files[kind] = with_given_links(files["augmented"], entry["robot"], spared)
-            errors[kind] = error_of(files[kind])
-        if adopted == "given" and found.verdict != NOTHING and not worse(errors[kind], errors["given"]):
-            adopted = kind
+    adopted, files, errors = _adopted(found, arm, entry["robot"], error_of)
     for stale in ("robot.yaml", "robot.urdf"):
         (folder / stale).unlink(missing_ok=True)
     if adopted != "given":
@@ -119,6 +96,51 @@ def learn_normal(
     }
     write_json(folder / "learned.json", told)
     return told
+
+
+def _by_program(pieces: Sequence[Piece], refused: Sequence[str], name: str) -> list[list[Piece]]:
+    """Return the pieces of each program, of the one with most samples first.
+
+    Raises
+    ------
+    InputError : if there are too few to learn from.
+    """
+    if len(pieces) < FEWEST_PIECES:
+        why = f" ({refused[0]})" if refused else ""
+        raise InputError(
+            f"config: 'monitor.robots.{name}': the baseline holds {len(pieces)} uninterrupted pieces of motion, "
+            f"{FEWEST_PIECES} are needed to learn from{why}"
+        )
+    label = programs_of([p.chunk.position for p in pieces])
+    groups = [[p for p, k in zip(pieces, label, strict=True) if k == program] for program in range(label.max() + 1)]
+    # Hardly any two pieces run over one path: a robot that does something else each time is one program.
+    return groups if len(groups[0]) >= FEWEST_PIECES else [list(pieces)]
+
+
+def _adopted(
+    found: Discovery, given: Robot, source: str | Path, error_of: Callable[[Robot], list[np.ndarray]]
+) -> tuple[str, dict[str, WrittenRobot], dict[str, list[np.ndarray]]]:
+    """Return the kind of robot file that is handed on, "given" for none, all files and their errors by kind.
+
+    Parameters
+    ----------
+    source : of the given robot. error_of : a robot's RMS errors [N m], one array (n,) for each program.
+    """
+    files = {kind: steady(found.files[kind]) for kind in KINDS[:2]}
+    files["friction"] = with_given_links(files["augmented"], source)
+    errors, adopted = {"given": error_of(given)}, "given"
+    for kind in KINDS:
+        with files[kind].robot() as learnt:
+            errors[kind] = error_of(learnt)
+        spared = [] if kind != "friction" else worse_axes(errors[kind], errors["given"])
+        if spared and len(spared) < given.joints:
+            # Friction is a matter of its axis: those that it makes worse keep what they had.
+            files[kind] = with_given_links(files["augmented"], source, spared)
+            with files[kind].robot() as learnt:
+                errors[kind] = error_of(learnt)
+        if adopted == "given" and found.verdict != NOTHING and not worse(errors[kind], errors["given"]):
+            adopted = kind
+    return adopted, files, errors
 
 
 def steady(file: WrittenRobot) -> WrittenRobot:

@@ -13,7 +13,8 @@ import numpy as np
 
 from jointwear.files.json_documents import write_json
 from jointwear.monitor.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.judge import judge, settings_of
+from jointwear.monitor.judge import judge
+from jointwear.monitor.judge_settings import settings_of
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.reproduction.grid import worn_runs

@@ -14,7 +14,8 @@ import numpy as np
 
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.baseline import choose_baseline
-from jointwear.monitor.judge import judge, settings_of
+from jointwear.monitor.judge import judge
+from jointwear.monitor.judge_settings import settings_of
 from jointwear.studies.shop_floor.cell import SEEDS, draw_cell
 from jointwear.studies.shop_floor.fast_path import nominal_robot, statistics_of
 from jointwear.studies.shop_floor.gear import Wear

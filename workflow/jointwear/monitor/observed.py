@@ -1,0 +1,70 @@
+"""What the windows of a robot show before anything is learnt: quantities, conditions, shifts, programs, events."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.monitor.backlash import hidden_because
+from jointwear.monitor.conditions import Conditions, operating_features
+from jointwear.monitor.events import event_windows
+from jointwear.monitor.judge_settings import JudgeSettings
+from jointwear.monitor.payload import gravity_share
+from jointwear.monitor.programs import labelled_regimes
+from jointwear.monitor.regimes import find_regimes, signatures
+from jointwear.monitor.scale import scale_series
+from jointwear.monitor.series import Series, friction_series, sums_of
+from jointwear.monitor.shifts import shift_labels
+from jointwear.monitor.windows import WindowStatistics
+
+
+@dataclass(frozen=True)
+class Observed:
+    """Windows (w,) and axes (n,) of a robot.
+
+    `baseline` (w,) bool; `series`: friction by name; `scale`: of the torque; `hidden`: per axis, why backlash cannot be
+    seen, empty where it can; `shift` (w,) labels; `regime` (w,) program of each window or None; `events`: per axis,
+    windows at which the config says that something was done to it.
+    """
+
+    baseline: np.ndarray
+    series: Mapping[str, Series]
+    scale: Series
+    hidden: list[str]
+    conditions: Conditions
+    shift: np.ndarray
+    regime: np.ndarray | None
+    events: list[list[int]]
+
+
+def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: JudgeSettings) -> Observed:
+    """Return what the windows show.
+
+    Parameters
+    ----------
+    baseline : number of windows, from the first, that show the robot healthy, or which ones, (w,) bool.
+    """
+    first = np.arange(statistics.windows) < baseline if np.ndim(baseline) == 0 else np.asarray(baseline, dtype=bool)
+    coulomb = np.asarray(settings.coulomb, dtype=float)
+    series = friction_series(statistics, coulomb, settings.viscous, first)
+    sums, noise = sums_of(statistics, coulomb, first)
+    share, load = gravity_share(sums, noise)
+    features, speed = operating_features(statistics, np.maximum(series["friction"].unit, 1e-9), share)
+    regime = labelled_regimes(statistics.labels, first)
+    named = regime is not None
+    if not named:
+        regime = find_regimes(signatures(statistics), first)
+    steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
+    start, end = statistics.start, statistics.end
+    return Observed(
+        baseline=first,
+        series=series,
+        scale=scale_series(sums, noise),
+        hidden=hidden_because(statistics, coulomb, first),
+        conditions=Conditions(start, end, statistics.temperature, features, speed, load, regime, named),
+        shift=shift_labels(start, end, first, steady),
+        regime=regime,
+        events=event_windows(settings.events, start, statistics.axes),
+    )
