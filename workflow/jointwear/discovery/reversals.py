@@ -32,17 +32,30 @@ def resolved_motion(measured: Measured) -> bool:
 
 
 def leave_out_reversals(measured: Measured) -> Measured:
-    """Return the samples without those near reversals where the motion is not resolved."""
-    if resolved_motion(measured):
+    """Return the samples without those near reversals where the motion is not resolved, or splines were fitted."""
+    if resolved_motion(measured) and not measured.fitted:
         return measured
     usable = measured.usable.copy()
-    reach = int(np.ceil(BESIDE * measured.rate))
     for axis in np.flatnonzero(np.isfinite(measured.cutoff)):
+        before, after = _beside(measured, axis)
         v = measured.velocity[:, axis]
         moves = np.where(np.abs(v) > measured.speed_floor[axis], np.sign(v), 0.0)
         for instant in np.flatnonzero(np.diff(moves) != 0) + 1:
-            usable[max(instant - reach, 0) : instant + reach + 1, axis] = False
+            usable[max(instant - before, 0) : instant + after + 1, axis] = False
     return replace(measured, usable=usable)
+
+
+def _beside(measured: Measured, axis: int) -> tuple[int, int]:
+    """Return how many samples before and after a reversal of an axis are left out.
+
+    A spline spreads over one spacing of its knots how a joint stops, sticks and breaks away: in the fit it still moves
+    where it stands already, and the torque, which is on its way to the other direction by then, looks early. After the
+    reversal the torque of the fit is right, and Stribeck's curve begins there.
+    """
+    reach = int(np.ceil(BESIDE * measured.rate))
+    if not resolved_motion(measured):
+        return reach, reach
+    return min(reach, int(np.ceil(0.5 / measured.cutoff[axis] * measured.rate))), 0
 
 
 def unseen_slow_motion(measured: Measured, judged: Collection[int]) -> list[str]:

@@ -31,7 +31,7 @@ FAVOURS = {
     "swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0, "torques": 40.0, "positions": 40.0
 }  # fmt: skip
 #: Multiple of that of a flip where the model explains the axis as it is, so that nothing asks for another sign: a zero
-#: of the torque that wanders over a day reached 41 nats for a wrist; of 45 flips of axes 37 reach 100, none lies between.
+#: of the torque that wanders over a day reached 41 nats for a wrist; of 45 flips 37 reach 100, none lies between.
 NOTHING_WRONG = 2.0
 #: Share of them that is enough for a flip that fits far better in size too, but not :data:`BY_FAR`: a friction that
 #: differs between the directions in the robot file and not in the robot reached a drop of 1.05 and 7 nats.

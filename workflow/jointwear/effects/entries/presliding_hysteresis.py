@@ -7,7 +7,7 @@ from jointwear.effects.effect import Bend, Effect, Parameter
 from jointwear.effects.state import record_slices
 
 #: Travels [rad] over which friction may build up.
-DISTANCES = (4e-3, 1.0)
+DISTANCES = (4e-3, 0.3)
 #: States in which records may begin: settled in the sense of the first motion, at ease, settled in the other sense.
 STARTS = (1, 0, -1)
 
