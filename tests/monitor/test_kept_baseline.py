@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.baseline import keep_baseline, with_kept_baseline
+from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.windows import blank_statistics
 
 DAY, COUNT = 86400.0, 40
@@ -56,3 +56,18 @@ def test_another_model_does_not_choose_anew_among_what_is_left(path):
     assert path.exists()
     assert with_kept_baseline(month(), changed, path)[1].count == 24
     assert not path.exists()
+
+
+def test_a_baseline_goes_on_until_its_end_has_passed(tmp_path):
+    # Called after every window, as a timer does: eight windows in three shifts would be enough to learn from.
+    path = tmp_path / "baseline.nc"
+    for known in range(1, COUNT + 1):
+        statistics, baseline = with_kept_baseline(month().part(slice(0, known)), GIVEN, path)
+        keep_baseline(statistics, baseline, GIVEN, path)
+        assert baseline.count == min(known, 24)
+        assert path.exists() == (known > 24)
+
+
+def test_a_baseline_of_so_many_windows_is_complete_with_the_last_of_them(tmp_path):
+    for given in ({"windows": 20}, {"windows": 20, "until": UNTIL}):
+        assert choose_baseline(month().part(slice(0, 20)), given).complete

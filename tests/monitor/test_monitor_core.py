@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,6 +32,7 @@ from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.locate import axis_probability, honest_probability, named_axis
 from jointwear.monitor.paper_detector import paper_alarms, raised_limit
+from jointwear.monitor.records import evidence
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.watching import watch
 from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
@@ -229,6 +231,23 @@ def test_a_weak_alarm_beside_a_strong_one_or_while_all_axes_move_is_not_sure():
     one = np.array([4.0 + 1e-9, 0.0, 0.0, 0.0])
     assert honest_probability(one, limit)[0] == pytest.approx(axis_probability(one, limit)[0])
     assert honest_probability(one, limit, together=True)[0] == pytest.approx(0.5, abs=1e-3)
+
+
+def test_a_step_is_as_sure_as_its_own_chart_is_beyond_its_threshold():
+    def of(step):
+        level = SimpleNamespace(
+            residual=np.zeros((1, 2)), mean=np.array([[0.02, 0.0]]), mean_std=np.full((1, 2), 0.01),
+            threshold=np.full(2, 4.0), step=np.array([[step, -np.inf]]), step_threshold=np.full(2, 5.0),
+            alarm=np.array([[True, False]]),
+        )  # fmt: skip
+        return evidence(level)
+
+    told, threshold = of(6.0)
+    assert told[0, 0] ** 2 - threshold[0, 0] ** 2 == pytest.approx(11.0)
+    assert honest_probability(told[0], threshold[0], together=True)[0] > 0.95
+    # An alarm of the level alone stays what the level says.
+    assert of(-np.inf)[0][0, 0] == pytest.approx(2.0)
+    assert told[0, 1] == 0.0
 
 
 @settings(deadline=None, max_examples=25)

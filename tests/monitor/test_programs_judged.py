@@ -38,6 +38,10 @@ def test_a_program_that_was_never_seen_cannot_be_judged_yet():
     told = [f for f in judgement.findings if f["kind"] == "program"]
     assert "'pick'" in told[0]["words"]
     assert told[0]["time"] == 120 * 3600.0
+    assert "judged in it after" in told[0]["words"]
+    fresh = judge(labelled(growth, names).part(slice(0, 123)), 72, SETTINGS)
+    told = [f for f in fresh.findings if f["kind"] == "program"]
+    assert "cannot be judged yet" in told[0]["words"]
     assert (judgement.status[80:120] == HEALTHY).all()
     # Later its level is known.
     assert (judgement.status[-5:] == HEALTHY).all()

@@ -81,7 +81,9 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
         )
         return Baseline(mask, False, words)
     if _enough(statistics, mask):
-        return Baseline(mask, True)
+        # As long as no window has come from after its end, more of the time that was asked for may come.
+        over = until is None or bool(np.any(statistics.end > until)) or 0 < asked <= mask.sum()
+        return Baseline(mask, over)
     longer = mask.copy()
     for k in np.flatnonzero(after & ~mask):
         longer[k] = True

@@ -121,7 +121,8 @@ def judge(
     findings += coarse_findings(statistics, first, teller.least, limit)
     findings += loose_findings(statistics, first, level)
     findings += backlash_findings(seen.hidden, float(statistics.start[0]))
-    findings += program_findings(statistics, first)
+    most = np.isfinite(level.residual).mean(axis=1) > 0.5
+    findings += program_findings(statistics, first, most)
     findings += reading_findings(statistics)
     return Judgement(
         estimates=estimates,
@@ -133,7 +134,7 @@ def judge(
         limited_by=limited_by,
         now_error=now_error,
         back=back_to_normal(
-            [(level, level.alarm), (viscous, teller.viscous_alone), (backlash, backlash.alarm)], shift, statistics.end
+            [(level, level.alarm), (viscous, teller.viscous_alarm), (backlash, backlash.alarm)], shift, statistics.end
         ),
         reason=teller.reasons(),
         findings=findings,

@@ -50,15 +50,23 @@ def unseen_programs(labels: np.ndarray, baseline: np.ndarray) -> list[tuple[str,
     return list(first.items())
 
 
-def program_findings(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[str, Any]]:
-    """Return a finding for every program that began after the baseline (w,): its normal has to be learnt first."""
-    return [
-        {
-            "time": float(statistics.start[k]),
-            "axes": [],
-            "kind": "program",
-            "words": f"Program '{name}' began, which the baseline does not hold: it cannot be judged yet. Its own "
-            "normal is learnt from its first shifts.",
-        }
-        for name, k in unseen_programs(statistics.labels, baseline)
-    ]
+def program_findings(statistics: WindowStatistics, baseline: np.ndarray, judged: np.ndarray) -> list[dict[str, Any]]:
+    """Return a finding for every program that began after the baseline (w,): its normal has to be learnt first.
+
+    Parameters
+    ----------
+    judged : (w,) bool, in which most axes are judged.
+    """
+    names = np.array(window_programs(statistics.labels), dtype=object)
+    result = []
+    for name, k in unseen_programs(statistics.labels, baseline):
+        rows = np.flatnonzero((names == name) & ~baseline)
+        known = judged[rows]
+        words = f"Program '{name}' began, which the baseline does not hold: "
+        if known.any():
+            hours = float(np.argmax(known)) * statistics.length / 3600
+            words += f"its own normal was learnt from its first shifts, most axes are judged in it after {hours:.3g} h."
+        else:
+            words += "it cannot be judged yet. Its own normal is learnt from its first shifts."
+        result.append({"time": float(statistics.start[k]), "axes": [], "kind": "program", "words": words})
+    return result

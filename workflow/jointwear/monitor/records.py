@@ -41,7 +41,7 @@ class Reason(IntEnum):
 
 class Teller:
     """Alarms and states of the axes of one robot; `least` (n,): smallest growth of Coulomb friction that is seen;
-    `viscous_alone` (w, n): alarms of viscous friction on axes whose judged level leaves it out."""
+    `viscous_alarm` (w, n): alarms of viscous friction by charts of its own."""
 
     def __init__(
         self,
@@ -58,8 +58,8 @@ class Teller:
         self._s, self._baseline = statistics, baseline
         self._level, self._viscous, self._series, self._speed = level, viscous, series, speed
         self._events = events
-        self.viscous_alone = self._viscous_alone()
-        self._alarm = level.alarm | self.viscous_alone
+        self.viscous_alarm = self._viscous_alarm()
+        self._alarm = level.alarm | self.viscous_alarm
         share = series["friction"].share
         self._named = np.stack(
             [viscous_episodes(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))], axis=1
@@ -69,12 +69,14 @@ class Teller:
         self._told = self._spaced()
         self.status = self._states()
 
-    def _viscous_alone(self) -> np.ndarray:
-        """Alarms (w, n) of viscous friction on axes whose judged level leaves it out.
+    def _viscous_alarm(self) -> np.ndarray:
+        """Alarms (w, n) of viscous friction.
 
-        None where all axes have moved together: another gain or colder oil raises what grows with speed as well.
+        Also of axes whose judged level holds viscous friction: there it may drown in what Coulomb friction does from
+        shift to shift. None where all axes have moved together: another gain or colder oil raises what grows with
+        speed as well.
         """
-        alone = np.array([a is not None and a.source == "coulomb" for a in self._level.axes])
+        alone = np.array([a is not None for a in self._level.axes])
         together = np.abs(self._level.shared.common) > FINDING
         return self._viscous.alarm & alone & ~together[:, None]
 
@@ -159,10 +161,8 @@ class Teller:
     def records(self) -> list[dict[str, Any]]:
         """Return the rows of alarms.csv."""
         result = []
-        # Which axis it is depends on the evidence for any change; the decision asks for more than what is tolerated.
         level = self._level
-        statistic = np.where(np.isfinite(level.residual), np.maximum(level.mean / level.mean_std, 0.0), np.nan)
-        threshold = level.threshold + TOLERATED / level.mean_std
+        statistic, threshold = evidence(level)
         for k, j in np.argwhere(self._told):
             name, mean, error = self._parts(k, j)
             values = [mean, mean - Q80 * error, mean + Q80 * error]
@@ -195,6 +195,21 @@ class Teller:
                 quantity, found = self._limits.forecast(int(known[-1]), j, name, now=True)
                 result[j], quantities[j] = (found.hours, found.low, found.high), quantity
         return result, quantities
+
+
+def evidence(level: Watch) -> tuple[np.ndarray, np.ndarray]:
+    """Return the statistic of every axis for any change, and its threshold, (w, n), NaN where not judged.
+
+    Which axis it is depends on the evidence for any change; the decision asks for more than what is tolerated. A step
+    is as sure as its own chart is beyond its threshold: the level says little of it where friction fell before or the
+    weather is unsure.
+    """
+    statistic = np.where(np.isfinite(level.residual), np.maximum(level.mean / level.mean_std, 0.0), np.nan)
+    threshold = level.threshold + TOLERATED / level.mean_std
+    beyond = np.maximum(level.step, 0.0) ** 2 - level.step_threshold**2
+    by_step = level.alarm & (beyond > 0)
+    reached = np.sqrt(threshold**2 + np.where(by_step, beyond, 0.0))
+    return np.where(by_step, np.fmax(statistic, reached), statistic), threshold
 
 
 def paper_records(

@@ -49,7 +49,8 @@ class Watch:
     `residual`: log level less normal state and shared error, NaN where not judged; `std` of a window; `noise`: the
     part of its variance that windows do not share; `growth`, `fall`, `mean`, `mean_std`, `shifts` of
     :class:`~jointwear.monitor.decision.Evidence`; `alarm`: bool; `learning`, `unseen`: why a window is not judged.
-    `threshold` (n,); `starts`: per axis; `axes`: normal states, None where the `baseline` (w,) shows too little.
+    `threshold`, `step_threshold` (n,), of `growth` and of `step`, the last shifts less those before;
+    `starts`: per axis; `axes`: normal states, None where the `baseline` (w,) shows too little.
     """
 
     residual: np.ndarray
@@ -64,6 +65,8 @@ class Watch:
     learning: np.ndarray
     unseen: np.ndarray
     threshold: np.ndarray
+    step: np.ndarray
+    step_threshold: np.ndarray
     shared: SharedError
     axes: list[AxisNormal | None]
     baseline: np.ndarray
@@ -96,9 +99,8 @@ def watch(
     w, n = len(shift), len(axes)
     events, proposed = events or [[]] * n, proposed or [[]] * n
     judged = [j for j in range(n) if axes[j] is not None]
-    first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
     fields = {name: np.full((w, n), np.nan) for name in ("residual", "std", "noise", "mean", "mean_std")}
-    growth, fall = np.full((w, n), -np.inf), np.full((w, n), -np.inf)
+    growth, fall, step = (np.full((w, n), -np.inf) for _ in range(3))
     shifts = np.zeros((w, n), dtype=int)
     alarm, learning, unseen = (np.zeros((w, n), dtype=bool) for _ in range(3))
     threshold, steps, falls = (np.full(n, np.inf) for _ in range(3))
@@ -135,14 +137,12 @@ def watch(
         for j, state in states.items():
             extra = shared.variance[:, j] + (1.0 - alike) * beyond[:, j]
             evidence = state.judge(shared.value[:, j], extra, loud[:, j], calm)
-            hit = np.flatnonzero(evidence.fall > falls[j])
-            hit = hit[~baseline[hit]]
-            if services and len(hit):
-                begin = max(_begin_of_change(hit[0], int(evidence.shifts[hit[0]]), shift), first_judged)
-                later = [s for s in starts[j] if s.window > hit[0]]
-                kept = [s for s in starts[j] if s.window <= hit[0]]
+            proposed_at = _service(evidence, falls[j], shift, baseline) if services else None
+            if proposed_at is not None:
+                hit, begin = proposed_at
+                kept = [s for s in starts[j] if s.window <= hit]
                 if not kept or kept[-1].window < begin:
-                    starts[j] = [*kept, Start(begin, True), *later]
+                    starts[j] = [*kept, Start(begin, True), *(s for s in starts[j] if s.window > hit)]
                     again.append(j)
             state.evidence = evidence
         if not again:
@@ -154,12 +154,23 @@ def watch(
         fields["noise"][:, j] = axes[j].noise
         fields["mean"][:, j], fields["mean_std"][:, j] = evidence.mean, evidence.std
         growth[:, j], fall[:, j], shifts[:, j] = evidence.growth, evidence.fall, evidence.shifts
+        step[:, j] = evidence.step
         learning[:, j], unseen[:, j] = state.learning, state.unseen
         alarm[:, j] = ((evidence.growth > threshold[j]) | (evidence.step > steps[j])) & ~baseline
     return Watch(
         **fields, growth=growth, fall=fall, shifts=shifts, alarm=alarm, learning=learning, unseen=unseen,
-        threshold=threshold, shared=shared, axes=axes, baseline=baseline, starts=starts,
+        threshold=threshold, step=step, step_threshold=steps, shared=shared, axes=axes, baseline=baseline,
+        starts=starts,
     )  # fmt: skip
+
+
+def _service(evidence: Evidence, least: float, shift: np.ndarray, baseline: np.ndarray) -> tuple[int, int] | None:
+    """Return the first window after the baseline whose fall exceeds `least`, and the one at which it begins."""
+    hits = np.flatnonzero((evidence.fall > least) & ~baseline)
+    if not len(hits):
+        return None
+    first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
+    return int(hits[0]), max(_begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift), first_judged)
 
 
 def _calm(common: np.ndarray, shift: np.ndarray) -> np.ndarray:
