@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.noise import Whitener, estimate, simulate, stable, whitenable
+from jointwear.discovery.noise import WIDE, Whitener, estimate, simulate, stable, whitenable
 from jointwear.discovery.structure import hats
 from jointwear.files.errors import InputError
 from jointwear.measurement.motion import measure
@@ -153,3 +153,12 @@ def test_links_of_an_estimate_are_bodies():
 def inertia_matrix(six):
     xx, yy, zz, xy, yz, xz = six
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def test_many_columns_are_whitened_as_each_of_them_is():
+    rng = np.random.default_rng(4)
+    columns = rng.standard_normal((300, 2 * WIDE))
+    white = Whitener(np.flatnonzero(rng.random(300) > 0.2)[3:], np.array([0.5, -0.2, 0.1]), 0.7)
+    alone = np.stack([white(column) for column in columns.T], axis=1)
+    np.testing.assert_allclose(white(columns), alone, atol=1e-12)
+    np.testing.assert_allclose(white(columns[:, :4]), alone[:, :4], atol=1e-12)

@@ -11,6 +11,8 @@ HIGHEST_ORDER = 6
 #: The same where the noise of derived accelerations shows: it rises with the fourth power of the frequency up to the
 #: end of the band of the derivatives, and falls steeply there.
 HIGHEST_ORDER_DERIVED = 16
+#: Columns from which on they are whitened sample by sample: all of them at once, lag by lag, no cache holds.
+WIDE = 32
 
 
 @dataclass(frozen=True)
@@ -33,8 +35,14 @@ class Whitener:
         if not columns.size or not len(self.rows):
             return columns[self.rows]
         kernel = np.concatenate([-self.lags[::-1], [1.0]]) / self.sigma
-        windows = np.lib.stride_tricks.sliding_window_view(columns, order + 1, axis=0)
-        return np.einsum("...k,k->...", windows, kernel)[self.rows - order]
+        if columns[0].size > WIDE:
+            windows = np.lib.stride_tricks.sliding_window_view(columns, order + 1, axis=0)
+            return np.einsum("...k,k->...", windows, kernel).take(self.rows - order, axis=0)
+        count = len(columns) - order
+        result = kernel[0] * columns[:count]
+        for lag in range(1, order + 1):
+            result += kernel[lag] * columns[lag : lag + count]
+        return result.take(self.rows - order, axis=0)
 
     def density(self, frequency: np.ndarray, rate: float) -> np.ndarray:
         """Return the density (k,) [(N m)^2/Hz, one-sided] of the noise at frequencies (k,) [Hz]."""
