@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -146,10 +147,26 @@ class Line:
 
 
 def _lines(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return frequencies (k,) [Hz], the chirp rate 0 and power (1, k) over that of the surroundings of one record."""
+    """Return frequencies (k,) [Hz], the chirp rate 0 and power (1, k) of one record."""
     size = 2 ** int(np.ceil(np.log2(len(series))))
     power = np.abs(np.fft.fft(series, size)[None, : size // 2]) ** 2 / filled
-    return np.arange(size // 2) * rate / size, np.zeros(1), power / _level(power)
+    return np.arange(size // 2) * rate / size, np.zeros(1), power
+
+
+@lru_cache(maxsize=8)
+def _sweeps(count: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rates (r,) [Hz/s] of chirps that are asked of `count` samples, and what takes each off (r, size).
+
+    `size` is that of the band below :data:`FASTEST_CHIRP`, turned back into a short series of its own.
+    """
+    span = count / rate
+    fine = np.arange(1, int(SLOW_SWEEP * span) + 1)
+    cells = np.concatenate([fine, np.arange(fine[-1] + COARSER, WIDEST_SWEEP * span, COARSER)])
+    rates = np.concatenate([-cells[::-1], [0], cells]) / span**2
+    band = min(max(int(FASTEST_CHIRP * span), 1), count // 2 + 1)
+    size = 2 ** int(np.ceil(np.log2(band)))
+    t = np.arange(size) * span / size
+    return rates, np.exp(-1j * np.pi * np.outer(rates, t**2))
 
 
 def _chirps(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -158,16 +175,29 @@ def _chirps(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, n
     Only the band in which chirps are looked for is turned back: its spectrum is a short series of its own.
     """
     span = len(series) / rate
-    fine = np.arange(1, int(SLOW_SWEEP * span) + 1)
-    cells = np.concatenate([fine, np.arange(fine[-1] + COARSER, WIDEST_SWEEP * span, COARSER)])
-    rates = np.concatenate([-cells[::-1], [0], cells]) / span**2
-    band = np.fft.rfft(series)[: max(int(FASTEST_CHIRP * span), 1)]
-    size = 2 ** int(np.ceil(np.log2(len(band))))
-    turned = np.fft.ifft(band, size)
-    t = np.arange(size) * span / size
-    power = np.abs(np.fft.fft(np.exp(-1j * np.pi * np.outer(rates, t**2)) * turned, 2 * size, axis=1)) ** 2
-    power /= filled
-    return np.arange(2 * size) / (2 * span), rates, power / _level(power)
+    rates, sweeps = _sweeps(len(series), rate)
+    size = sweeps.shape[1]
+    turned = np.fft.ifft(np.fft.rfft(series)[: max(int(FASTEST_CHIRP * span), 1)], size)
+    spectra = np.fft.fft(sweeps * turned, 2 * size, axis=1)
+    return np.arange(2 * size) / (2 * span), rates, (spectra.real**2 + spectra.imag**2) / filled
+
+
+def _largest(power: np.ndarray) -> tuple[int, int, float]:
+    """Return place and size of the cell of spectra (r, k) that stands out most of its surroundings.
+
+    Surroundings count as 1 at least: once a cell stands out by more than another spectrum reaches at all, that one and
+    all below it need not be asked.
+    """
+    highest = power.max(axis=1)
+    best = (0, 0, -np.inf)
+    for row in np.argsort(-highest, kind="stable"):
+        if highest[row] <= best[2]:
+            break
+        over = power[row] / _level(power[[row]])[0]
+        cell = int(np.argmax(over))
+        if over[cell] > best[2]:
+            best = (int(row), cell, float(over[cell]))
+    return best
 
 
 def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> Line | None:
@@ -194,13 +224,12 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
     for one, series, filled in pieces:
         for frequency, chirp, power in (_lines(series, rate, filled), _chirps(series, rate, filled)):
             cells += power.size // 2
-            where = np.unravel_index(np.argmax(power), power.shape)
-            value = float(power[where])
+            row, cell, value = _largest(power)
             if best is None or value > best.power:
-                best = Line(value, 1.0, float(frequency[where[1]]), float(chirp[where[0]]), one)
+                best = Line(value, 1.0, float(frequency[cell]), float(chirp[row]), one)
             if len(chirp) == 1:
                 old, count = together.get(len(frequency), (0.0, 0))
-                together[len(frequency)] = (old + power[0], count + 1)
+                together[len(frequency)] = (old + power[0] / _level(power)[0], count + 1)
     if best is None:
         return None
     from scipy.special import gammaincc
