@@ -166,7 +166,7 @@ def band_power(white: np.ndarray, rows: np.ndarray, trajectory: np.ndarray) -> n
         found.append(np.interp(np.arange(CELLS) + 0.5, centre, _smooth(power, len(power) // CELLS)))
     if not found:
         return np.ones(len(EDGES) - 1)
-    bands = np.array([[power[a:b].mean() for a, b in pairwise(EDGES)] for power in found])
+    bands = np.add.reduceat(found, EDGES[:-1], axis=1) / np.diff(EDGES)
     return np.minimum(bands, OUTLYING * np.median(bands, axis=0)).mean(axis=0)
 
 
