@@ -10,7 +10,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from jointwear.discovery.left_out import Asked, LeftOut
 from jointwear.discovery.linear import Fit, Term
@@ -163,7 +163,7 @@ def _links_in_vain(ask: Asked, kept: list[Term], asked: LeftOut) -> tuple[int, S
 
 def _unsteady(white: White, kept: list[Term], axis: int, asked: LeftOut) -> bool:
     """Return whether a record to come may turn out worse on an axis than its model, and not by noise alone."""
-    if asked.steady[axis] >= norm.ppf(white.problem.settings.certainty):
+    if asked.steady[axis] >= ndtri(white.problem.settings.certainty):
         return False
     return bool(misfit_of(white, Fit(white.targets, kept))[axis] > 1.0)
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from jointwear.discovery.linear import Term
 from jointwear.discovery.settings import Settings
@@ -232,7 +232,7 @@ def surely_worse(means: np.ndarray, count: np.ndarray, settings: Settings) -> bo
     """
     squares = means * count
     lost = squares[0] - settings.not_worse**2 * squares[1]
-    return bool(lost.sum() > norm.ppf(settings.certainty) * np.sqrt(len(lost)) * np.std(lost))
+    return bool(lost.sum() > ndtri(settings.certainty) * np.sqrt(len(lost)) * np.std(lost))
 
 
 def margin(squares: np.ndarray, settings: Settings) -> float:
