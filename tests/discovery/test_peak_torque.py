@@ -56,11 +56,16 @@ def _wave(taken):
         drive=drive,
         passed=lambda axis, waves: 1.0,
         derives=None,
+        waves_of=lambda axis, count: np.stack([np.sin(count * position), np.cos(count * position)], axis=1),
     )
     amplitude = 2.0 * (1 - taken * (speed / speed.max()) ** 2)
     target = amplitude * np.sin(100 * position) + 0.1 * rng.standard_normal(len(speed))
     problem = SimpleNamespace(
-        train_state=state, usable=np.ones((len(speed), 1), dtype=bool), settings=Settings(), scale=np.array([5.0])
+        train_state=state,
+        usable=np.ones((len(speed), 1), dtype=bool),
+        rows_used=[np.arange(len(speed))],
+        settings=Settings(),
+        scale=np.array([5.0]),
     )
     white = SimpleNamespace(problem=problem, state_of=lambda *a: state, columns=lambda axis, x: x)
     constant = Term("constant", {0: np.ones((len(speed), 1))}, np.ones(1), {0: np.ones((len(speed), 1))})

@@ -94,3 +94,15 @@ def test_a_shared_drive_that_sticks_keeps_its_friction(robot):
     assert np.all(np.diff(column[39:71]) < 0)
     unordered = effect.columns(replace(state, record=None), 0, 1, {"own": 1.0, "other": 1.0})[:, 0]
     assert np.all(unordered[40:70] == 0)
+
+
+def test_a_part_of_a_motion_has_waves_and_a_torque_of_its_own(robot):
+    state = sampled(robot, stopping(5), np.linspace(1.0, 2.0, 85))
+    state = replace(state, position=np.cumsum(state.velocity, axis=0) / RATE)
+    chosen = np.arange(20, 60)
+    whole, now = state.waves_of(0, 3.0), late_torque(state, 0, 0.0)
+    assert replace(state, torque=2.0 * state.torque).waves_of(0, 3.0) is whole
+    np.testing.assert_array_equal(state.part(chosen).waves_of(0, 3.0), whole[chosen])
+    moved = replace(state, position=state.position + 1.0)
+    np.testing.assert_allclose(moved.waves_of(0, 3.0)[:, 0], np.sin(3.0 * moved.position[:, 0]))
+    assert not np.allclose(late_torque(replace(state, torque=2.0 * state.torque), 0, 0.0), now)

@@ -41,8 +41,7 @@ def motor_wave(
         return height(state, axis) * share(state, axis, p)
 
     def wave(state: State, axis: int, p: Mapping[str, float], high: np.ndarray) -> np.ndarray:
-        turn = angle(state, axis, p)
-        return np.stack([np.sin(turn), np.cos(turn)], axis=-1) * high[..., None]
+        return state.waves_of(axis, p["order"] * state.drive.gear_ratio[axis]) * high[..., None]
 
     def columns(state: State, axis: int, source: int | None, p: Mapping[str, float]) -> np.ndarray:
         return wave(state, axis, p, tall(state, axis, p))

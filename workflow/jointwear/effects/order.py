@@ -83,8 +83,13 @@ def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     """
     if state.record is None:
         return state.torque[..., axis]
+    if delay == 0 and axis in state.torque_now:
+        return state.torque_now[axis]
     smooth, velocity = state.between(axis).earlier(delay).T
-    return smooth + level_of(state, axis, _sense(state, axis, velocity, delay))
+    torque = smooth + level_of(state, axis, _sense(state, axis, velocity, delay))
+    if delay == 0:
+        state.torque_now[axis] = torque
+    return torque
 
 
 def change_by_delay(state: State, axis: int, delay: float) -> np.ndarray:

@@ -81,6 +81,10 @@ class State:
     direction: np.ndarray = field(init=False, repr=False)
     _rests: dict[tuple, list[Rest]] = field(init=False, repr=False, default_factory=dict)
     _between: dict[int, Between] = field(init=False, repr=False, default_factory=dict)
+    #: Torque as it is now, by axis; see :func:`jointwear.effects.order.late_torque`.
+    torque_now: dict[int, np.ndarray] = field(init=False, repr=False, default_factory=dict)
+    #: Handed on to states of the same motion with other torques: waves do not depend on these.
+    _waves: dict[tuple, tuple[np.ndarray, np.ndarray]] = field(repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "direction", np.sign(self.velocity))
@@ -132,6 +136,14 @@ class State:
             self._between[axis] = Between(self.time, np.stack([smooth, velocity], axis=-1), record_slices(self))
         return self._between[axis]
 
+    def waves_of(self, axis: int, count: float) -> np.ndarray:
+        """Return sine and cosine (..., 2) of `count` angles of an axis; worked out once for all states of a motion."""
+        key = (axis, count)
+        if key not in self._waves or self._waves[key][0] is not self.position:
+            turn = count * self.position[..., axis]
+            self._waves[key] = self.position, np.stack([np.sin(turn), np.cos(turn)], axis=-1)
+        return self._waves[key][1]
+
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""
         return replace(
@@ -147,6 +159,7 @@ class State:
             tip_regressor=_part_of(self.tip_regressor, chosen),
             gravity_regressor=_part_of(self.gravity_regressor, chosen),
             wind_up_regressor=_part_of_wind_up(self.wind_up_regressor, chosen),
+            _waves={},
         )
 
 
