@@ -152,6 +152,21 @@ def test_what_another_reading_leaves_is_what_is_left_of_the_samples_read_that_wa
         np.testing.assert_allclose(left, explained(dynamics, *reading.read(parts, usable, puma)), rtol=1e-9)
 
 
+def test_some_of_the_samples_refute_no_reading_that_all_of_them_do_not(recording, puma):
+    measured = measure(recording)
+    parts, _, usable = checks._features(measured)
+    dynamics = Dynamics(puma)
+
+    def leaves_much(reading, left):
+        return bool(np.nanmax(left[list(reading.axes)], initial=0.0) >= checks.WRONG)
+
+    every = list(explained_otherwise(dynamics, parts, usable))
+    asked = [reading for reading, _ in explained_otherwise(dynamics, parts, usable, leaves_much)]
+    believable = [reading for reading, left in every if not leaves_much(reading, left)]
+    assert set(believable) <= set(asked)
+    assert len(asked) < len(every)
+
+
 @pytest.mark.parametrize("shape", [(24,), (500,), (400, 3)])
 @pytest.mark.parametrize("cutoff", [2.0, 20.0])
 def test_the_filter_is_that_of_scipy(shape, cutoff):

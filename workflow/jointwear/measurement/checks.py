@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from jointwear.robots.robot import Robot
 
 #: Samples looked at by the checks against the model.
 LOOK = 1500
+#: One of so many of them is enough to rule out most other readings of the axes.
+SOME = 8
 FEWEST = 40
 #: What is measured of every joint, as far as it is given.
 _ROLES = ("position", "torque", "velocity", "acceleration")
@@ -173,18 +175,40 @@ def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> np.n
     return _left(dynamics.robot, rigid, parts, usable, range(parts.shape[2]))
 
 
+def _explained_at_least(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, reading: Reading) -> np.ndarray:
+    """Return for each axis no more than what :func:`explained` says of a reading, from one sample in :data:`SOME`.
+
+    A fit to all samples leaves at least as much of these as a fit to them alone.
+    """
+    some, known = reading.read(parts[::SOME], usable[::SOME], dynamics.robot)
+    left = np.nan_to_num(explained(dynamics, some, known)) * np.sum(some[:, 3] ** 2, axis=0, where=known)
+    read, known = reading.read(parts, usable, dynamics.robot)
+    left /= np.maximum(np.sum(read[:, 3] ** 2, axis=0, where=known), 1e-12)
+    return np.where(known.sum(axis=0) < FEWEST, np.nan, left)
+
+
 def explained_otherwise(
-    dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray
+    dynamics: Dynamics,
+    parts: np.ndarray,
+    usable: np.ndarray,
+    refuted: Callable[[Reading, np.ndarray], bool] | None = None,
 ) -> Iterator[tuple[Reading, np.ndarray]]:
-    """Yield every other reading of the axes with what :func:`explained` says of it."""
+    """Yield every other reading of the axes with what :func:`explained` says of it.
+
+    Parameters
+    ----------
+    refuted : whether a reading that leaves so much, or more, is none: it is left out where a part of the samples tells.
+        Default: all are yielded.
+    """
     robot, axes = dynamics.robot, range(parts.shape[2])
     rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3)))
     plain: np.ndarray | None = None
     for reading in readings(robot):
-        turned = reading.read(parts, usable, robot)
         if reading.kind not in OF_TORQUE:
-            yield reading, explained(dynamics, *turned)
+            if refuted is None or not refuted(reading, _explained_at_least(dynamics, parts, usable, reading)):
+                yield reading, explained(dynamics, *reading.read(parts, usable, robot))
             continue
+        turned = reading.read(parts, usable, robot)
         # The motion is the same, and so are all axes but those of the reading.
         plain = _left(robot, rigid, parts, usable, axes) if plain is None else plain
         left, concerned = plain.copy(), list(reading.axes)
@@ -256,19 +280,24 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
     likelihood = Likelihood(dynamics, FEWEST)
     as_read: float | None = None
     believed: list[tuple[float, Reading]] = []
-    for reading, other in explained_otherwise(dynamics, parts, usable):
-        exchanged = reading.kind in EXCHANGED
-        floor = SAME_WRIST if exchanged else RIGHT
-        gained = _score(left, floor) - _score(other, floor)
+
+    def gained(reading: Reading, other: np.ndarray) -> float:
+        floor = SAME_WRIST if reading.kind in EXCHANGED else RIGHT
+        return _score(left, floor) - _score(other, floor)
+
+    def refuted(reading: Reading, other: np.ndarray) -> bool:
         concerned = other[list(reading.axes)]
-        if gained < -CLEARLY or not np.nanmax(concerned, initial=0.0) < WRONG:
+        return gained(reading, other) < -CLEARLY or not np.nanmax(concerned, initial=0.0) < WRONG
+
+    for reading, other in explained_otherwise(dynamics, parts, usable, refuted):
+        if refuted(reading, other):
             continue
-        if exchanged and not np.isfinite(concerned).any():
+        if reading.kind in EXCHANGED and not np.isfinite(other[list(reading.axes)]).any():
             # What an exchange of two axes does to the others does not tell of them where both hardly move.
             continue
         as_read = likelihood(parts, usable) if as_read is None else as_read
         nats = likelihood(*reading.read(parts, usable, robot)) - as_read
-        if nats > _enough(reading, gained, left[list(reading.axes)]):
+        if nats > _enough(reading, gained(reading, other), left[list(reading.axes)]):
             believed.append((nats, reading))
     if believed:
         reading = max(believed, key=lambda x: x[0])[1]
