@@ -136,8 +136,7 @@ def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.nda
         # Its size is in its parameters.
         return np.ones(columns.shape[1])
     axis, widths = candidate.axis, get_effect(candidate.effect).widths
-    used = white.problem.usable[:, axis]
-    size = np.sqrt(np.mean(columns[used] ** 2, axis=0))
+    size = np.sqrt(np.mean(columns.take(white.problem.rows_used[axis], axis=0) ** 2, axis=0))
     std = white.problem.settings.usual * white.problem.scale[axis] / np.maximum(size, 1e-12)
     return std * np.array(widths) if len(widths) == len(std) else std
 
@@ -186,7 +185,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                     spreading.append(candidate)
                     continue
                 columns = raw_columns(white, candidate)
-                if not np.any(columns[problem.usable[:, axis]]):
+                if not np.any(columns.take(problem.rows_used[axis], axis=0)):
                     continue
                 std = prior_std(white, candidate, columns)
                 found.append((candidate, slice(start, start + columns.shape[1]), std))
