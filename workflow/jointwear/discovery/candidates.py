@@ -135,9 +135,18 @@ def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.nda
     if on_all_axes(candidate):
         # Its size is in its parameters.
         return np.ones(columns.shape[1])
-    axis, widths = candidate.axis, get_effect(candidate.effect).widths
-    size = np.sqrt(np.mean(columns.take(white.problem.rows_used[axis], axis=0) ** 2, axis=0))
-    std = white.problem.settings.usual * white.problem.scale[axis] / np.maximum(size, 1e-12)
+    return _std_of_size(white, candidate, _rms(white, candidate.axis, columns))
+
+
+def _rms(white: White, axis: int, columns: np.ndarray) -> np.ndarray:
+    """Return the RMS (k,) of columns (N_train, k) over the samples of an axis that can be judged."""
+    return np.sqrt(np.mean(columns.take(white.problem.rows_used[axis], axis=0) ** 2, axis=0))
+
+
+def _std_of_size(white: White, candidate: Candidate, size: np.ndarray) -> np.ndarray:
+    """Return :func:`prior_std` of columns of RMS `size` (k,)."""
+    widths = get_effect(candidate.effect).widths
+    std = white.problem.settings.usual * white.problem.scale[candidate.axis] / np.maximum(size, 1e-12)
     return std * np.array(widths) if len(widths) == len(std) else std
 
 
@@ -185,9 +194,10 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                     spreading.append(candidate)
                     continue
                 columns = raw_columns(white, candidate)
-                if not np.any(columns.take(problem.rows_used[axis], axis=0)):
+                size = _rms(white, axis, columns)
+                if not size.any():
                     continue
-                std = prior_std(white, candidate, columns)
+                std = _std_of_size(white, candidate, size)
                 found.append((candidate, slice(start, start + columns.shape[1]), std))
                 rows.append(columns)
                 start += columns.shape[1]
