@@ -149,10 +149,9 @@ def _without_outliers(fit: Fit) -> Fit:
 def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> tuple[float, float]:
     """Return the range of the argument that the strongest columns of a basis cover."""
     size = np.abs(b) / np.sqrt(np.maximum(np.diag(gram), 1e-12))
-    columns = basis.columns[rows]
     strong = np.flatnonzero(size > 0.7 * size.max())
-    strong = strong[strong < columns.shape[1]]
-    chosen = np.any(np.abs(columns[:, strong]) > 0.5 * np.abs(columns[:, strong]).max(), axis=1)
+    height = np.abs(basis.columns[:, strong[strong < basis.columns.shape[1]]].take(rows, axis=0))
+    chosen = np.any(height > 0.5 * height.max(), axis=1)
     values = basis.values[rows][chosen]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
