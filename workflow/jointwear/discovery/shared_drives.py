@@ -8,6 +8,7 @@ elsewhere, and what it leaves near the jump is far larger than elsewhere.
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -37,6 +38,12 @@ def sticking(
     missing : (N, n) measured less nominal torque [N m]. inertial : (N, n, r) torque of errors of the inertia [N m].
     """
     stuck = np.zeros_like(usable)
+
+    @cache
+    def base_of(axis: int) -> np.ndarray:
+        v, a = velocity[:, axis], acceleration[:, axis]
+        return np.concatenate([np.stack([v > 0, v < 0, v, a], axis=1), inertial[:, axis]], axis=1)
+
     for pair in pairwise(range(usable.shape[1])):
         for sign in (1.0, -1.0):
             speed = velocity[:, pair[0]] + sign * velocity[:, pair[1]]
@@ -45,11 +52,8 @@ def sticking(
                 used = usable[:, axis]
                 if not FEWEST <= np.sum(used & slow) <= MADE_TO * used.sum():
                     continue
-                v, a = velocity[:, axis], acceleration[:, axis]
-                own = np.stack([v > 0, v < 0, v, a], axis=1).astype(float)
-                base = np.concatenate([own, inertial[:, axis]], axis=1)
                 shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)
-                if _sticks(base, shared, missing[:, axis], used, slow):
+                if _sticks(base_of(axis), shared, missing[:, axis], used, slow):
                     stuck[:, axis] |= slow
     return stuck
 
@@ -58,9 +62,8 @@ def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.
     """Return whether the columns (N, 3) of a shared drive explain what is `missing` (N,), but for its slow samples."""
     rows = np.flatnonzero(used & ~slow)
     rows = rows[:: -(-len(rows) // SAMPLES)]
-    columns = np.concatenate([base, shared], axis=1)
     inside = np.flatnonzero(used & slow)
-    x, y = columns[rows], missing[rows]
+    x, y = np.concatenate([base.take(rows, axis=0), shared[rows]], axis=1), missing[rows]
     gram, right = x.T @ x, x.T @ y
     gram += RIDGE * np.diag(np.maximum(np.diag(gram), 1e-12))
     count = base.shape[1]
@@ -69,5 +72,5 @@ def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.
     left = y - x @ theta
     if left @ left > EXPLAINED * (alone @ alone):
         return False
-    near = missing[inside] - columns[inside] @ theta
+    near = missing[inside] - np.concatenate([base[inside], shared[inside]], axis=1) @ theta
     return bool(np.mean(near**2) > STANDS_OUT**2 * np.mean(left**2))
