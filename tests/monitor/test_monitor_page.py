@@ -315,10 +315,13 @@ def test_a_number_that_is_not_known_says_why(built):
 def test_alarms_of_the_paper_since_a_changed_scale_may_be_that(built):
     folder, _, _ = built
     state = changed(read_state(folder / "state.nc"), "torque histogram", detector="paper")
-    found = {"axes": [2], "kind": "scale", "words": "The scale changed."}
+    found = {"axes": [1], "kind": "scale", "words": "The scale changed."}
     for time, told in ((state.start[40], True), (state.start[55], False)):
-        write_page(replace(state, findings=[{**found, "time": float(time)}]), folder / "s.html", folder / "s")
+        stepped = replace(state, findings=[{**found, "time": float(time)}])
+        write_page(stepped, folder / "s.html", folder / "s")
         assert ("alarms of this detector since then may be that step" in (folder / "s.html").read_text()) == told
+        asked = [c.check for c in axis_conditions(stepped) if c.episodes]
+        assert any("torque constant and firmware" in check for check in asked) == told
 
 
 def greased(state, entry_of):

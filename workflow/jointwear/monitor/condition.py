@@ -47,7 +47,7 @@ class AxisCondition:
     `axis` 1-based. `level`: CHANGED, UNRESOLVED, UNJUDGED or HEALTHY. `growth`, `growth_std` of the Coulomb friction
     now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `episodes`:
     unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
-    unknown. `seen`: it has been judged after the baseline.
+    unknown. `seen`: it has been judged after the baseline. `rescaled`: time [s] of a changed scale of its torque.
     """
 
     axis: int
@@ -63,6 +63,7 @@ class AxisCondition:
     viscous: float = math.nan
     viscous_std: float = math.nan
     seen: bool = True
+    rescaled: float = math.inf
 
     @property
     def change(self) -> float | None:
@@ -87,6 +88,9 @@ class AxisCondition:
             what = "play" if self.main.quantity == BACKLASH else "friction"
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
             return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
+        if self.main.detector != DETECTORS[0] and self.rescaled <= self.main.last:
+            # What the histograms saw is explained.
+            return advice("scale", None)
         told = advice(self.main.quantity, self.main.newest["change"])
         if self.probability is not None and self.probability < EVEN_ODDS:
             return f"compare the other axes before opening anything, as it may well be another; then {told}"
@@ -149,6 +153,9 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         viscous=viscous,
         viscous_std=viscous_std,
         seen=len(after) > 0,
+        rescaled=min(
+            (f["time"] for f in state.findings if f["kind"] == "scale" and j + 1 in f["axes"]), default=math.inf
+        ),
     )
 
 
