@@ -18,7 +18,7 @@ from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
-from jointwear.discovery.page import body_in_words, lead, write_page
+from jointwear.discovery.page import body_in_words, lead, put_back_in_words, write_page
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.discovery.retuned import ended_on_bounds, stands_in, unlikely_masses
 from jointwear.discovery.settings import settings_of
@@ -383,3 +383,17 @@ def test_what_a_record_may_cost_follows_what_an_effect_is_worth():
     least = settings.predicted * settings.accept
     assert not missed(CrossValidated(nats=1.01 * least, share=0.5), 0.0, settings)
     assert missed(CrossValidated(nats=0.99 * least, share=0.5), 0.0, settings)[0][2] == pytest.approx(least)
+
+
+def test_what_was_put_back_is_told_once_with_its_reason():
+    put_back = [
+        {"model": "augmented", "axis": 2, "ratio": 1.725, "step": "friction and motor inertia as given"},
+        {"model": "retuned", "axis": 2, "ratio": 1.725, "step": "friction and motor inertia as given"},
+        {"model": "retuned", "axis": 1, "ratio": 0.7608, "step": "everything of this joint as given"},
+    ]
+    first, second = put_back_in_words({"fallbacks": put_back})
+    assert first.startswith("Joint 1, retuned model: everything of this joint as given. ")
+    assert "stands in for what stays unexplained" in first
+    assert second.startswith("Joint 2, augmented and retuned models: friction and motor inertia as given. ")
+    assert second.count("1.7") == 1
+    assert put_back_in_words({"fallbacks": []}) == []

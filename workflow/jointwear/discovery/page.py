@@ -130,6 +130,25 @@ def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
     return rows
 
 
+def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
+    """Return one sentence or two for every joint and step that was given up: in which models, and why."""
+    steps: dict[tuple[int, str], dict[str, float]] = {}
+    for f in content["fallbacks"]:
+        steps.setdefault((f["axis"], f["step"]), {})[f["model"]] = f["ratio"]
+    told = []
+    for (axis, step), ratios in sorted(steps.items()):
+        size = " and ".join(dict.fromkeys(number(x) for x in ratios.values()))
+        why = (
+            f"On records left out in turn its error was {size} times that of the given robot."
+            if max(ratios.values()) > 1.0
+            else f"Its error on records left out was {size} times that of the given robot, but what was fitted stands "
+            "in for what stays unexplained there and may be worse in the next recording."
+        )
+        models = f"{' and '.join(sorted(ratios))} model{'s' if len(ratios) > 1 else ''}"
+        told.append(f"Joint {axis}, {models}: {step}. {why}")
+    return told
+
+
 def compare_published(content: Mapping[str, Any], published: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return published values beside those found; `found` is None where the effect was not named."""
     rows = []
@@ -173,6 +192,7 @@ def write_page(
         "files": {name: Path(path).relative_to(Path(output).parent).as_posix() for name, path in files.items()},
         "single": single,
         "joints": joint_table(content),
+        "put_back": put_back_in_words(content),
         "body": body_in_words,
         "published": None,
         "pairs": pairs,
