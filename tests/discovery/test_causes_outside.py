@@ -89,7 +89,7 @@ def test_a_delay_is_not_lost_for_a_few_samples_beside_reversals(white):
     discrepancy[white.problem.train, 1] += columns[:, 0]
     targets = [y + white.columns(a, columns[:, 0]) * (a == 1) for a, y in enumerate(white.targets)]
     rows = white.whiteners[1].rows
-    turning = np.argsort(np.abs(white.axis_state(1).velocity[rows, 1]))[:40]
+    turning = np.argsort(np.abs(white.axis_state(1).velocity[rows, 1]))[:20]
     signs = np.where(np.arange(len(turning)) % 2, 1.0, -1.0)
     targets[1][turning] += signs * 1.05 * np.sqrt(np.sum(targets[1] ** 2) / len(turning))
     asked = replace(white, problem=replace(white.problem, discrepancy=discrepancy), targets=targets)

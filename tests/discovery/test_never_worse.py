@@ -1,6 +1,7 @@
 """What is written is never worse than what was given, and says how sure it is."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import DRIVE, OF_LINKS, Step, put_back
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, OF_LINKS, Step, best_step, put_back
 from jointwear.discovery.left_out import Asked, left_out_ratio, margin, mean_squares, surely_worse
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -290,7 +291,7 @@ def test_links_are_given_up_by_halves_and_never_widened():
         assert not step.touches(kept)
         widths.append([t.std.tolist() for t in kept])
     assert widths[0] == [[0.5, 0.1]]
-    assert widths[-2] == [[0.03125, 0.03125]]
+    assert widths[-2] == [[HALVINGS[-1]] * 2]
     assert widths[-1] == []
     (deaf,) = Step(DRIVE, (own,), deaf=1).taken_off([links, own])
     assert 1 not in deaf.blocks
@@ -348,3 +349,33 @@ def test_a_peak_beside_reversals_may_be_higher_not_lower():
     assert np.quantile(sharp, 0.975) > 2.0
     assert np.quantile(sharp, 0.025) > 0.8
     assert abs(np.median(plain) - 1.0) < 0.02
+
+
+def term(label):
+    return Term(label, {0: np.ones((3, 1))}, np.ones(1))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "after", "given_up"),
+    [
+        (1.2, {"a": (1.1, 0.5), "b": (1.02, 0.5)}, "b"),  # the first that mends
+        (1.2, {"a": (1.0, 1.7), "b": (1.1, 0.5)}, "b"),  # better by a little and no harm than mended at a price
+        (1.2, {"a": (1.0, 1.7), "b": (1.3, 0.5)}, "a"),  # nothing else helps
+        (1.04, {"a": (1.0, 1.7), "b": (1.04, 0.5)}, None),  # hardly worse, and no way out that harms none
+        (1.2, {"a": (1.3, 0.5), "b": (1.25, 0.5)}, EVERYTHING),
+    ],
+)
+def test_what_mends_one_axis_and_harms_another_comes_last(ratio, after, given_up):
+    terms = [term("a"), term("b"), term("c")]
+    steps = [Step(t.label, (t,)) for t in terms[:2]]
+
+    def ask(kept):
+        (gone,) = {"a", "b", "c"} - {t.label for t in kept}
+        return SimpleNamespace(surely=np.array(after[gone]))
+
+    step = best_step(ask, terms, steps, 0, np.array([ratio, 0.4]), 1.03)
+    assert (step.words if step else None) == given_up
+
+
+def test_an_axis_without_anything_to_give_up_is_left():
+    assert best_step(None, [term("c")], [Step("a", (term("a"),))], 0, np.array([1.2]), 1.03) is None

@@ -25,7 +25,9 @@ EVERYTHING = "everything of this joint as given"
 #: Words of the steps that take corrections of the links back, in part and all of them.
 CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
 #: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
-HALVINGS = (0.5, 0.25, 0.125, 0.0625, 0.03125)
+HALVINGS = tuple(0.5**k for k in range(1, 8))
+#: Multiple of the margin over the given robot that is left to an axis where all that would mend it harms others.
+SPARED = 1.5
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ def put_back(
     while True:
         ratio = asked.surely
         bad = [j for j in np.argsort(-ratio) if ratio[j] > limit]
-        best = ((int(j), _best_step(ask, kept, steps.get(int(j), []), int(j), ratio[j], limit)) for j in bad)
+        best = ((int(j), best_step(ask, kept, steps.get(int(j), []), int(j), ratio, limit)) for j in bad)
         chosen = next((found for found in best if found[1]), None)
         chosen = chosen or _little_gained(white, ask, kept, steps, open_axes, asked)
         chosen = chosen or _links_in_vain(ask, kept, asked)
@@ -168,25 +170,38 @@ def _unsteady(white: White, kept: list[Term], axis: int, asked: LeftOut) -> bool
     return bool(misfit_of(white, Fit(white.targets, kept))[axis] > 1.0)
 
 
-def _best_step(ask: Asked, kept: list[Term], steps: list[Step], axis: int, ratio: float, limit: float) -> Step | None:
+def best_step(
+    ask: Asked, kept: list[Term], steps: list[Step], axis: int, ratio: np.ndarray, limit: float
+) -> Step | None:
     """Return the first step that mends an axis, else the one that helps most, else all at once; None if none is left.
+
+    A step by which the model becomes worse than the given robot on another axis comes after all that do not. None is
+    also returned where there are only such and the axis is hardly worse.
 
     Parameters
     ----------
-    steps : what can be given up for the sake of `axis`. ratio : error of the model as it is over that of the given
+    steps : what can be given up for the sake of `axis`. ratio : (n,) error of the model as it is over that of the given
         robot. limit : ratio at which an axis is mended.
     """
-    best: tuple[float, Step] | None = None
+    others = np.arange(len(ratio)) != axis
+    found: dict[bool, list[tuple[float, Step]]] = {False: [], True: []}
     for step in steps:
         if not step.touches(kept):
             continue
-        after = float(ask(step.taken_off(kept)).surely[axis])
-        if after <= limit:
+        after = ask(step.taken_off(kept)).surely
+        harms = bool(np.any((after > np.maximum(limit, ratio))[others]))
+        if after[axis] <= limit and not harms:
             return step
-        if best is None or after < best[0]:
-            best = (after, step)
-    if best is None:
+        found[harms].append((float(after[axis]), step))
+    if not any(found.values()):
         return None
-    if best[0] < ratio:
-        return best[1]
+    for harms in (False, True):
+        if harms and ratio[axis] <= 1.0 + SPARED * (limit - 1.0):
+            return None
+        mending = next((step for value, step in found[harms] if value <= limit), None)
+        if mending is not None:
+            return mending
+        least, best = min(found[harms], key=lambda f: f[0], default=(np.inf, None))
+        if least < ratio[axis]:
+            return best
     return Step(EVERYTHING, tuple(t for s in steps for t in s.terms), min(s.links for s in steps))
