@@ -1,5 +1,7 @@
 """Order in time: repeated, late, missing and restarted stamps."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,9 +14,9 @@ from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 
 
-def chunk(time, dated=False, trajectory=None):
+def chunk(time, dated=False, trajectory=None, first=0):
     time = np.asarray(time, dtype=float)
-    rows = np.arange(len(time), dtype=float)[:, None] * np.ones((1, 2))
+    rows = first + np.arange(len(time), dtype=float)[:, None] * np.ones((1, 2))
     label = None if trajectory is None else np.asarray(trajectory)
     return Chunk(time=time, position=rows, torque=rows, trajectory=label, dated=dated)
 
@@ -24,7 +26,7 @@ def order(time, length=10.0, sizes=None, **how):
     for size in sizes or [len(time)]:
         label = how.get("trajectory")
         part = None if label is None else label[start : start + size]
-        found.append(clock.order(chunk(time[start : start + size], how.get("dated", False), part)))
+        found.append(clock.order(chunk(time[start : start + size], how.get("dated", False), part, start)))
         start += size
     return (
         np.concatenate([f.chunk.time for f in found]),
@@ -56,6 +58,28 @@ def test_a_late_sample_is_left_out():
     np.testing.assert_allclose(found, np.arange(100) * 0.1)
     assert np.flatnonzero(flags).tolist() == [50]
     assert not stretch.any()
+
+
+@pytest.mark.parametrize("sizes", [[120], [55, 65], [50, 70]])
+@pytest.mark.parametrize("dated", [False, True])
+def test_a_block_that_is_written_twice_sets_no_clock_back(sizes, dated):
+    time = np.arange(100) * 0.1
+    written = np.r_[0:50, 30:50, 50:100]
+    clock, found = Clock(10.0), []
+    for a, b in itertools.pairwise(np.cumsum([0, *sizes])):
+        rows = written[a:b, None] * np.ones((1, 2))
+        found.append(clock.order(Chunk(time=time[written[a:b]], position=rows, torque=rows, dated=dated)))
+    np.testing.assert_allclose(np.concatenate([f.chunk.time for f in found]), time)
+    flags = np.concatenate([f.flags for f in found])
+    assert np.any(flags & Flag.DUPLICATE_STAMPS)
+    assert not np.any(flags & Flag.CLOCK_RESET)
+    assert not np.concatenate([f.stretch for f in found]).any()
+
+
+def test_the_same_stamps_with_other_values_are_a_clock_set_back():
+    time = np.r_[np.arange(50), np.arange(30, 80)] * 0.1
+    _, _, flags = order(time, dated=True)
+    assert np.any(flags & Flag.CLOCK_RESET)
 
 
 def test_a_gap_begins_a_stretch_and_is_told_within_a_window():

@@ -24,6 +24,8 @@ from jointwear.measurement.formats.chunk import Chunk
 
 GAP = 5.0
 LATE = 3
+#: Rows of the chunk before among which a row that stands in the log already is looked for.
+REMEMBERED = 2000
 #: Restarts in one chunk that are too many for a clock.
 MOST_RESTARTS = 50
 #: Largest time [s] that is believed, some 3000 years.
@@ -58,6 +60,7 @@ class Clock:
         self._shift = 0.0
         self._step = np.nan
         self._untold = 0
+        self._tail: np.ndarray | None = None
 
     def order(self, chunk: Chunk) -> Ordered:
         """Return the next chunk with its time in order.
@@ -81,6 +84,9 @@ class Clock:
         cuts = [0, len(raw)] if label is None else [0, *(np.flatnonzero(np.diff(label)) + 1), len(raw)]
         time, keep = raw.copy(), finite.copy()
         flags = np.where(finite, 0, int(Flag.NOT_FINITE))
+        again = self._seen_before(chunk) & finite
+        keep &= ~again
+        flags[again] |= int(Flag.DUPLICATE_STAMPS)
         stretch = np.zeros(len(raw), dtype=np.int64)
         self._restarts = 0
         for a, b in itertools.pairwise(cuts):
@@ -98,6 +104,26 @@ class Clock:
         elif len(left_out):
             self._untold |= int(np.bitwise_or.reduce(flags[left_out]))
         return part_of(Ordered(replace(chunk, time=time), stretch, flags), keep)
+
+    def _seen_before(self, chunk: Chunk) -> np.ndarray:
+        """Return which rows (m,) of a chunk stand in the log already, stamp, positions and torques alike.
+
+        Where a clock is set back stamps come again with other values.
+        """
+        label = np.zeros(len(chunk.time)) if chunk.trajectory is None else chunk.trajectory
+        rows = np.column_stack([chunk.time, label, chunk.position, chunk.torque])
+        known = 0 if self._tail is None or self._tail.shape[1] != rows.shape[1] else len(self._tail)
+        every = np.concatenate([self._tail, rows]) if known else rows
+        self._tail = rows[-REMEMBERED:]
+        order = np.argsort(every[:, 0], kind="stable")
+        begins = np.concatenate([[True], np.diff(every[order, 0]) != 0])
+        first = np.empty(len(every), dtype=np.int64)
+        first[order] = order[begins][np.cumsum(begins) - 1]
+        later = np.flatnonzero(first < np.arange(len(every)))
+        same = np.zeros(len(every), dtype=bool)
+        one, other = every[later], every[first[later]]
+        same[later] = np.all((one == other) | (np.isnan(one) & np.isnan(other)), axis=1)
+        return same[known:]
 
     def _begin(self, first: float, label: int, dated: bool) -> None:
         """Begin a trajectory."""
