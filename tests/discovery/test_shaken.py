@@ -1,15 +1,21 @@
 """Noise that moves the arm is told from a sensor's."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
+from jointwear.discovery import decide
+from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.linear import chi_square
+from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.pipeline import split
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.shaken import PIECE, frequencies, shaken_shares
+from jointwear.discovery.shaken import frequencies, piece_of, shaken_shares
 from jointwear.discovery.whitening import whiten
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
@@ -47,6 +53,19 @@ def test_half_of_either():
     assert np.all(np.abs(_shares(other - noise, motion + noise) - 0.5) < 0.1)
 
 
+def test_derived_motion_that_ends_does_not_hide_what_moves_the_arm():
+    motion, noise = _arm(8)
+    _, sensor = _arm(9)
+    low = butter(4, 20.0, fs=RATE, output="sos")
+    moved = sosfiltfilt(low, noise, axis=0)
+    assert _shares(0.5 * sensor - moved, motion + moved).min() > 0.4
+    assert _shares(0.5 * sensor, motion + moved).max() < 0.1
+
+
+def test_pieces_are_as_long_in_time_at_any_rate():
+    assert [piece_of(rate) for rate in (30.0, 100.0, 125.0, 200.0, 1000.0)] == [32, 64, 64, 128, 128]
+
+
 def test_a_late_torque_is_no_shaken_arm():
     motion, noise = _arm(4)
     late = np.roll(motion, 2, axis=0) - motion + noise
@@ -65,7 +84,7 @@ def test_no_axis_is_more_shaken_than_the_next():
 def test_short_stretches_say_nothing():
     motion, noise = _arm(7)
     usable = np.ones((N, JOINTS), dtype=bool)
-    usable[:: PIECE // 2] = False
+    usable[:: piece_of(RATE) // 2] = False
     derived = np.zeros((JOINTS, len(frequencies(RATE))))
     shares = shaken_shares(-noise, motion + noise, usable, np.zeros(N, dtype=int), RATE, derived)
     assert shares.max() == 0.0
@@ -105,6 +124,27 @@ def test_noise_that_moves_the_arm_is_noise(disturbed):
         noise = np.std(problem.discrepancy[problem.train, axis][used])
         assert disturbed.whiteners[axis].marginal == pytest.approx(noise, rel=0.25)
         assert np.mean(left[axis] ** 2) < 1.1
+
+
+def test_a_problem_in_which_nothing_shakes_the_arm(disturbed):
+    assert not replace(disturbed.problem, still=True).shaken.any()
+
+
+def test_what_shakes_the_arm_is_noise_unless_a_link_swings(disturbed, monkeypatch):
+    asked = []
+
+    def search(white):
+        asked.append(bool(white.problem.shaken.any()))
+        return Outcome(white.problem, white, None, None, named=[] if white.problem.shaken.any() else named)
+
+    monkeypatch.setattr(decide, "_search", search)
+    spring = Candidate("joint_spring", 1, None, {})
+    swing = Candidate("joint_flexibility", 1, None, {"inertia_over_stiffness": 1e-4, "inertia": 2.0, "side": 1})
+    for candidate, found in ((spring, 0), (swing, 1)):
+        named = [SimpleNamespace(candidate=candidate)]
+        asked.clear()
+        assert len(decide.search(disturbed).named) == found
+        assert asked == ([False] if found else [False, True])
 
 
 def test_noise_that_moves_the_arm_is_no_structure(disturbed):

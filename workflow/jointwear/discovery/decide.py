@@ -33,6 +33,7 @@ from jointwear.discovery.refine import free_parameters, refine
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.whitening import White, whiten
+from jointwear.effects import get_effect
 
 #: Refusals in a row after which the search leaves an axis alone: what a misfit of one joint costs must not end the
 #: search on the others. Bounds on time, not limits: what comes later has the least evidence.
@@ -51,8 +52,32 @@ def whitened(problem: Problem) -> White:
 def search(white: White) -> Outcome:
     """Return the effects that whitened data show, out of all of the library: :func:`decide`.
 
-    Where a force from outside explains more than any of them they are looked for beside it.
+    Where a force from outside explains more than any of them they are looked for beside it. What shakes the arm is
+    noise, unless it is a link that swings: :func:`_swinging`.
     """
+    return _swinging(white) or _search(white)
+
+
+def _swinging(white: White) -> Outcome | None:
+    """Return what is found where nothing that shakes the arm is noise, if that is an elastic gear, else None.
+
+    A strong gear shakes all joints, as noise in the drives does. A swing that noise feigned would need the stiffness,
+    the size and the pull on all other joints of one gear.
+    """
+    problem = white.problem
+    if not problem.shaken.any():
+        return None
+    outcome = _search(whitened(replace(problem, still=True)))
+    return outcome if any(_swings(n) for n in outcome.named) else None
+
+
+def _swings(one: Named) -> bool:
+    """Return whether an effect is a link that swings, which pulls on every joint."""
+    candidate = one.candidate
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).spreads(candidate.nonlinear)
+
+
+def _search(white: White) -> Outcome:
     dictionary = build_dictionary(white)
     term = outside_force(white, dictionary)
     if term is None:
@@ -62,11 +87,11 @@ def search(white: White) -> Outcome:
     if outcome.force is None:
         return decide(white, dictionary)
     outcome.white, outcome.dictionary = white, dictionary
-    _settle(outcome)
+    settle(outcome)
     return outcome
 
 
-def _settle(outcome: Outcome) -> None:
+def settle(outcome: Outcome) -> None:
     """Fit the named effects again and test what they leave; names where structure is left become suspects."""
     outcome.fit = outcome.white.fit([t for n in outcome.named for t in n.terms])
     outcome.unexplained, outcome.profile = unexplained(outcome)
@@ -107,7 +132,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
         refused = []
     named = _eliminate(outcome, named)
     outcome.named = _predicting(outcome, named)
-    _settle(outcome)
+    settle(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
     outcome.refusals += [

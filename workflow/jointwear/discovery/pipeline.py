@@ -15,6 +15,7 @@ from jointwear.discovery.estimation import Final
 from jointwear.discovery.experiment import Experiment, propose
 from jointwear.discovery.findings import make_verdict
 from jointwear.discovery.identifiability import Visible, identifiability
+from jointwear.discovery.kept_sizes import with_kept_sizes
 from jointwear.discovery.leftovers import lasting
 from jointwear.discovery.outcome import Outcome, Unexplained
 from jointwear.discovery.outside_force import force_in_words
@@ -178,7 +179,7 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
 
 
 def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:
-    outcome = repeat(search_beside(found))
+    outcome = with_kept_sizes(repeat(search_beside(found)))
     problem = outcome.problem
     outcome.unexplained = lasting(outcome)
     if outcome.force is not None and outcome.unexplained:

@@ -9,6 +9,7 @@ import numpy as np
 
 from jointwear.discovery.calibration import COARSE, calibrated
 from jointwear.discovery.candidates import Scored, contenders, scan
+from jointwear.discovery.leftovers import left_open
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.whitening import White
@@ -43,7 +44,7 @@ def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored]
     rivals = [v for key, v in scores.items() if key != one.candidate.key] + [0.0]
     evidence = white.fit([*others, *one.terms]).evidence - fit.evidence
     score = (own - float(np.logaddexp.reduce(rivals))) / (1.0 + COARSE * max(own, 0.0))
-    left = any(u.axis == one.candidate.axis for u in outcome.unexplained)
+    left = bool(left_open(outcome, one))
     probability = calibrated(score, one.cross_validated, left)
     return replace(
         one, ties=tuple(ties), evidence=evidence, log_odds=score, probability=probability, structure_left=left

@@ -49,6 +49,7 @@ class Problem:
     moving : (N, n) samples in motion: those that can be judged, and those beside reversals and in shared stops too.
     judged : 0-based axes with enough usable training samples.
     body_prior : identifier -> prior standard deviations of an effect on the whole arm, where they are not the usual.
+    still : that nothing which shakes the arm is noise.
     """
 
     robot: Robot
@@ -66,6 +67,7 @@ class Problem:
     moving: np.ndarray
     judged: tuple[int, ...]
     body_prior: Mapping[str, np.ndarray] = field(default_factory=dict)
+    still: bool = False
 
     @cached_property
     def train_state(self) -> State:
@@ -129,7 +131,9 @@ class Problem:
 
     @cached_property
     def shaken(self) -> np.ndarray:
-        """(n,) share of the noise of the torque of each axis that moves the arm."""
+        """(n,) share of the noise of the torque of each axis that moves the arm, 0 where the problem is `still`."""
+        if self.still:
+            return np.zeros(self.robot.joints)
         measured, state = self.measured, self.train_state
         joints = range(self.robot.joints)
         steps = np.stack([state.drive.coulomb(axis, state.velocity[:, axis]) for axis in joints], axis=1)

@@ -9,10 +9,13 @@ den Hof 2005; Janot, Vandanjon and Gautier 2014).
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
-#: Samples of a piece of which spectra are taken; pieces overlap by half.
-PIECE = 128
+#: Longest and shortest piece, in samples, of which spectra are taken, and its length [s] between: runs of samples that
+#: can be judged end at reversals, and at a low rate are short. Pieces overlap by half.
+LONGEST, SHORTEST, SPAN = 128, 32, 0.64
 #: Pieces from which spectra say something.
 FEWEST = 8
 #: Frequencies count where the nominal torque has at most this many times the power of the residual: above the motion.
@@ -21,6 +24,10 @@ ABOVE = 2.0
 DERIVED, LOWEST = 0.25, 2.0
 #: Bins of a spectrum that have to count.
 BINS = 4
+#: Share of the rate up to which frequencies count: towards half of it derived accelerations have noise of other kinds.
+HIGHEST = 0.25
+#: Standard deviations by which the share of an octave has to differ from zero: each octave of each axis is asked.
+SIGMAS = 4.0
 #: Share below which nothing is said to move the arm: noise of a sensor alone comes out at up to 0.08.
 LEAST = 0.1
 
@@ -36,51 +43,75 @@ def shaken_shares(
     """Return the share (n,) of the noise of each axis that moves the arm, 0 to 1.
 
     Above the frequencies of the motion the power that residual and nominal torque have in common, with opposite signs,
-    over that of the residual; 0 below :data:`LEAST`. A drive behind an elastic gear swings alone; disturbances shake
-    more than one joint: no axis counts as more shaken than the next one.
+    over that of the residual; 0 below :data:`LEAST`. Derived motion ends at some frequency, above which a torque has
+    the noise of its sensor alone: the octave with the largest share counts. A drive behind an elastic gear swings
+    alone; disturbances shake more than one joint: no axis counts as more shaken than the next one.
 
     Parameters
     ----------
     residual, torque : (N, n) [N m] recorded torque less the nominal one, and the nominal one without steps of friction.
     usable : (N, n) samples that can be judged. record : (N,) label of each sample. rate : [Hz].
-    derived : (n, 1 + PIECE / 2) density [(N m)^2/Hz] of what noise of derived accelerations makes of the nominal
-        torque, at :func:`frequencies`.
+    derived : (n, k) density [(N m)^2/Hz] of what noise of derived accelerations makes of the nominal torque, at
+        :func:`frequencies`.
     """
     shares = np.zeros(residual.shape[1])
-    frequency = frequencies(rate)
+    frequency, length = frequencies(rate), piece_of(rate)
     for axis in range(len(shares)):
-        pieces = _pieces(usable[:, axis], record)
+        pieces = _pieces(usable[:, axis], record, length)
         if len(pieces) < FEWEST:
             continue
         left, moved = (_spectra(x[:, axis][pieces]) for x in (residual, torque))
-        scale = 2.0 / (rate * np.sum(np.hanning(PIECE) ** 2))
+        scale = 2.0 / (rate * np.sum(np.hanning(length) ** 2))
         power, motion, common = (
             scale * np.mean(x, axis=0) for x in (np.abs(left) ** 2, np.abs(moved) ** 2, -(left * moved.conj()).real)
         )
-        band = (motion < ABOVE * power) & (derived[axis] < DERIVED * power) & (frequency > LOWEST)
+        band = (motion < ABOVE * power) & (derived[axis] < DERIVED * power)
+        band &= (frequency > LOWEST) & (frequency <= HIGHEST * rate)
+        own, noise = common - derived[axis], power - derived[axis]
         if band.sum() >= BINS:
-            shares[axis] = np.sum((common - derived[axis])[band]) / np.sum((power - derived[axis])[band])
+            shares[axis] = np.sum(own[band]) / np.sum(noise[band])
+        for octave in _octaves(frequency):
+            part = band & octave
+            if part.any():
+                share = np.sum(own[part]) / np.sum(noise[part])
+                # Of two spectra without anything in common.
+                chance = np.sqrt(np.sum((power * motion)[part]) / (2.0 * len(pieces))) / np.sum(noise[part])
+                if share > SIGMAS * chance:
+                    shares[axis] = max(shares[axis], share)
     others = [np.max(np.delete(shares, axis), initial=0.0) for axis in range(len(shares))]
     shares = np.minimum(shares, others)
     return np.where(shares < LEAST, 0.0, np.minimum(shares, 1.0))
 
 
+def piece_of(rate: float) -> int:
+    """Return the length [samples], a power of two, of the pieces of a recording of `rate` [Hz]."""
+    return int(np.clip(2 ** round(np.log2(SPAN * rate)), SHORTEST, LONGEST))
+
+
+def _octaves(frequency: np.ndarray) -> list[np.ndarray]:
+    """Return masks (k,) over `frequency` (k,) [Hz] of the octaves above :data:`LOWEST`."""
+    count = int(np.ceil(np.log2(max(frequency[-1] / LOWEST, 2.0)))) + 1
+    edges = LOWEST * 2.0 ** np.arange(count + 1)
+    return [(frequency >= a) & (frequency < b) for a, b in itertools.pairwise(edges)]
+
+
 def frequencies(rate: float) -> np.ndarray:
     """Return the frequencies [Hz] of the spectra of a recording of `rate` [Hz]."""
-    return np.fft.rfftfreq(PIECE, 1.0 / rate)
+    return np.fft.rfftfreq(piece_of(rate), 1.0 / rate)
 
 
-def _pieces(usable: np.ndarray, record: np.ndarray) -> np.ndarray:
-    """Return the samples (p, PIECE) of pieces that can be judged throughout, within records."""
+def _pieces(usable: np.ndarray, record: np.ndarray, length: int) -> np.ndarray:
+    """Return the samples (p, length) of pieces that can be judged throughout, within records."""
     index = np.flatnonzero(usable)
     cuts = np.flatnonzero((np.diff(index) > 1) | (np.diff(record[index]) != 0)) + 1
-    starts = [run[k] for run in np.split(index, cuts) for k in range(0, len(run) - PIECE + 1, PIECE // 2)]
-    return np.array(starts, dtype=int)[:, None] + np.arange(PIECE)
+    starts = [run[k] for run in np.split(index, cuts) for k in range(0, len(run) - length + 1, length // 2)]
+    return np.array(starts, dtype=int)[:, None] + np.arange(length)
 
 
 def _spectra(pieces: np.ndarray) -> np.ndarray:
-    """Return the spectra of pieces (p, PIECE) without their lines, under a Hann window."""
-    ramp = np.arange(PIECE) - 0.5 * (PIECE - 1)
+    """Return the spectra of pieces (p, length) without their lines, under a Hann window."""
+    length = pieces.shape[1]
+    ramp = np.arange(length) - 0.5 * (length - 1)
     level = pieces - pieces.mean(axis=1, keepdims=True)
     level = level - np.outer(level @ ramp / (ramp @ ramp), ramp)
-    return np.fft.rfft(np.hanning(PIECE) * level, axis=1)
+    return np.fft.rfft(np.hanning(length) * level, axis=1)
