@@ -1,5 +1,7 @@
 """The recorded torque put forward in time: exact on waves, and it tells a delay from none."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,7 +10,7 @@ from test_instruments import RATE, coarse
 from jointwear.discovery.acceptance import where_noise_is_harmless
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.problem import build_problem
-from jointwear.discovery.recorded_in_time import bridged, nats_of_time, put_forward
+from jointwear.discovery.recorded_in_time import bridged, change_in_time, nats_of_time, put_forward
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import whiten
@@ -83,3 +85,20 @@ def test_friction_that_jumps_does_not_hide_a_fraction_of_a_sample():
     for axis in (0, 1, 2):
         assert nats_of_time(late, fit, axis, 0.4 / RATE) > half
         assert nats_of_time(late, fit, axis, -0.4 / RATE) < 0
+
+
+def test_a_torque_that_cannot_be_judged_says_nothing_of_a_delay():
+    robot = load_robot("config/robots/puma560.yaml")
+    white = whitened(robot, seed=6)
+    problem, axis, delay = white.problem, 1, 0.01
+    usable = problem.measured.usable.copy()
+    usable[300:340, axis] = False
+    torque = problem.measured.torque.copy()
+    torque[300:340, axis] = 1e3
+    spoilt = replace(problem, measured=replace(problem.measured, usable=usable, torque=torque))
+    change = change_in_time(replace(white, problem=spoilt), white.fit(), axis, delay)
+    # Two samples later lies what cannot be judged.
+    assert not change[298:338].any()
+    assert np.abs(change[:290]).max() < 1e2
+    plain = change_in_time(white, white.fit(), axis, delay)
+    np.testing.assert_allclose(change[:200], plain[:200], atol=0.05 * np.abs(plain).max())

@@ -55,7 +55,8 @@ def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarra
     """Return the recorded torque of an axis (0-based) less what it is when put forward by `delay` [s], (m,) [N m].
 
     What a delay adds to a torque: less it, with a coefficient of one, the log is that of no delay. Friction turns
-    between two samples, as :class:`Steps` has it. Below 0 it is early.
+    between two samples, as :class:`Steps` has it. Below 0 it is early. 0 where what was recorded at the other time
+    cannot be judged: a torque that is led over stops and reversals says nothing of a delay.
     """
     problem = white.problem
     torque, used = problem.measured.torque[problem.train, axis], problem.usable[:, axis]
@@ -63,7 +64,16 @@ def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarra
     pieces = runs(np.asarray(problem.train_state.record))
     smooth = bridged(torque - late, used)
     parts = [put_forward(smooth[piece], delay, problem.measured.rate) for piece in pieces]
-    return torque - np.concatenate(parts) - now
+    known = np.concatenate([_known(used[piece], delay * problem.measured.rate) for piece in pieces])
+    return np.where(known, torque - np.concatenate(parts) - now, 0.0)
+
+
+def _known(used: np.ndarray, later: float) -> np.ndarray:
+    """Return which samples (m,) of a record have samples that are `used` (m,) on both sides of the time `later`
+    samples after them."""
+    place = np.arange(len(used)) + later
+    sides = [np.clip(turn(place).astype(int), 0, len(used) - 1) for turn in (np.floor, np.ceil)]
+    return used[sides[0]] & used[sides[1]]
 
 
 @dataclass(frozen=True)
