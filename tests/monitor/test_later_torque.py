@@ -4,12 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from monitor_logs import LENGTH, columns, flagged, layout, make_log, model, read, write_parquet
+from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, write_parquet
 
 from jointwear.measurement.flags import Flag
+from jointwear.measurement.formats import layout_of
 from jointwear.monitor.findings import reading_findings
 from jointwear.monitor.logs import log_statistics
+from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.survey import survey_log
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Link, load_robot
+from jointwear.robots.trajectory import Task
 
 SCALES = {
     "current": -1.0 / np.array([11.8, -23.6, 10.8, -5.7, -4.7, -5.1]),
@@ -93,3 +98,50 @@ def test_what_lies_at_a_limit_of_the_torque_is_left_out(tmp_path, good):
     (told,) = reading_findings(found.statistics)
     assert told["axes"] == [2]
     assert "limit" in told["words"]
+
+
+ARM = load_robot(ROOT / "data/arms/ur10.yaml")
+#: Points of two programs [deg], time from one to the next [s], and where the centre of their products lies [m].
+FAR = (
+    [
+        [-70, -111, 99, -20, 12, -27], [83, -76, 61, 7, 54, -27], [37, -111, 115, 13, -12, -39],
+        [32, -79, 39, -74, 8, 72], [-57, -84, 49, -79, 49, 14],
+    ], 1.5, [0.0, 0.1, 0.25],
+)  # fmt: skip
+NEAR = (
+    [
+        [62, -106, 80, -46, -46, -21], [-13, -65, 96, -88, -39, 19], [-75, -30, 105, -86, 11, 20],
+        [-89, -104, 45, -35, 11, -9], [76, -47, 66, -66, -23, 65],
+    ], 3.0, [0.0, 0.0, 0.05],
+)  # fmt: skip
+
+
+def with_product(mass, centre):
+    return replace(ARM, payload=Link(mass, np.array(centre), 0.001 * mass * np.eye(3)))
+
+
+def log_with_product(path, program, mass, scale=1.0):
+    points, seconds, centre = program
+    motion = Task("product", np.radians(points), np.full(5, seconds)).motion(np.arange(1200) / 50.0)
+    dynamics = Dynamics(with_product(mass, centre))
+    torque = dynamics.rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
+    torque = torque + dynamics.friction_torque(motion.velocity)
+    torque += 0.02 * torque.std(axis=0) * np.random.default_rng(round(10 * mass)).standard_normal(torque.shape)
+    log = Log(motion.time, motion.position, motion.velocity, motion.acceleration, scale * torque)
+    return str(write_parquet(path / f"log_{mass}.parquet", columns(log)))
+
+
+@pytest.mark.parametrize("mass", [0.1, 2.0, 4.0, 8.0])
+@pytest.mark.parametrize("program", [FAR, NEAR])
+def test_another_product_is_no_other_unit_and_another_unit_is_told_beside_it(tmp_path, program, mass):
+    reading = layout_of({}, ARM.joint_names), TorqueModel(with_product(6.0, program[2]))
+    survey = survey_log(log_with_product(tmp_path, program, 6.0), *reading, LENGTH)
+
+    def found(scale):
+        return log_statistics(log_with_product(tmp_path, program, mass, scale), *reading, survey, LENGTH)
+
+    assert found(1.0).refused == ()
+    for kind in ("current", "N mm", "kgf m"):
+        wrong = found(SCALES[kind])
+        assert "another multiple" in "".join(wrong.refused), kind
+        assert (wrong.statistics.count == 0).all()

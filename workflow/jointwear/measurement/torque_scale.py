@@ -199,10 +199,15 @@ def wrong_scale(measured: Measured, robot: Robot) -> WrongScale | None:
     return _of_most(*factors(measured, robot), robot.gear_ratio)
 
 
-def off_scale(measured: Measured, robot: Robot) -> np.ndarray | None:
+def off_scale(measured: Measured, robot: Robot, load_free: bool = False) -> np.ndarray | None:
     """Return the factors (n,) of the torque on the model's, 1 where one is not clear; None where none is clearly off:
-    two joints by :data:`FACTOR`, or one by :data:`OF_ONE`."""
-    factor = factors(measured, robot)[0]
+    two joints by :data:`FACTOR`, or one by :data:`OF_ONE`.
+
+    Parameters
+    ----------
+    load_free : as of :func:`factors`.
+    """
+    factor = factors(measured, robot, load_free)[0]
     size = np.nan_to_num(np.abs(np.log(np.abs(factor))))
     size[factor < 0] = np.inf
     if np.sum(size > np.log(FACTOR)) < FEWEST_AXES and not np.any(size > np.log(OF_ONE)):

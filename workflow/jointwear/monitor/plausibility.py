@@ -31,7 +31,7 @@ from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import check_torque_moves
-from jointwear.measurement.torque_scale import off_scale, thinned
+from jointwear.measurement.torque_scale import OF_ONE, off_scale, thinned
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion
 from jointwear.monitor.misreadings import check_readings, without_load
@@ -161,12 +161,15 @@ class LaterCheck:
         ------
         Refused : with the factors.
         """
-        robot = self._dynamics.robot
-        scale = off_scale(thinned(measured), robot)
-        if scale is None or plain - self._left_over(parts, usable, scale) <= WORSE - MENDED:
+        robot, samples = self._dynamics.robot, thinned(measured)
+        scale, free = off_scale(samples, robot), off_scale(samples, robot, load_free=True)
+        # Another load at the flange multiplies the bodies of the axes too, and leaves the factors beside it at one.
+        if scale is None or free is None:
             return
-        if self._left_over(parts, usable, scale) >= MENDED:
-            return
+        if not self._explains(parts, usable, scale, plain):
+            if not (self._beyond_loads(free) or self._explains_loaded(measured, free, plain)):
+                return
+            scale = free
         lighter = without_load(measured, robot)
         if lighter is not None and off_scale(thinned(lighter), robot) is None:
             return
@@ -181,6 +184,20 @@ class LaterCheck:
             "logs of a robot",
         )
         raise self._refusal
+
+    def _beyond_loads(self, scale: np.ndarray) -> bool:
+        """Return whether a scale (n,), found beside a load, is off on most axes by more than its errors can be."""
+        return np.sum(np.abs(np.log(np.abs(scale))) > np.log(OF_ONE)) > MOST_LOST * np.isfinite(self._last).sum()
+
+    def _explains_loaded(self, measured: Measured, scale: np.ndarray, plain: float) -> bool:
+        """Return :meth:`_explains` of a scale (n,) with the load taken off that then shows."""
+        lighter = without_load(replace(measured, torque=measured.torque / scale), self._dynamics.robot)
+        return lighter is not None and self._explains(*_thinned(lighter), np.ones_like(scale), plain)
+
+    def _explains(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray, plain: float) -> bool:
+        """Return whether the torque over a scale (n,) is explained as in the first log, unlike as it is."""
+        left = self._left_over(parts, usable, scale)
+        return left < MENDED and plain - left > WORSE - MENDED
 
     def _left_over(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray) -> float:
         """Return the growth, summed over axes, once the torque is divided by a scale (n,)."""
