@@ -10,6 +10,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, readings
 from jointwear.measurement.motion import Measured, runs
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.units import POSITION_WORDS, UNITS
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -58,8 +59,8 @@ RIGHT, SAME_WRIST = 0.01, 0.03
 
 #: Share of the samples that positions are judged by.
 NEARLY_ALL = 0.995
-#: Temperature [degC] that no drive works at for long; below it are 400 K.
-HOTTEST = 200.0
+#: Temperatures [degC] that no drive works at for long; below the one are 400 K, above the other no degC less 273.
+HOTTEST, COLDEST = 200.0, -100.0
 
 
 class Refused(InputError):
@@ -137,19 +138,23 @@ def _of_whom(given: Mapping[str, np.ndarray]) -> str:
 
 
 def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
-    """Positions far outside the limits that come inside when read as degrees are degrees; 200 and more is kelvin."""
+    """Positions far outside the limits that come inside in a smaller unit are in that one; 200 and more is kelvin."""
     q = recording.position[good]
     reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
     # Some samples may be no positions at all.
     largest = np.quantile(np.abs(q), NEARLY_ALL, axis=0)
     over = largest > np.maximum(1.5 * reach, reach + 1.0)
-    if over.any() and np.mean(np.radians(largest) <= reach + 0.5) > 0.5 and largest.max() > 10:
-        axis = int(np.argmax(largest / reach))
-        raise Refused(
-            f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}, its limits are "
-            f"{robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like degrees",
-            "state units: {position: deg}",
-        )
+    stated = recording.units.get("position") or "rad"
+    for unit, share in _smaller_units(stated):
+        if over.any() and np.mean(share * largest <= reach + 0.5) > 0.5 and largest.max() > 10:
+            axis = int(np.argmax(largest / reach))
+            read = "" if stated == "rad" else f" once they are read as {POSITION_WORDS[stated]}"
+            raise Refused(
+                f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}{read}, its "
+                f"limits are {robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like "
+                f"{POSITION_WORDS[unit]}",
+                f"state units: {{position: {unit}}}",
+            )
     warm = None if recording.temperature is None else recording.temperature[np.isfinite(recording.temperature)]
     if warm is not None and len(warm) and np.median(warm) > HOTTEST:
         raise Refused(
@@ -157,6 +162,20 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
             "kelvin",
             "state units: {temperature: K}",
         )
+    if recording.units.get("temperature") == "K" and warm is not None and len(warm) and np.median(warm) < COLDEST:
+        raise Refused(
+            f"data set '{recording.name}': the temperature is {np.median(warm):.4g} degC in the median; it looks like "
+            "degC that is read as kelvin",
+            "state units: {temperature: degC}",
+        )
+
+
+def _smaller_units(stated: str) -> Iterator[tuple[str, float]]:
+    """Yield the units of positions that are smaller than the stated one, the largest first, and their shares of it."""
+    sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
+    for unit in sorted(sizes, key=sizes.__getitem__, reverse=True):
+        if sizes[unit] < sizes.get(stated, 1.0):
+            yield unit, sizes[unit] / sizes.get(stated, 1.0)
 
 
 def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

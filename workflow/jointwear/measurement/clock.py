@@ -216,7 +216,7 @@ def join(parts: list[Ordered]) -> Ordered:
             # A bag may carry velocity in some chunks only.
             blank = [np.full_like(c.position, np.nan) if v is None else v for v, c in zip(values, chunks, strict=True)]
             arrays[name] = np.concatenate(blank)
-    chunk = Chunk(**arrays, dated=all(c.dated for c in chunks))
+    chunk = Chunk(**arrays, dated=all(c.dated for c in chunks), units=chunks[0].units)
     return Ordered(chunk, np.concatenate([p.stretch for p in parts]), np.concatenate([p.flags for p in parts]))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from jointwear.measurement.checks import FEWEST, Refused
@@ -10,6 +12,7 @@ from jointwear.measurement.possible import likely_unit
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.smoothing import SLOWEST
 from jointwear.measurement.turns import unwrapped
+from jointwear.measurement.units import POSITION_WORDS, UNITS
 
 #: Ratios of a derivative to what the positions say that count as right: filters take a part off fast motion.
 LOWEST, HIGHEST = 0.8, 1.25
@@ -56,7 +59,7 @@ def check_derivatives(samples: Chunk | Recording, stretch: np.ndarray, name: str
                 continue
             ratio = float(one @ other) / float(other @ other)
             if not LOWEST < ratio < HIGHEST:
-                hint, remedy = _remedy(role, ratio)
+                hint, remedy = _remedy(role, ratio, samples.units)
                 raise Refused(
                     f"{name}: the {role} of joint {j + 1} is {ratio:.3g} times the change of its position{hint}", remedy
                 )
@@ -85,11 +88,26 @@ def _differences(values: np.ndarray, reach: int, order: int) -> np.ndarray:
     return values
 
 
-def _remedy(role: str, ratio: float) -> tuple[str, str]:
-    """Return what the ratio of a derivative to the change of position looks like, and the remedy."""
+def _remedy(role: str, ratio: float, stated: Mapping[str, str]) -> tuple[str, str]:
+    """Return what the ratio of a derivative to the change of position looks like, and the remedy.
+
+    What is stated in another unit than radians is what is looked at first.
+    """
     unit = {"velocity": "deg/s", "acceleration": "deg/s2"}[role]
+    position = _other_position(ratio, stated.get("position") or "rad")
+    if position and stated.get("position") not in (None, "rad"):
+        return position
     if LOWEST < ratio / _PER_DEGREE < HIGHEST:
         return "; it looks like degrees", f"state units: {{{role}: {unit}}}"
-    if LOWEST < ratio * _PER_DEGREE < HIGHEST:
-        return "; the positions look like degrees", "state units: {position: deg}"
-    return "", f"mend the units or the sign of the {role}, or leave it out: it is then derived"
+    if LOWEST < ratio * _PER_DEGREE < HIGHEST and stated.get(role) == unit:
+        return "; it looks like radians", f"state units: {{{role}: {unit.replace('deg', 'rad')}}}"
+    return position or ("", f"mend the units or the sign of the {role}, or leave it out: it is then derived")
+
+
+def _other_position(ratio: float, stated: str) -> tuple[str, str] | None:
+    """Return in words the unit of the positions that a ratio stands for, and the remedy; None where it is none."""
+    sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
+    for unit, size in sizes.items():
+        if unit != stated and LOWEST < ratio * sizes.get(stated, 1.0) / size < HIGHEST:
+            return f"; the positions look like {POSITION_WORDS[unit]}", f"state units: {{position: {unit}}}"
+    return None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,6 +26,7 @@ class Recording:
     encoder_step : resolution of the positions [rad], or None where it is estimated from them.
     torque_kind : what was logged as torque: that of the "motor" (from its current), the "command" of the controller,
         or that of a "link_sensor" behind the gear. encoder_side : whether positions are of the "motor" or the "link".
+    units : role -> unit that the config or the file states, for messages; the arrays are in the project's.
     train, test : labels to learn from and to hold out; None takes the last fifth of the trajectories as test.
     """
 
@@ -41,6 +43,7 @@ class Recording:
     encoder_step: float | None = None
     torque_kind: str = "motor"
     encoder_side: str = "motor"
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def joints(self) -> int:

@@ -71,6 +71,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         encoder_step=None if entry.get("encoder_step") is None else float(entry["encoder_step"]),
         torque_kind=entry.get("torque_kind") or "motor",
         encoder_side=entry.get("encoder_side") or "motor",
+        units=whole.units,
     )
 
 
@@ -100,8 +101,8 @@ def _joined(chunks: Sequence[Chunk]) -> Chunk:
         parts = [getattr(chunk, role) for chunk in chunks]
         return None if any(part is None for part in parts) else np.concatenate(parts)
 
-    roles = [field.name for field in fields(Chunk) if field.name != "dated"]
-    return Chunk(**{role: whole(role) for role in roles}, dated=chunks[0].dated)
+    roles = [field.name for field in fields(Chunk) if field.name not in ("dated", "units")]
+    return Chunk(**{role: whole(role) for role in roles}, dated=chunks[0].dated, units=chunks[0].units)
 
 
 def write_recording(recording: Recording, path: str | Path, settings: Mapping[str, Any]) -> None:

@@ -43,6 +43,8 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
     },
     "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
 }
+#: Units of positions in words.
+POSITION_WORDS = {"rad": "radians", "deg": "degrees", "rev": "revolutions"}
 SPELLINGS = {
     "degree/s": "deg/s", "degrees/s": "deg/s", "°/s": "deg/s", "deg/sec": "deg/s", "rad/sec": "rad/s",
     "radian/s": "rad/s", "radians/s": "rad/s", "dps": "deg/s", "degree/s2": "deg/s2", "degrees/s2": "deg/s2",
@@ -67,6 +69,15 @@ SPELLINGS = {
 CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
 
 
+def spelled(role: str, unit: str) -> str:
+    """Return a unit of a role as :data:`UNITS` spells it, where it is known."""
+    plain = str(unit).strip()
+    if role == "time":
+        # The length counts here; a date that the time counts from is the reader's matter.
+        plain = plain.split(" since ")[0].strip()
+    return SPELLINGS.get(plain, plain)
+
+
 def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
     """Return values of a role in the unit of the project.
 
@@ -77,11 +88,7 @@ def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.
     if unit is None:
         return values
     known = UNITS[role]
-    plain = str(unit).strip()
-    if role == "time":
-        # The length counts here; a date that the time counts from is the reader's matter.
-        plain = plain.split(" since ")[0].strip()
-    plain = SPELLINGS.get(plain, plain)
+    plain = spelled(role, unit)
     if plain not in known:
         if role == "trajectory":
             return values  # labels, whatever they are said to be

@@ -7,18 +7,18 @@ current, and positions in degrees. The cause that leaves least of the torque is 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from jointwear.measurement.checks import Refused, explained
+from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.position_unit import better_unit, left_as_read, refusal_of
 from jointwear.measurement.torque_scale import WrongScale, thinned, wrong_scale
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.model import TorqueModel
-from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
 
@@ -30,12 +30,19 @@ FAR_LESS = 10.0
 BEYOND = 4.0
 
 
-def check_readings(measured: Measured, robot: Robot, check: Callable[[Measured], None], name: str) -> None:
+def check_readings(
+    measured: Measured,
+    robot: Robot,
+    check: Callable[[Measured], None],
+    name: str,
+    units: Mapping[str, str] | None = None,
+) -> None:
     """Check how the axes of a first log are read.
 
     Parameters
     ----------
     check : raises :class:`Refused` where samples look turned around, exchanged, or of the motor's side.
+    units : role -> unit that is stated, default none.
 
     Raises
     ------
@@ -43,18 +50,11 @@ def check_readings(measured: Measured, robot: Robot, check: Callable[[Measured],
     """
     thin = thinned(measured)
     check_reach(thin, robot, name)
-    scale, degrees, turns = wrong_scale(thin, robot), left_in_degrees(thin, robot), left_in_turns(thin, robot)
-    if degrees is not None and (scale is None or degrees < scale.left):
-        raise Refused(
-            f"{name}: read as degrees the positions fit the torque, read as rad they do not; they look like degrees",
-            "state units: {position: deg}",
-        )
-    if turns is not None and (scale is None or turns < scale.left):
-        raise Refused(
-            f"{name}: read as revolutions the positions fit the torque, read as rad they do not; they look like "
-            "revolutions",
-            "state units: {position: rev}",
-        )
+    scale = wrong_scale(thin, robot)
+    stated = (units or {}).get("position") or "rad"
+    unit = _read_as_rad(thin, robot) if stated == "rad" else better_unit(thin, robot, stated)
+    if unit is not None and (scale is None or unit[1] < scale.left):
+        raise refusal_of(name, unit[0], stated)
     if scale is not None and not scale.unit:
         scale = _or_a_load(scale, measured, robot)
     try:
@@ -83,15 +83,23 @@ def _or_a_load(scale: WrongScale, measured: Measured, robot: Robot) -> WrongScal
     return replace(scale, reason=reason, remedy=remedy)
 
 
+def _read_as_rad(measured: Measured, robot: Robot) -> tuple[str, float] | None:
+    """Return the unit that positions read as rad look like, and what it leaves of the torque; None where rad fits."""
+    degrees, turns = left_in_degrees(measured, robot), left_in_turns(measured, robot)
+    if degrees is not None:
+        return "deg", degrees
+    return None if turns is None else ("rev", turns)
+
+
 def left_in_degrees(measured: Measured, robot: Robot) -> float | None:
     """Return the share of the squared torque that the motion read as degrees leaves, a median over the axes; None where
     it fits no better than rad, or the positions are too small to tell."""
     if np.abs(measured.position).max(initial=0.0) < 1.0:
         return None
-    rad = _left_as_read(measured, robot)
+    rad = left_as_read(measured, robot)
     if not np.isfinite(rad).any() or np.nanmedian(rad) < RADIANS_LEFT:
         return None
-    degrees = _left_as_read(measured, robot, np.pi / 180)
+    degrees = left_as_read(measured, robot, np.pi / 180)
     return float(np.nanmedian(degrees)) if np.nanmedian(degrees) < DEGREES_LEFT else None
 
 
@@ -104,19 +112,13 @@ def left_in_turns(measured: Measured, robot: Robot) -> float | None:
     reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
     if np.any(2 * np.pi * np.quantile(np.abs(measured.position), 0.99, axis=0) > 1.1 * reach):
         return None
-    rad = _left_as_read(measured, robot)
+    rad = left_as_read(measured, robot)
     if not np.isfinite(rad).any() or np.nanmax(rad) < RADIANS_LEFT:
         return None
-    turns = _left_as_read(measured, robot, 2 * np.pi)
+    turns = left_as_read(measured, robot, 2 * np.pi)
     if np.nanmax(turns) > DEGREES_LEFT:
         return None
     return float(np.nanmedian(turns)) if np.sum(rad > FAR_LESS * turns) >= 2 else None
-
-
-def _left_as_read(measured: Measured, robot: Robot, unit: float = 1.0) -> np.ndarray:
-    """Return the share of the squared torque of each axis (n,) that the motion in a unit [rad] leaves."""
-    motion = [unit * x for x in (measured.position, measured.velocity, measured.acceleration)]
-    return explained(Dynamics(robot), np.stack([*motion, np.nan_to_num(measured.torque)], axis=1), measured.usable)
 
 
 def check_reach(measured: Measured, robot: Robot, name: str) -> None:

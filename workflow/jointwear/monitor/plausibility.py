@@ -75,7 +75,7 @@ def check_first(
     check_derivatives(chunk, stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
-        check_readings(measured, robot, lambda samples: _as_discovery(samples, robot, name, samples), name)
+        check_readings(measured, robot, lambda samples: _as_discovery(samples, robot, name, samples), name, chunk.units)
     left = explained(Dynamics(robot), *_thinned(measured))
     known = left[np.isfinite(left)]
     if len(known) >= FEWEST_AXES and np.median(known) > MOST_LEFT:

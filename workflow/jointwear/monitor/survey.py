@@ -146,7 +146,7 @@ def _joined(chunks: list[Chunk]) -> Chunk:
         return None if any(v is None for v in values) else np.concatenate(values)
 
     names = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory")
-    return Chunk(**{name: all_of(name) for name in names}, dated=all(c.dated for c in chunks))
+    return Chunk(**{name: all_of(name) for name in names}, dated=all(c.dated for c in chunks), units=chunks[0].units)
 
 
 def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:

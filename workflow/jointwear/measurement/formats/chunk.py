@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from jointwear.files.errors import InputError, nearest
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import with_log_name
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
-from jointwear.measurement.units import CURRENTS, SHARES, converted
+from jointwear.measurement.units import CURRENTS, SHARES, converted, spelled
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
@@ -31,7 +31,8 @@ class Chunk:
 
     `time` (m,) [s], since 1970 UTC where `dated`. `position`, `torque` (m, n) [rad], [N m]; `velocity`,
     `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label,
-    :data:`UNLABELLED` where there is none, or None; `program` (m,) text, empty where unknown, or None.
+    :data:`UNLABELLED` where there is none, or None; `program` (m,) text, empty where unknown, or None. `units`: role ->
+    unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it.
     """
 
     time: np.ndarray
@@ -43,6 +44,7 @@ class Chunk:
     trajectory: np.ndarray | None = None
     program: np.ndarray | None = None
     dated: bool = False
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
@@ -139,11 +141,14 @@ def make_chunk(
         if given is not None and len(given) not in (1, axes):
             raise InputError(f"{path}: '{key}' has {len(given)} numbers; there are {axes} joints")
     found: dict[str, np.ndarray] = {}
+    stated: dict[str, str] = {}
     for role, raw in values.items():
         if role == "program":
             continue
         array = np.asarray(raw, dtype=float)
         unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
+        if unit is not None:
+            stated[role] = spelled(role, unit)
         if role in JOINT_ROLES:
             # As logged: once scaled, -9999 A is a torque like any other.
             array = without_sentinels(array)
@@ -183,7 +188,7 @@ def make_chunk(
             known = (trajectory == np.round(trajectory)) & (np.abs(trajectory) <= LARGEST_LABEL)
         trajectory = np.where(known, trajectory, UNLABELLED).astype(np.int64)
     program = with_log_name(path, layout, values.get("program"), len(time))
-    return Chunk(**found, trajectory=trajectory, program=program, dated=dated)
+    return Chunk(**found, trajectory=trajectory, program=program, dated=dated, units=stated)
 
 
 #: Roles that turn round with an axis.

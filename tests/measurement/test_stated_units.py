@@ -1,0 +1,54 @@
+"""A unit that is stated and is not that of the data: told with the right one, whatever was stated."""
+
+import numpy as np
+import pytest
+from monitor_logs import columns, layout, make_log, model, write_parquet
+
+from jointwear.measurement.checked import checked
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.recording import split
+from jointwear.measurement.recording_files import load_recording
+from jointwear.monitor.survey import survey_log
+from jointwear.robots.robot import load_robot
+
+EXAMPLE = "data/examples/puma560_hidden.nc"
+SIZES = {"rad": 1.0, "deg": np.pi / 180, "rev": 2 * np.pi}
+
+
+def remedy(**units):
+    """What discovery advises where the example is said to be in these units."""
+    recording = split(load_recording({"measured": EXAMPLE, "units": units}, "arm"))
+    with pytest.raises(Refused) as refused:
+        checked(recording, load_robot("config/robots/puma560.yaml"))
+    return refused.value.suggestion
+
+
+@pytest.mark.parametrize("stated", ["deg", "rev"])
+def test_radians_that_are_stated_as_another_unit_are_told(stated):
+    assert remedy(position=stated) == "state units: {position: rad}"
+
+
+def test_celsius_that_is_stated_as_kelvin_is_told():
+    assert remedy(temperature="K") == "state units: {temperature: degC}"
+
+
+@pytest.mark.parametrize(("truth", "stated"), [("rad", "deg"), ("rad", "rev"), ("deg", "rad"), ("deg", "rev")])
+def test_the_first_log_of_the_monitor_is_held_to_the_stated_unit(tmp_path, truth, stated):
+    log = make_log(40.0)
+    table = columns(log) | {f"position_{j + 1}": q / SIZES[truth] for j, q in enumerate(log.position.T)}
+    path = str(write_parquet(tmp_path / "log.parquet", table))
+    survey_log(path, layout(units={"position": truth}), model(), 12.0)
+    with pytest.raises(Refused) as refused:
+        survey_log(path, layout(units={"position": stated}), model(), 12.0)
+    assert f"state units: {{position: {truth}}}" in refused.value.suggestion
+
+
+def test_measured_velocities_tell_of_the_stated_unit_of_the_positions(tmp_path):
+    log = make_log(40.0)
+    path = str(write_parquet(tmp_path / "log.parquet", columns(log, "position", "velocity", "torque")))
+    with pytest.raises(Refused, match="the positions look like radians") as refused:
+        survey_log(path, layout(units={"position": "deg"}), model(), 12.0)
+    assert refused.value.suggestion == "state units: {position: rad}"
+    with pytest.raises(Refused, match=r"velocity of joint 1 .* it looks like radians") as refused:
+        survey_log(path, layout(units={"velocity": "deg/s"}), model(), 12.0)
+    assert refused.value.suggestion == "state units: {velocity: rad/s}"

@@ -1,0 +1,77 @@
+"""Positions whose stated unit is not theirs: radians read as degrees make a motion too small for its torque."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.measurement.checks import Refused, explained
+from jointwear.measurement.motion import Measured
+from jointwear.measurement.units import POSITION_WORDS, UNITS
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
+
+#: Share of the squared torque, a median over the axes, that the right unit may leave. The right one of measured arms
+#: leaves 0.09 (Kinova) and 0.007 (Staubli).
+RIGHT = 0.15
+#: Factor by which the right unit must leave less, and axes of which it must: most of the torque of a slow axis is
+#: friction, which tells nothing of the unit. Radians read as degrees leave 5 and 6 times as much (Kinova), 12 and 16
+#: (Staubli).
+FAR_LESS, TELLING = 4.0, 2
+#: Share of the samples that must lie within the limits in the right unit, and how far beyond these may reach.
+NEARLY_ALL, BEYOND = 0.99, 1.1
+
+
+def left_as_read(measured: Measured, robot: Robot, unit: float = 1.0) -> np.ndarray:
+    """Return the share of the squared torque of each axis (n,) that the motion in a unit [rad] leaves."""
+    motion = [unit * x for x in (measured.position, measured.velocity, measured.acceleration)]
+    return explained(Dynamics(robot), np.stack([*motion, np.nan_to_num(measured.torque)], axis=1), measured.usable)
+
+
+def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, float] | None:
+    """Return the unit that the positions look like in place of the stated one, and the share of the squared torque that
+    it leaves, a median over the axes; None where none fits far better.
+
+    Parameters
+    ----------
+    measured : samples, thinned, read in the unit `stated`, a key of the units of a position.
+    """
+    sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
+    reach = BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+    largest = np.nanquantile(np.abs(measured.position), NEARLY_ALL, axis=0)
+    as_stated: np.ndarray | None = None
+    found: list[tuple[str, float]] = []
+    for unit, size in sizes.items():
+        factor = size / sizes[stated]
+        if unit == stated or np.any(factor * largest > reach):
+            continue
+        as_stated = left_as_read(measured, robot) if as_stated is None else as_stated
+        left = left_as_read(measured, robot, factor)
+        telling = np.sum(as_stated > FAR_LESS * left) >= TELLING and not np.any(left > FAR_LESS * as_stated)
+        if telling and np.nanmedian(left) < RIGHT:
+            found.append((unit, float(np.nanmedian(left))))
+    return min(found, key=lambda x: x[1], default=None)
+
+
+def refusal_of(name: str, unit: str, stated: str) -> Refused:
+    """Return the refusal of positions that look like `unit` and are stated, or read, as `stated`."""
+    looks, read = POSITION_WORDS[unit], POSITION_WORDS[stated]
+    return Refused(
+        f"{name}: read as {looks} the positions fit the torque, read as {read} they do not; they look like {looks}",
+        f"state units: {{position: {unit}}}",
+    )
+
+
+def check_position_unit(measured: Measured, robot: Robot, name: str, stated: str) -> None:
+    """Check that no other unit of the positions than the stated one fits the torque far better.
+
+    What is read as rad, or without a unit, is not asked: degrees are told from the limits of the joints.
+
+    Raises
+    ------
+    Refused : with the unit to state.
+    """
+    if stated in ("", "rad"):
+        return
+    found = better_unit(measured, robot, stated)
+    if found is not None:
+        raise refusal_of(name, found[0], stated)
