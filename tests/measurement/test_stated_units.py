@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
+from jointwear.discovery.preflight import check_data
+from jointwear.files.errors import InputError
 from jointwear.measurement.checked import checked
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.recording import split
@@ -26,6 +28,31 @@ def remedy(**units):
 @pytest.mark.parametrize("stated", ["deg", "rev"])
 def test_radians_that_are_stated_as_another_unit_are_told(stated):
     assert remedy(position=stated) == "state units: {position: rad}"
+
+
+@pytest.mark.parametrize("stated", ["mN m", "kN m", "kgf m"])
+def test_newton_metres_that_are_stated_as_another_unit_are_told(tmp_path, stated):
+    assert remedy(torque=stated) == "state units: {torque: N m}"
+    path = str(write_parquet(tmp_path / "log.parquet", columns(make_log(40.0))))
+    with pytest.raises(Refused) as refused:
+        survey_log(path, layout(units={"torque": stated}), model(), 12.0)
+    assert refused.value.suggestion == "state units: {torque: N m}"
+
+
+def test_amperes_that_are_stated_as_milliamperes_are_told(tmp_path):
+    path = str(write_parquet(tmp_path / "log.parquet", columns(make_log(40.0))))
+    with pytest.raises(Refused) as refused:
+        survey_log(path, layout(units={"torque": "mA"}, torque_constant=[1.0] * 6), model(), 12.0)
+    assert refused.value.suggestion == "state units: {torque: A}"
+
+
+def test_a_unit_of_time_that_is_stated_is_not_advised():
+    recording = split(load_recording({"measured": EXAMPLE, "units": {"time": "ms"}}, "arm"))
+    with pytest.raises(Refused) as refused:
+        check_data(recording, load_robot("config/robots/puma560.yaml"))
+    assert "units: {time: s}" in refused.value.suggestion
+    with pytest.raises(InputError, match=r"units: \{time: s\}"):
+        load_recording({"measured": EXAMPLE, "units": {"time": "us"}}, "arm")
 
 
 def test_celsius_that_is_stated_as_kelvin_is_told():

@@ -144,7 +144,7 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     check_groups(recording, settings.groups)
     measured, restrictions = checked(recording, robot)
     problem = build_problem(recording, robot, settings, measured)
-    restrictions += motion_restrictions(problem)
+    restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
     try:
         log, outcome, told = _read_in_time(recording, whitened(problem))
         return _judge(log, outcome, [*restrictions, *told])

@@ -125,7 +125,7 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     check_groups(recording, settings.groups)
     measured, restrictions = checked(recording, robot)
     problem = build_problem(recording, robot, settings, measured)
-    restrictions += motion_restrictions(problem)
+    restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
     try:
         noise, shown, not_shown, pairs = _shown(problem)
     except NUMERICAL as error:

@@ -8,6 +8,7 @@ from jointwear.discovery.reversals import unseen_slow_motion
 from jointwear.effects.temperature import SMALLEST_SPREAD
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks import Refused
+from jointwear.measurement.possible import likely_unit
 
 #: Temperatures are said to go with the trajectories where these are fewer, and their means scatter by so many times
 #: what they do within.
@@ -16,8 +17,12 @@ FEW_RECORDS, APART = 5, 3.0
 TURNED = 0.1
 
 
-def motion_restrictions(problem) -> list[str]:
+def motion_restrictions(problem, clock: str = "s") -> list[str]:
     """Return in words which axes are at rest, and whether the held-out motion moves.
+
+    Parameters
+    ----------
+    clock : unit that the time was read in.
 
     Raises
     ------
@@ -25,10 +30,12 @@ def motion_restrictions(problem) -> list[str]:
     """
     n = problem.robot.joints
     if not problem.judged:
+        steps = np.diff(problem.measured.time)[np.diff(problem.measured.trajectory) == 0]
+        unit = likely_unit(float(np.median(steps)) if len(steps) else None, clock)
         raise Refused(
             "no axis moves for long enough to be judged",
             "record motion of every joint, away from rest, for several seconds, 20 times a second or more; if that was "
-            "done, state the unit of the time, as units: {time: ms}",
+            f"done, state the unit of the time, as units: {{time: {unit}}}",
         )
     found = []
     for axis in range(n):

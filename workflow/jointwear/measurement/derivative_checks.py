@@ -74,10 +74,11 @@ def check_rate(recording: Recording, name: str) -> None:
     """
     steps = np.diff(recording.time)[np.diff(recording.trajectory) == 0]
     if len(steps) and np.median(steps) > 1.0 / SLOWEST:
+        unit = likely_unit(float(np.median(steps)), recording.units.get("time", "s"))
         raise Refused(
             f"{name}: the samples are {np.median(steps):.3g} s apart (allowed: at most {1 / SLOWEST:g} s); "
             "no motion is resolved",
-            f"record more often, or state the unit of the time, as units: {{time: {likely_unit(np.median(steps))}}}",
+            f"record more often, or state the unit of the time, as units: {{time: {unit}}}",
         )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.timestamps import LATEST
+from jointwear.measurement.units import UNITS
 
 #: Sizes beyond which a number is none that an arm can have.
 ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
@@ -40,15 +41,29 @@ def without_sentinels(array: np.ndarray) -> np.ndarray:
     return np.where(missing, np.nan, array) if missing.any() else array
 
 
-def likely_unit(step: float | None) -> str:
-    """Return the unit of time that a step counted in would be that of a controller; ms where none is likely."""
-    units = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-    likely = (unit for unit, size in units.items() if step is not None and USUAL[0] <= step * size <= USUAL[1])
-    return next(likely, "ms")
+def likely_unit(step: float | None, stated: str = "s") -> str:
+    """Return the unit of time, another than the stated one, that a step would be that of a controller in.
+
+    Where none is likely it is ms, or s.
+
+    Parameters
+    ----------
+    step : [s] as read in the unit `stated`, None where it is not known.
+    """
+    sizes = {unit: size for unit, (size, _) in UNITS["time"].items()}
+    counted = None if step is None else step / sizes.get(stated, 1.0)
+    for unit in ("s", "ms", "us", "ns"):
+        if unit != stated and counted is not None and USUAL[0] <= counted * sizes[unit] <= USUAL[1]:
+            return unit
+    return "s" if stated == "ms" else "ms"
 
 
-def check_clock(path: str | Path, time: np.ndarray) -> None:
+def check_clock(path: str | Path, time: np.ndarray, stated: str = "s") -> None:
     """Check that samples follow each other as those of a controller can, and that they are of one life of an arm.
+
+    Parameters
+    ----------
+    stated : unit that the times [s] were read in.
 
     Raises
     ------
@@ -60,10 +75,10 @@ def check_clock(path: str | Path, time: np.ndarray) -> None:
     if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
         raise InputError(
             f"{path}: the time rises by {step:.3g} s from sample to sample (allowed: {SHORTEST_STEP:g} to "
-            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: {likely_unit(step)}}}"
+            f"{LONGEST_STEP:g} s); state its unit, as units: {{time: {likely_unit(step, stated)}}}"
         )
     if len(known) and np.abs(known).max() > LATEST:
         raise InputError(
             f"{path}: the time reaches {known[np.argmax(np.abs(known))]:.3g} s (allowed: at most {LATEST:.0g} in "
-            f"size); state its unit, as units: {{time: {likely_unit(step)}}}"
+            f"size); state its unit, as units: {{time: {likely_unit(step, stated)}}}"
         )

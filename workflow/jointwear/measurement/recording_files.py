@@ -46,7 +46,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         values = getattr(whole, role)
         if values is not None and not np.isfinite(values).any():
             raise InputError(f"{path}: {role} holds no number that an arm can have")
-    check_clock(path, whole.time)
+    check_clock(path, whole.time, whole.units.get("time", "s"))
     trajectory = np.zeros(len(whole.time), dtype=int) if whole.trajectory is None else whole.trajectory
     if (trajectory == UNLABELLED).any():
         label = (entry.get("variables") or {}).get("trajectory", "trajectory")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from jointwear.measurement.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.units import CURRENTS, UNITS
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
@@ -29,7 +31,7 @@ SHARED, FEWEST_SHARING = 1.2, 3
 #: Factor by which friction may differ from the robot file beside the factor of the torque.
 FRICTION = 2.5
 #: Units of torque that a common factor stands for, and how far (ratio) it may lie from one.
-UNITS, ALIKE = {"mN m": 1e3, "kN m": 1e-3}, 1.3
+LIKELY, ALIKE = ("N m", "mN m", "kN m"), 1.3
 #: Samples that are compared with the model.
 THINNED = 1500
 
@@ -38,7 +40,8 @@ THINNED = 1500
 class Factors:
     """What the torque of a recording is of the model's, whatever load the arm carries.
 
-    `factor` (n,) and `left` (n,) as of :func:`factors`, of `samples`; `name` of the data set, for messages.
+    `factor` (n,) and `left` (n,) as of :func:`factors`, of `samples`; `name` of the data set, for messages; `stated`
+    unit of the torque.
     """
 
     name: str
@@ -46,13 +49,14 @@ class Factors:
     samples: Measured
     factor: np.ndarray
     left: np.ndarray
+    stated: str = "N m"
 
 
 def torque_factors(recording: Recording, robot: Robot, measured: Measured) -> Factors:
     """Return the factors of the torques of a recording."""
     samples = thinned(measured)
     found = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
-    return Factors(f"data set '{recording.name}'", robot, samples, *found)
+    return Factors(f"data set '{recording.name}'", robot, samples, *found, recording.units.get("torque", "N m"))
 
 
 def check_scale(found: Factors) -> list[str]:
@@ -70,7 +74,7 @@ def check_scale(found: Factors) -> list[str]:
             f"{found.name}: the sign of the torque of {numbered('joint', known + 1)} looks flipped against the motion",
             "turn the sign of the torque: give 'scale' with -1 for every joint",
         )
-    scale = _of_most(found.factor, found.left, found.robot.gear_ratio)
+    scale = _of_most(found.factor, found.left, found.robot.gear_ratio, found.stated)
     if scale is None:
         return _shared(found.factor)
     if _is_likelier(found, _size(found) > np.log(FACTOR)):
@@ -194,9 +198,14 @@ def factors(
     return factor, left
 
 
-def wrong_scale(measured: Measured, robot: Robot) -> WrongScale | None:
-    """Return what the scale of the torque looks like where it is not that of the model on most joints, else None."""
-    return _of_most(*factors(measured, robot), robot.gear_ratio)
+def wrong_scale(measured: Measured, robot: Robot, stated: str = "N m") -> WrongScale | None:
+    """Return what the scale of the torque looks like where it is not that of the model on most joints, else None.
+
+    Parameters
+    ----------
+    stated : unit that the torque was read in.
+    """
+    return _of_most(*factors(measured, robot), robot.gear_ratio, stated)
 
 
 def off_scale(measured: Measured, robot: Robot, load_free: bool = False) -> np.ndarray | None:
@@ -215,13 +224,21 @@ def off_scale(measured: Measured, robot: Robot, load_free: bool = False) -> np.n
     return np.where(np.isfinite(factor), factor, 1.0)
 
 
-def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray) -> WrongScale | None:
+def _other_units(stated: str) -> Iterator[tuple[str, float]]:
+    """Yield the other units that a torque read in a stated one may be in, and its factor on the model's then."""
+    known = {unit: size for unit, (size, _) in UNITS["torque"].items()} | CURRENTS
+    for unit in CURRENTS if stated in CURRENTS else LIKELY:
+        if unit != stated:
+            yield unit, known.get(stated, 1.0) / known[unit]
+
+
+def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray, stated: str = "N m") -> WrongScale | None:
     known = np.flatnonzero(np.isfinite(factor))
     off = np.abs(np.log(np.abs(factor[known]))) > np.log(FACTOR)
     if len(known) < FEWEST_AXES or off.mean() <= 0.5:
         return None
     middle, remains = float(np.median(np.abs(factor[known]))), float(np.median(left[known]))
-    for unit, size in UNITS.items():
+    for unit, size in _other_units(stated):
         if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(ALIKE)):
             reason = f"the torque is about {middle:.3g} times that of the model; it looks like {unit}"
             return WrongScale(reason, f"state units: {{torque: {unit}}}", remains, unit)

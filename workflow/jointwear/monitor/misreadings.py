@@ -50,8 +50,9 @@ def check_readings(
     """
     thin = thinned(measured)
     check_reach(thin, robot, name)
-    scale = wrong_scale(thin, robot)
-    stated = (units or {}).get("position") or "rad"
+    units = units or {}
+    scale = wrong_scale(thin, robot, units.get("torque", "N m"))
+    stated = units.get("position", "rad")
     unit = _read_as_rad(thin, robot) if stated == "rad" else better_unit(thin, robot, stated)
     if unit is not None and (scale is None or unit[1] < scale.left):
         raise refusal_of(name, unit[0], stated)

@@ -44,7 +44,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
     for chunk in read(Path(path), layout, rows):
         if len(chunk.time):
             if empty:
-                check_clock(path, chunk.time[:CLOCK_LOOK])
+                check_clock(path, chunk.time[:CLOCK_LOOK], chunk.units.get("time", "s"))
             empty = False
             yield chunk
     if empty:

@@ -153,6 +153,8 @@ def make_chunk(
             # As logged: once scaled, -9999 A is a torque like any other.
             array = without_sentinels(array)
         if role == "torque":
+            if layout.torque_constant is not None:
+                stated.setdefault(role, "A")
             array, unit = _as_torque(path, array, unit, layout)
         try:
             found[role] = converted(array, role, unit, str(path))
