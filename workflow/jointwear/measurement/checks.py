@@ -10,6 +10,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, readings
 from jointwear.measurement.motion import Measured, runs
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS, UNITS
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
@@ -59,6 +60,8 @@ RIGHT, SAME_WRIST = 0.01, 0.03
 
 #: Share of the samples that positions are judged by.
 NEARLY_ALL = 0.995
+#: Position [rad] from which a joint tells whether it is in degrees: as such it would be a hundredth of a turn.
+AT_ZERO = 0.06
 #: Temperatures [degC] that no drive works at for long; below the one are 400 K, above the other no degC less 273.
 HOTTEST, COLDEST = 200.0, -100.0
 
@@ -144,6 +147,10 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
     # Some samples may be no positions at all.
     largest = np.quantile(np.abs(q), NEARLY_ALL, axis=0)
     over = largest > np.maximum(1.5 * reach, reach + 1.0)
+    # A joint that turns on and on is beyond its limits alone; in degrees most joints that are not at zero are.
+    inside = ~over & (largest > AT_ZERO)
+    if not np.any(over & ~turns_on(robot)) and over.sum() <= inside.sum():
+        over[:] = False
     stated = recording.units.get("position") or "rad"
     for unit, share in _smaller_units(stated):
         if over.any() and np.mean(share * largest <= reach + 0.5) > 0.5 and largest.max() > 10:

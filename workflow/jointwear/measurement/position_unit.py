@@ -6,6 +6,7 @@ import numpy as np
 
 from jointwear.measurement.checks import Refused, explained
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS, UNITS
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
@@ -36,7 +37,7 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
     measured : samples, thinned, read in the unit `stated`, a key of the units of a position.
     """
     sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
-    reach = BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+    reach = np.where(turns_on(robot), np.inf, BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
     largest = np.nanquantile(np.abs(measured.position), NEARLY_ALL, axis=0)
     as_stated: np.ndarray | None = None
     found: list[tuple[str, float]] = []
@@ -64,13 +65,16 @@ def refusal_of(name: str, unit: str, stated: str) -> Refused:
 def check_position_unit(measured: Measured, robot: Robot, name: str, stated: str) -> None:
     """Check that no other unit of the positions than the stated one fits the torque far better.
 
-    What is read as rad, or without a unit, is not asked: degrees are told from the limits of the joints.
+    What is read as rad, or without a unit, is asked only where a joint lies beyond its limits: degrees are told from
+    these, but for a joint that turns on and on.
 
     Raises
     ------
     Refused : with the unit to state.
     """
-    if stated in ("", "rad"):
+    stated = stated or "rad"
+    largest = np.nanquantile(np.abs(measured.position), NEARLY_ALL, axis=0)
+    if stated == "rad" and not np.any(largest > BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper))):
         return
     found = better_unit(measured, robot, stated)
     if found is not None:

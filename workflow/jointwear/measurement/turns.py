@@ -4,6 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.robots.robot import Robot
+
+#: Shares of a turn either way from which limits are those of a joint that turns on and on, as readers of robot files
+#: write them for one that has none.
+A_TURN = 0.99
+
+
+def turns_on(robot: Robot) -> np.ndarray:
+    """Return which joints (n,) have limits that leave a whole turn either way: they may turn on beyond them."""
+    return np.minimum(-robot.lower, robot.upper) >= A_TURN * 2 * np.pi
+
 
 def unwrapped(position: np.ndarray) -> np.ndarray:
     """Return positions (m, n) [rad] without the jumps by a whole turn of a joint that is counted within one turn."""

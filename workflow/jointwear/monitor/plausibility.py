@@ -32,6 +32,7 @@ from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import check_torque_moves
 from jointwear.measurement.torque_scale import OF_ONE, off_scale, thinned
+from jointwear.measurement.turns import turns_on
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion
 from jointwear.monitor.misreadings import check_readings, without_load
@@ -55,6 +56,8 @@ ALIKE = 0.7
 #: Share of the squared torque of an axis that the model leaves where it no longer explains it, and growth of its log
 #: since the first log: friction may be any size in that share, and twice the torque leaves a tenth of it.
 HARDLY, FAR_WORSE = 0.3, 1.5
+#: Multiple of the limits up to which a joint that turns on and on is believed: beyond lies a number gone wrong.
+TURNS = 4.0
 #: Share of the axes that move from which on none is judged.
 MOST_LOST = 0.5
 
@@ -291,6 +294,10 @@ def _busiest(velocity: np.ndarray, most: int) -> slice:
 
 
 def outside_limits(position: np.ndarray, robot: Robot, margin: float = 0.5) -> np.ndarray:
-    """Return where positions lie further than `margin` [rad] outside the limits of the joint, (m, n)."""
+    """Return where positions lie further than `margin` [rad] outside the limits of the joint, (m, n).
+
+    A joint that may turn on beyond its limits is given :data:`TURNS` times their width.
+    """
+    wider = np.where(turns_on(robot), TURNS, 1.0)
     with np.errstate(invalid="ignore"):
-        return (position < robot.lower - margin) | (position > robot.upper + margin)
+        return (position < wider * robot.lower - margin) | (position > wider * robot.upper + margin)
