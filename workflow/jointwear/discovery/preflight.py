@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.candidates import build_dictionary
+from jointwear.discovery.encoder_step import encoder_step
 from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups
@@ -60,8 +61,8 @@ class Joint:
     Attributes
     ----------
     travel [rad], speed : 95 % quantile [rad/s]. moving : share of samples in motion. encoder_step : smallest step of
-    the position [rad]. cutoff : of the filter behind its derivatives [Hz]. torque : RMS, noise : its standard
-    deviation [N m]; None where the joint cannot be judged.
+    the position [rad], None where there is none. cutoff : of the filter behind its derivatives [Hz]. torque : RMS,
+    noise : its standard deviation [N m]; None where the joint cannot be judged.
     """
 
     axis: int
@@ -191,8 +192,6 @@ def _joints(recording: Recording, problem: Problem, noise: list[float | None]) -
     found = []
     for j in range(recording.joints):
         values = recording.position[np.isfinite(recording.position[:, j]), j]
-        steps = np.abs(np.diff(values))
-        steps = steps[steps > 1e-12]
         cutoff = measured.cutoff[j]
         found.append(
             Joint(
@@ -200,22 +199,13 @@ def _joints(recording: Recording, problem: Problem, noise: list[float | None]) -
                 travel=six_digits(np.ptp(values)),
                 speed=six_digits(np.quantile(np.abs(measured.velocity[:, j]), 0.95)),
                 moving=six_digits(np.mean(measured.usable[:, j])),
-                encoder_step=recording.encoder_step or _step_of(values, steps),
+                encoder_step=recording.encoder_step or encoder_step(values),
                 cutoff=six_digits(cutoff) if np.isfinite(cutoff) else None,
                 torque=six_digits(np.sqrt(np.nanmean(recording.torque[:, j] ** 2))),
                 noise=None if noise[j] is None else six_digits(noise[j]),
             )
         )
     return found
-
-
-def _step_of(values: np.ndarray, steps: np.ndarray) -> float | None:
-    """Return the smallest step of a position that all its values are multiples of, None where there is none."""
-    if not len(steps):
-        return None
-    smallest = float(steps.min())
-    whole = (values - values[0]) / smallest
-    return six_digits(smallest) if np.mean(np.abs(whole - np.round(whole)) < 0.05) > 0.95 else None
 
 
 def _visible(problem: Problem, seen: list[Visible]) -> tuple[list[Shown], list[Shown], list[Shown]]:
