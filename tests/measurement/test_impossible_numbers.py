@@ -8,9 +8,11 @@ from monitor_logs import columns, layout, make_log, write_csv
 from pyarrow import parquet
 
 from jointwear.files.errors import InputError
+from jointwear.measurement.checks import check_recording
 from jointwear.measurement.formats import read_log
 from jointwear.measurement.possible import check_clock
 from jointwear.measurement.recording_files import load_recording
+from jointwear.robots.robot import load_robot
 
 WRITERS = {
     "csv": write_csv,
@@ -47,6 +49,44 @@ def test_what_no_arm_can_have_counts_as_missing(tmp_path, table, kind, column, v
         place = int(column[-1]) - 1 if column[-1].isdigit() else ...
         assert np.isnan(found[place]).all()
         assert np.isfinite(read(path).position[6]).all()
+
+
+def heavy(table):
+    """Make the second torque one of some thousand newton metres; return the row at which it passes -999."""
+    row = int(np.argmin(np.abs(table["torque_2"] - np.median(table["torque_2"]))))
+    table["torque_2"] = 40.0 * table["torque_2"]
+    table["torque_2"] += -999.0 - table["torque_2"][row]
+    return row
+
+
+def test_a_mark_for_a_missing_value_that_lies_among_its_neighbours_is_a_value(tmp_path, table):
+    row = heavy(table)
+    table["torque_2"][row] = -999.0
+    write_csv(tmp_path / "log.csv", table)
+    for read in (recording, chunk):
+        assert read(tmp_path / "log.csv").torque[row, 1] == -999.0
+    rows = slice(row - 3, row + 3)
+    table["torque_2"][rows] = -999.0
+    table["torque_2"][[20, 40]] = -9999.0
+    write_csv(tmp_path / "log.csv", table)
+    for read in (recording, chunk):
+        found = read(tmp_path / "log.csv")
+        assert np.flatnonzero(np.isnan(found.torque[:, 1])).tolist() == sorted([20, 40, *range(row - 3, row + 3)])
+        assert found.missing == {"torque": (-9999.0, -999.0)}
+
+
+def test_what_was_read_as_missing_is_told(tmp_path):
+    data = load_recording({"measured": "data/examples/puma560_hidden.nc"}, "arm")
+    table = {"time": data.time, "trajectory": data.trajectory}
+    table |= {f"position_{j + 1}": q for j, q in enumerate(data.position.T)}
+    table |= {f"torque_{j + 1}": q.copy() for j, q in enumerate(data.torque.T)}
+    table["torque_6"][7] = -999.0
+    write_csv(tmp_path / "log.csv", table)
+    told = check_recording(recording(tmp_path / "log.csv"), load_robot("config/robots/puma560.yaml"))
+    assert (
+        told[0]
+        == "0.05 % of the samples are missing or not finite (read as missing: -999 of the torque) and were left out"
+    )
 
 
 def test_a_role_without_one_possible_number_is_named(tmp_path, table):

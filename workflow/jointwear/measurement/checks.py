@@ -107,10 +107,20 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
     _units(recording, robot, good)
     restrictions = []
     if good.mean() < 1.0:
-        restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are not finite and were left out")
+        restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are {_lost(recording)} and were left out")
     if len(recording.time) < 400:
         restrictions.append(f"only {len(recording.time)} samples: weak effects cannot be seen")
     return restrictions
+
+
+def _lost(recording: Recording) -> str:
+    """Return in words why samples count as missing."""
+    told = [
+        f"{' and '.join(f'{x:g}' for x in numbers)} of the {role}"
+        for role, numbers in recording.missing.items()
+        if role != "temperature"
+    ]
+    return f"missing or not finite (read as missing: {', '.join(told)})" if told else "missing or not finite"
 
 
 def _check_labels(recording: Recording) -> None:

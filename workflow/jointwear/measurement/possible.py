@@ -35,10 +35,48 @@ def possible(values: np.ndarray, role: str) -> np.ndarray:
 SENTINELS = (-999.0, -9999.0, -99999.0, 9999.0, 99999.0, -32768.0)
 
 
-def without_sentinels(array: np.ndarray) -> np.ndarray:
-    """Return values, as they are logged, with NaN in place of numbers that stand for a missing one."""
-    missing = np.isin(array, SENTINELS)
-    return np.where(missing, np.nan, array) if missing.any() else array
+#: Quantile of the changes from sample to sample by which such a number may lie from those before and after and still be
+#: a value.
+USUAL_CHANGE = 0.99
+
+
+def without_sentinels(array: np.ndarray) -> tuple[np.ndarray, tuple[float, ...]]:
+    """Return values (m,) or (m, n), as they are logged, with NaN in place of numbers that stand for a missing one, and
+    which numbers these are.
+
+    One that lies among the values before and after is a value as they are, as -999 N m of a heavy arm, unless it recurs
+    more often than any other number of its column.
+    """
+    marks = np.isin(array, SENTINELS)
+    if not marks.any():
+        return array, ()
+    missing, columns = marks.reshape(len(array), -1), array.reshape(len(array), -1)
+    for j in np.flatnonzero(missing.any(axis=0)):
+        missing[:, j] &= ~_among_others(columns[:, j], missing[:, j])
+    found = tuple(np.unique(array[marks]).tolist())
+    return np.where(marks, np.nan, array), found
+
+
+def _among_others(values: np.ndarray, marks: np.ndarray) -> np.ndarray:
+    """Return which of the numbers `marks` (m,) lie among the other values (m,) around them."""
+    others = np.flatnonzero(np.isfinite(values) & ~marks)
+    near = np.zeros(len(values), dtype=bool)
+    if len(others) < 2:
+        return near
+    usual = np.quantile(np.abs(np.diff(values[others])), USUAL_CHANGE)
+    place = np.flatnonzero(marks)
+    after = np.searchsorted(others, place)
+    before = values[others[np.maximum(after - 1, 0)]]
+    following = values[others[np.minimum(after, len(others) - 1)]]
+    near[place] = np.maximum(np.abs(before - values[place]), np.abs(following - values[place])) <= usual
+    if not near.any():
+        return near
+    commonest = np.unique(values[others], return_counts=True)[1].max()
+    for number in np.unique(values[near]):
+        same = near & (values == number)
+        if same.sum() > commonest:
+            near &= ~same
+    return near
 
 
 def likely_unit(step: float | None, stated: str = "s") -> str:

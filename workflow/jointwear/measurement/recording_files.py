@@ -72,6 +72,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         torque_kind=entry.get("torque_kind") or "motor",
         encoder_side=entry.get("encoder_side") or "motor",
         units=whole.units,
+        missing=whole.missing,
     )
 
 
@@ -101,8 +102,12 @@ def _joined(chunks: Sequence[Chunk]) -> Chunk:
         parts = [getattr(chunk, role) for chunk in chunks]
         return None if any(part is None for part in parts) else np.concatenate(parts)
 
-    roles = [field.name for field in fields(Chunk) if field.name not in ("dated", "units")]
-    return Chunk(**{role: whole(role) for role in roles}, dated=chunks[0].dated, units=chunks[0].units)
+    roles = [field.name for field in fields(Chunk) if field.name not in ("dated", "units", "missing")]
+    missing = {
+        role: tuple(sorted({x for chunk in chunks for x in chunk.missing.get(role, ())}))
+        for role in dict.fromkeys(role for chunk in chunks for role in chunk.missing)
+    }
+    return Chunk(**{role: whole(role) for role in roles}, dated=chunks[0].dated, units=chunks[0].units, missing=missing)
 
 
 def write_recording(recording: Recording, path: str | Path, settings: Mapping[str, Any]) -> None:

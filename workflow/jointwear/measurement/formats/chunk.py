@@ -32,7 +32,8 @@ class Chunk:
     `time` (m,) [s], since 1970 UTC where `dated`. `position`, `torque` (m, n) [rad], [N m]; `velocity`,
     `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label,
     :data:`UNLABELLED` where there is none, or None; `program` (m,) text, empty where unknown, or None. `units`: role ->
-    unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it.
+    unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it. `missing`: role ->
+    numbers that were read as missing.
     """
 
     time: np.ndarray
@@ -45,6 +46,7 @@ class Chunk:
     program: np.ndarray | None = None
     dated: bool = False
     units: Mapping[str, str] = field(default_factory=dict)
+    missing: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
@@ -142,6 +144,7 @@ def make_chunk(
             raise InputError(f"{path}: '{key}' has {len(given)} numbers; there are {axes} joints")
     found: dict[str, np.ndarray] = {}
     stated: dict[str, str] = {}
+    missing: dict[str, tuple[float, ...]] = {}
     for role, raw in values.items():
         if role == "program":
             continue
@@ -151,7 +154,8 @@ def make_chunk(
             stated[role] = spelled(role, unit)
         if role in JOINT_ROLES:
             # As logged: once scaled, -9999 A is a torque like any other.
-            array = without_sentinels(array)
+            array, marks = without_sentinels(array)
+            missing |= {role: marks} if marks else {}
         if role == "torque":
             if layout.torque_constant is not None:
                 stated.setdefault(role, "A")
@@ -190,7 +194,7 @@ def make_chunk(
             known = (trajectory == np.round(trajectory)) & (np.abs(trajectory) <= LARGEST_LABEL)
         trajectory = np.where(known, trajectory, UNLABELLED).astype(np.int64)
     program = with_log_name(path, layout, values.get("program"), len(time))
-    return Chunk(**found, trajectory=trajectory, program=program, dated=dated, units=stated)
+    return Chunk(**found, trajectory=trajectory, program=program, dated=dated, units=stated, missing=missing)
 
 
 #: Roles that turn round with an axis.
