@@ -11,6 +11,7 @@ from monitor_logs import columns, make_log, write_bag, write_parquet
 from scratch_project import Project, copy_project
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json
 from jointwear.monitor.plan import batches_of, check_robots, find_all_logs, find_logs, in_order, log_key
 from jointwear.running.configuration import prepare
 
@@ -187,3 +188,19 @@ def test_the_survey_stays_with_its_log(project):
 def test_a_bag_is_one_log(project, monkeypatch):
     monkeypatch.chdir(project.folder)
     assert find_logs(["logs/bag_*", "logs/**/*.mcap"]) == ["logs/bag_1"]
+
+
+def test_a_mistyped_key_does_not_cost_the_survey_of_a_log_that_is_gone(project):
+    survey = project.folder / "results/monitor/arm/survey.json"
+    before, first = read_json(survey), project.folder / "logs/bag_1"
+    assert before["log"] == "logs/bag_1"
+    first.rename(project.folder / "kept_elsewhere")
+    monitored(project, variables={"position": "q"})
+    done = project.snakemake("--cores", "1", "results/monitor/arm/survey.json", ok=False)
+    assert done.returncode == 1
+    assert not survey.exists()
+    monitored(project)
+    project.snakemake("--cores", "1", "results/monitor/arm/survey.json")
+    assert read_json(survey) == before
+    assert "survey_logs" not in project.planned("monitor")
+    (project.folder / "kept_elsewhere").rename(first)

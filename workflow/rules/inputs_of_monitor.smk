@@ -2,6 +2,7 @@
 from snakemake.exceptions import WorkflowError
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.monitor.kept_surveys import surveyed_log
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.learned_model import learnt_of_other, model_file
 from jointwear.monitor.notify.plan import check_channels
@@ -12,7 +13,6 @@ from jointwear.monitor.plan import (
     find_all_logs,
     find_logs,
     log_sources,
-    surveyed_log,
 )
 from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
@@ -101,7 +101,12 @@ def monitored_model(wildcards):
 def first_log(wildcards):
     """The log that the survey of a robot rests on."""
     logs = [log for batch in logs_of(wildcards.monitored).values() for log in batch]
-    return surveyed_log(f"results/monitor/{wildcards.monitored}/survey.json", logs)
+    return surveyed_log(
+        f"results/monitor/{wildcards.monitored}/survey.json",
+        logs,
+        monitored_robot(wildcards),
+        reading_entry(wildcards),
+    )
 
 
 def batch_logs(wildcards):

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError, nearest, shown
-from jointwear.files.json_documents import read_json
 from jointwear.files.patterns import matches
 from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
 from jointwear.measurement.log_kinds import FORMATS, log_format
@@ -252,15 +251,3 @@ def _size(log: str) -> float:
     except OSError:
         return BATCH_BYTES
     return 1 << max(found.st_size - 1, 0).bit_length() if stat.S_ISREG(found.st_mode) else BATCH_BYTES
-
-
-def surveyed_log(survey: str | Path, logs: Sequence[str]) -> str:
-    """Return the log that a robot's survey rests on: that of the file `survey` once there is one, else the first.
-
-    A log that sorts before all others, or one that is no longer kept, changes nothing of what was worked out before.
-    """
-    try:
-        kept = read_json(survey).get("log")
-    except (OSError, ValueError):
-        kept = None
-    return kept or logs[0]

@@ -10,8 +10,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.json_documents import write_json
 from jointwear.measurement.formats import Layout, layout_of
 from jointwear.monitor.assembly import Piece
+from jointwear.monitor.kept_surveys import keep_survey, kept_survey
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.piece_files import write_pieces
@@ -31,6 +33,21 @@ def survey_logs(log: str, robot: str | Path, entry: Mapping[str, Any], output: s
     model = TorqueModel(load_robot(robot))
     layout = layout_of(entry, model.robot.joint_names)
     survey_log(log, layout, model, window_seconds(entry.get("window", "1h")), entry.get("dead_band")).write(output)
+
+
+def survey_first_log(log: str, robot: str | Path, entry: Mapping[str, Any], output: str | Path) -> None:
+    """Survey the first log as :func:`survey_logs` and keep the survey; of a log that is gone take what was kept.
+
+    Raises
+    ------
+    InputError : if the log cannot be read, or contradicts the model.
+    """
+    kept = None if Path(log).exists() else kept_survey(output, robot, entry)
+    if kept is not None:
+        write_json(output, kept)
+        return
+    survey_logs(log, robot, entry, output)
+    keep_survey(output, robot, entry)
 
 
 def log_pieces(
