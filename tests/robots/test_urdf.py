@@ -50,6 +50,15 @@ def test_a_sound_arm_is_read_and_built(tmp_path):
     assert sum(body.mass for body in arm.model.inertias) == pytest.approx(3.37)
 
 
+def test_friction_of_a_urdf_is_that_of_the_joint_whatever_the_gear(tmp_path):
+    parts = changed("<limit lower", '<dynamics damping="2" friction="5"/><limit lower')
+    drives = "joints:\n  - {name: shoulder, gear_ratio: -100}\n  - {name: elbow, gear_ratio: 50, viscous: 0.01}\n"
+    arm = load_robot(write(tmp_path, parts, drives))
+    assert arm.coulomb_positive.tolist() == [5, 5]
+    assert arm.coulomb_negative.tolist() == [-5, -5]
+    assert arm.viscous.tolist() == pytest.approx([2, 25])
+
+
 MANY = " ".join(f'a{i}="1"' for i in range(200))
 NUMBERS = ["1,37", "1.37kg", "nan", "", "inf", "1e999", "0x10", "1_0", "१", "1.37 ", "1.37\n", "1e30", "-1.37"]
 

@@ -175,8 +175,16 @@ def _joints_of_urdf(path: Path, data: dict[str, Any]) -> list[dict[str, Any]]:
                 f"{path}: 'joints[{i}].name' is '{joint['name']}', not a moving joint of {data['urdf']}"
                 f"{nearest(joint['name'], found)} (allowed: {', '.join(found)})"
             )
-        found[joint["name"]].update(joint)
+        found[joint["name"]] = _on_motor_side(found[joint["name"]], joint.get("gear_ratio", 1.0)) | joint
     return list(found.values())
+
+
+def _on_motor_side(entry: dict[str, Any], gear: float) -> dict[str, Any]:
+    """Return a joint of a URDF, which has friction on the joint side, with friction on that of the motor."""
+    if gear**2 < 1e-100 or "coulomb" not in entry:  # such a gear is none: 0 is refused later
+        return entry
+    coulomb = {direction: value / abs(gear) for direction, value in entry["coulomb"].items()}
+    return entry | {"viscous": entry["viscous"] / gear**2, "coulomb": coulomb}
 
 
 def robot_sources(path: str) -> list[str]:
