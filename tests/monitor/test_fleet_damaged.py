@@ -56,10 +56,6 @@ def redirected(path):
 @pytest.mark.parametrize(
     ("name", "damage"),
     [
-        ("whose.txt", emptied),
-        ("whose.txt", piped),
-        ("whose.txt", made_a_folder),
-        ("whose.txt", lambda path: path.write_bytes(b"\xff\xfe")),
         ("read.json", emptied),
         ("read.json", piped),
         ("read.json", lambda path: path.write_text('{"logs": []}')),
@@ -75,19 +71,49 @@ def test_what_tells_how_logs_were_read_is_made_anew(watched, tmp_path, name, dam
     damage(tmp_path / "robots/arm" / name)
     again = watch_robot("arm", ENTRY, logs, tmp_path / "robots", page=False)
     moved = {"logs_read", "folder"}
-    assert sum(f["kind"] == "robot" for f in again["findings"]) == (name == "whose.txt")
-    again["findings"] = [f for f in again["findings"] if f["kind"] != "robot"]
     assert {k: v for k, v in again.items() if k not in moved} == {k: v for k, v in row.items() if k not in moved}
     assert again["logs_read"] == len(logs)
 
 
-def test_a_state_that_is_a_folder_is_a_refusal_of_its_robot(watched, tmp_path):
+@pytest.mark.parametrize(
+    "damage",
+    [
+        emptied,
+        piped,
+        lambda path: path.write_bytes(b"\xff\xfe"),
+        lambda path: path.write_text(path.read_text()[:40]),
+        lambda path: path.write_text(path.read_text().translate(str.maketrans("01", "10"))),
+    ],
+)
+def test_a_damaged_mark_of_whose_a_folder_is_forks_no_robot(watched, tmp_path, damage):
+    folder, logs, row = watched
+    os.system(f"cp -r {folder}/robots {tmp_path}/robots")
+    mark = tmp_path / "robots/arm/whose.txt"
+    sound = mark.read_text()
+    damage(mark)
+    assert watch_robot("arm", ENTRY, logs, tmp_path / "robots", page=False) == row | {"logs_read": 0}
+    assert mark.read_text() == sound
+    assert [path.name for path in (tmp_path / "robots").iterdir()] == ["arm"]
+
+
+def test_a_damaged_mark_gives_nobody_the_history_of_another_robot(watched, tmp_path):
+    folder, _, _ = watched
+    os.system(f"cp -r {folder}/robots {tmp_path}/robots")
+    emptied(tmp_path / "robots/arm/whose.txt")
+    other = [str(write_parquet(tmp_path / "other.parquet", columns(make_log(36.0, seed=9, start=START))))]
+    found = watch_robot("arm", ENTRY | {"logs": ["other/*"]}, other, tmp_path / "robots", page=False)
+    assert found["folder"] != "arm"
+    assert any(f["kind"] == "robot" for f in found["findings"])
+
+
+@pytest.mark.parametrize("name", ["state.nc", "whose.txt"])
+def test_what_is_a_folder_is_a_refusal_of_its_robot(watched, tmp_path, name):
     folder, logs, _ = watched
     os.system(f"cp -r {folder}/robots {tmp_path}/robots")
-    made_a_folder(tmp_path / "robots/arm/state.nc")
+    made_a_folder(tmp_path / "robots/arm" / name)
     found = watch_robot("arm", ENTRY, logs, tmp_path / "robots", page=False)
     assert found["result"] == "refused"
-    assert "state.nc" in found["reason"]
+    assert name in found["reason"]
     assert "internal" not in found["reason"]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 import traceback
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,7 @@ PAGES = 50
 #: Files of a judgement, which a robot that is refused must not leave behind.
 JUDGEMENT = ("state.nc", "alarms.csv", "monitor.html", "history.parquet")
 
-#: Largest mark of whose a folder is: two digests and a line's end. Bytes.
+#: Largest mark of whose a folder is: two digests, a checksum and a line's end. Bytes.
 LARGEST_MARK = 200
 
 
@@ -56,7 +57,7 @@ def own_folder(
     """
     whose = digest(list(entry.get("logs", ())))
     known = [folder / name, *sorted(folder.glob(f"{name}_{'[0-9a-f]' * 8}"))]
-    marks = {own: _text(own / "whose.txt").split() for own in known if (own / "whose.txt").exists()}
+    marks = {own: _mark(own / "whose.txt") for own in known if (own / "whose.txt").exists()}
     own = next((own for own, mark in marks.items() if mark[:1] == [whose]), None)
     if own is None:
         own = next((own for own, mark in marks.items() if _taken_on(own, mark, logs, configuration)), None)
@@ -65,13 +66,16 @@ def own_folder(
     own = own or folder / (name if folder / name not in marks else f"{name}_{whose[:8]}")
     mark = f"{whose} {configuration}".strip()
     if marks.get(own) != mark.split():
-        replace_text(own / "whose.txt", mark + "\n")
+        replace_text(own / "whose.txt", f"{mark} {_checksum(mark)}\n")
     return own
 
 
 def _taken_on(own: Path, mark: Sequence[str], logs: Sequence[str], configuration: str) -> bool:
-    """Return whether a folder with another mark is of the same robot: one configuration, and logs read before."""
-    if not configuration or list(mark[1:]) != [configuration]:
+    """Return whether a folder with another mark is of the same robot: one configuration, and logs read before.
+
+    Of a mark that is damaged the logs alone tell.
+    """
+    if mark and (not configuration or list(mark[1:]) != [configuration]):
         return False
     return not set(Readings(own).logs).isdisjoint(logs)
 
@@ -88,12 +92,19 @@ def namesakes(own: Path, folder: Path, name: str) -> list[str]:
     return [words]
 
 
-def _text(mark: Path) -> str:
-    """Return what a mark says; one that cannot be read belongs to nobody."""
+def _mark(file: Path) -> list[str]:
+    """Return the words of a mark; of one that cannot be read, or is damaged, none."""
     try:
-        return read_text(mark, LARGEST_MARK).strip()
+        text = read_text(file, LARGEST_MARK).strip()
     except InputError:
-        return ""
+        return []
+    words, _, checksum = text.rpartition(" ")
+    return words.split() if checksum == _checksum(words) else []
+
+
+def _checksum(words: str) -> str:
+    """Return the CRC-32 of the words of a mark, so that one with a changed letter is not that of another robot."""
+    return f"{zlib.crc32(words.encode()):08x}"
 
 
 def watch_robot(
