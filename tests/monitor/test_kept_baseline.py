@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.baseline import choose_baseline, keep_baseline, with_kept_baseline
+from jointwear.measurement.timestamps import moment_of
+from jointwear.monitor.baseline import baseline_of, choose_baseline, keep_baseline, with_kept_baseline
+from jointwear.monitor.events import events_of
 from jointwear.monitor.windows import blank_statistics
 
 DAY, COUNT = 86400.0, 40
@@ -71,3 +73,17 @@ def test_a_baseline_goes_on_until_its_end_has_passed(tmp_path):
 def test_a_baseline_of_so_many_windows_is_complete_with_the_last_of_them(tmp_path):
     for given in ({"windows": 20}, {"windows": 20, "until": UNTIL}):
         assert choose_baseline(month().part(slice(0, 20)), given).complete
+
+
+def test_times_without_a_zone_are_those_of_the_logs():
+    # Berlin is an hour ahead of UTC in January 1970.
+    entry = {"time_zone": "Europe/Berlin", "baseline": {"from": "1970-01-01T01:00:00", "until": "1970-01-04T01:00:00"}}
+    assert choose_baseline(month(), baseline_of(entry)).mask.sum() == 24
+    assert choose_baseline(month(), entry["baseline"]).mask.sum() != 24
+    named = {"until": "1970-01-04T00:00:00Z", "from": 5.0, "windows": 9}
+    given = baseline_of({"time_zone": "Europe/Berlin", "baseline": named})
+    assert (given["from"], given["windows"]) == (5.0, 9)
+    assert moment_of(given["until"]) == 3 * DAY
+    times = {"events": [{"time": "1970-01-02T01:00:00"}, {"time": "1970-01-03T00:00:00Z"}, {"time": 3 * DAY}]}
+    assert [e.time for e in events_of(entry | times)] == [DAY, 2 * DAY, 3 * DAY]
+    assert events_of(times)[0].time == DAY + 3600

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import UTC, datetime, tzinfo
 
 #: Latest time [s], the year 2286 on a clock that counts from 1970; the earliest lies as far before.
 LATEST = 1e10
 
 
-def moment_of(given: float | str) -> float:
-    """Return a time of the config in seconds: a number, or ISO 8601.
+def moment_of(given: float | str, zone: tzinfo = UTC) -> float:
+    """Return a time of the config in seconds: a number, or ISO 8601; without a zone it counts in `zone`.
 
     Raises
     ------
     ValueError : if it is none, or beyond :data:`LATEST`.
     """
-    seconds = float(given) if isinstance(given, (int, float)) else utc_seconds(given)
+    seconds = float(given) if isinstance(given, (int, float)) else utc_seconds(given, zone)
     if abs(seconds) > LATEST:
         raise ValueError(f"{given} is beyond {LATEST:g} s")
     return seconds
 
 
-def utc_seconds(text: str) -> float:
-    """Return seconds since 1970 UTC of an ISO 8601 time; without a zone it counts as UTC.
+def utc_seconds(text: str, zone: tzinfo = UTC) -> float:
+    """Return seconds since 1970 UTC of an ISO 8601 time; without a zone it counts in `zone`.
 
     Raises
     ------
     ValueError : if the text is no such time.
     """
     moment = datetime.fromisoformat(text)
-    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+    return (moment if moment.tzinfo else moment.replace(tzinfo=zone)).timestamp()

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from jointwear.files.wording import count
 from jointwear.measurement.timestamps import moment_of, utc_seconds
 from jointwear.monitor.findings import moment_words
 from jointwear.monitor.learning import FEWEST_SHIFTS, FEWEST_WINDOWS
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.shifts import shift_labels
 from jointwear.monitor.window_files import read_statistics, write_statistics
 from jointwear.monitor.windows import WindowStatistics, merge
@@ -58,6 +60,14 @@ def border(statistics: WindowStatistics, baseline: Mapping[str, Any], key: str) 
             "or 'windows'"
         )
     return utc_seconds(value)
+
+
+def baseline_of(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `baseline` of an entry of ``monitor.robots``; `from` and `until` without a zone get its `time_zone`."""
+    zone = zone_of(entry.get("time_zone"))
+    dates = {k: v for k, v in entry["baseline"].items() if k in ("from", "until") and isinstance(v, str)}
+    moments = {k: datetime.fromtimestamp(utc_seconds(v, zone), tz=UTC).isoformat() for k, v in dates.items()}
+    return {**entry["baseline"], **moments}
 
 
 def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> Baseline:

@@ -9,6 +9,7 @@ from typing import Any
 
 from jointwear.files.errors import InputError, shown
 from jointwear.measurement.timestamps import LATEST, moment_of
+from jointwear.monitor.local_time import zone_of
 
 KINDS = ("service", "sensor", "program", "acknowledged")
 
@@ -28,16 +29,17 @@ class Event:
 
 
 def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
-    """Return the events of an entry of ``monitor.robots``, in order of time.
+    """Return the events of an entry of ``monitor.robots``, in order of time; as in its logs, times without a zone are
+    those of its `time_zone`.
 
     Raises
     ------
     InputError : naming the event, if its time is none.
     """
-    events = []
+    events, zone = [], zone_of(entry.get("time_zone"))
     for k, given in enumerate(entry.get("events") or ()):
         try:
-            time = moment_of(given["time"])
+            time = moment_of(given["time"], zone)
         except (KeyError, ValueError):
             raise InputError(
                 f"config: 'events[{k}].time' is {shown(given.get('time'))}; allowed: ISO 8601, as "

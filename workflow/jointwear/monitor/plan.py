@@ -148,7 +148,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
                 f"config: '{where}.robot' is {shown(str(path))}, a URDF; name a robot file (YAML) that holds "
                 f"'urdf: {path.name}' and the drives"
             )
-        zone_of(entry.get("time_zone"), f"{where}.time_zone")
+        zone = zone_of(entry.get("time_zone"), f"{where}.time_zone")
         robot = read_once(path)
         for source in robot_sources(entry["robot"])[1:]:
             if not Path(source).is_file():
@@ -173,14 +173,14 @@ def check_robots(config: Mapping[str, Any]) -> None:
             raise InputError(f"config: '{where}.baseline' must hold 'until' or 'windows'")
         for key in ("from", "until"):
             try:
-                moment_of(baseline.get(key, 0))
+                moment_of(baseline.get(key, 0), zone)
             except ValueError:
                 raise InputError(
                     f"config: '{where}.baseline.{key}' is {shown(baseline[key])}; allowed: ISO 8601, as "
                     f"2026-01-15T00:00:00Z, or seconds for logs without a date (at most {LATEST:g} in size)"
                 ) from None
         borders = [baseline.get(key) for key in ("from", "until")]
-        if None not in borders and moment_of(borders[0]) >= moment_of(borders[1]):
+        if None not in borders and moment_of(borders[0], zone) >= moment_of(borders[1], zone):
             raise InputError(
                 f"config: '{where}.baseline.from' is {shown(borders[0])}, not before 'until', {shown(borders[1])}"
             )

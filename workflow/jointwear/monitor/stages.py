@@ -14,7 +14,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.baseline import keep_baseline, with_kept_baseline
+from jointwear.monitor.baseline import baseline_of, keep_baseline, with_kept_baseline
 from jointwear.monitor.clocks import clock_findings
 from jointwear.monitor.findings import COARSE, dead_band_findings, missing_temperature
 from jointwear.monitor.judge import UNJUDGED, Judgement, judge
@@ -83,7 +83,7 @@ def judge_pieces(
         reasons = [line for p in whole.pieces for line in p.refused]
         raise InputError(f"no log could be used: {reasons[0] if reasons else 'they hold no samples'}")
     kept = Path(state).parent / "baseline.nc"
-    given = {**entry["baseline"], "made_with": made_with(robot, entry)}
+    given = {**baseline_of(entry), "made_with": made_with(robot, entry)}
     statistics, baseline = with_kept_baseline(whole.statistics, given, kept)
     keep_baseline(statistics, baseline, given, kept)
     whole = replace(whole, statistics=statistics)

@@ -13,6 +13,7 @@ from jointwear.measurement.clock import Clock, Ordered, part_of
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.measurement.turns import unwrapped
+from jointwear.monitor.baseline import baseline_of
 from jointwear.monitor.plan import window_seconds
 
 #: Longest piece of one stretch that is taken [s], so that many hours fit, and shortest that shows anything.
@@ -47,10 +48,10 @@ def baseline_pieces(logs: Sequence[str], layout: Layout, entry: Mapping[str, Any
 
     Parameters
     ----------
-    logs : of the robot, in order. entry : its entry in the config, of which `window` and `baseline` count.
+    logs : of the robot, in order. entry : its entry in the config, of which `window`, `baseline` and `time_zone` count.
     """
     length = window_seconds(entry.get("window", "1h"))
-    within = _Baseline(entry["baseline"], length)
+    within = _Baseline(baseline_of(entry), length)
     pieces: list[Piece] = []
     refused: list[str] = []
     shift, last = 0.0, -np.inf
