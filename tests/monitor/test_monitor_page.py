@@ -402,6 +402,10 @@ def test_baselines(built):
     assert "nothing is judged until 140 more have come" in waiting.words
     day = choose_baseline(statistics.part(np.arange(HOURS) < 7), {"until": "2026-01-02T00:00:00Z"})
     assert not day.complete
+    future = choose_baseline(statistics, {"until": "2027-01-01T00:00:00Z"})
+    assert not future.complete
+    assert "baseline ends at 2027-01-01T00:00Z, not before the newest window does" in future.words
+    assert "nothing is judged until a window has come from after its end" in future.words
     assert "holds 7 windows in 1 shift; 8 windows with motion in 3 shifts are needed" in day.words
     assert choose_baseline(statistics, {"from": "2026-01-01T10:00:00Z", "windows": 20}).mask.nonzero()[0][0] == 10
     with pytest.raises(InputError, match="the logs have no dates"):

@@ -93,7 +93,7 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
     if _enough(statistics, mask):
         # As long as no window has come from after its end, more of the time that was asked for may come.
         over = until is None or bool(np.any(statistics.end > until)) or 0 < asked <= mask.sum()
-        return Baseline(mask, over)
+        return Baseline(mask, over, "" if over else _still_learning(statistics, until))
     longer = mask.copy()
     for k in np.flatnonzero(after & ~mask):
         longer[k] = True
@@ -110,6 +110,15 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
         "Nothing is judged until they have come."
     )
     return Baseline(longer, False, words)
+
+
+def _still_learning(statistics: WindowStatistics, until: float) -> str:
+    """Return in words that the newest window ends before the baseline does, at `until` [s]."""
+    return (
+        f"The baseline ends at {moment_words(statistics, until)}, not before the newest window does, at "
+        f"{moment_words(statistics, float(statistics.end[-1]))}: all that has come belongs to it, and nothing is "
+        "judged until a window has come from after its end."
+    )
 
 
 def _enough(statistics: WindowStatistics, mask: np.ndarray) -> bool:
