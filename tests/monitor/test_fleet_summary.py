@@ -21,7 +21,7 @@ from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.local_time import local_time, zone_of
 from jointwear.monitor.standing import NOTHING, rhythm_hours
-from jointwear.monitor.words import outlook_words
+from jointwear.monitor.words import MAY_BE_REACHED, outlook_words
 
 NOW = 1_767_225_600.0
 DAY = 86400.0
@@ -188,7 +188,7 @@ def test_the_order_of_the_config_does_not_matter(rows):
     ("hours", "words"),
     [
         (None, ""),
-        ([0.0, 0.0, 7.0], "limit may be reached any time"),
+        ([0.0, 0.0, 7.0], "limit may be reached by now"),
         ([30.0, 10.0, None], "limit not within 10 h"),
         ([None, 100.0, None], "limit not within 4 days"),
         ([None, None, None], "no limit in sight"),
@@ -206,13 +206,15 @@ def test_a_limit_is_reached_where_the_growth_that_is_told_has_reached_it():
     assert outlook_words(row, {"hours": [9.0, 4.0, 20.0], "reached": True}, zone_of(None)) == "limit reached"
 
 
-@pytest.mark.parametrize(
-    ("hours", "words"), [([0.0, 0.0, 0.0], "reached"), ([0.0, 0.0, 9.0], "may be reached any time")]
-)
+@pytest.mark.parametrize(("hours", "words"), [([0.0, 0.0, 0.0], "reached"), ([0.0, 0.0, 9.0], "may be reached by now")])
 def test_the_forecast_of_viscous_friction_says_of_which_limit_it_is(hours, words):
     axis = {"hours": hours, "reached": False, "quantity": "viscous friction", "limit": 20.0}
     told = outlook_words({"dated": False, "last_sample": 0.0}, axis, zone_of(None))
     assert told == f"limit of viscous friction (+20 %) {words}"
+
+
+def test_table_and_outlook_of_an_axis_tell_a_forecast_of_no_hours_in_the_same_words(root):
+    assert f"== 0 %}}{MAY_BE_REACHED}{{% else" in (root / "report/monitor.html.j2").read_text()
 
 
 def test_times_are_local_and_say_so():

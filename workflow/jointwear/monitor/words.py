@@ -15,6 +15,8 @@ BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNRESOLVED: "close", UNJUDGED: 
 NO_BREAK = "\u00a0"
 #: Probability of an axis above which no digit is told.
 SURE = 0.99
+#: What a forecast of no hours says: half of all courses that agree with the logs are at the limit, the mean is not.
+MAY_BE_REACHED = "may be reached by now"
 #: Growth of viscous friction [%] above which no number is told: there was too little of it before to measure it by.
 MOST_TOLD = 100.0
 #: Share of the limit below which growth has no bar: it would not be seen.
@@ -97,7 +99,7 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
         # It grew from where it was learnt anew: beside the growth since the baseline that date would mislead.
         return ""
     if middle == 0:
-        return f"{limit} may be reached any {'day' if row['dated'] else 'time'}"
+        return f"{limit} {MAY_BE_REACHED}"
 
     def at(value: float) -> str:
         return local_day(row["last_sample"] + 3600 * value, zone) if row["dated"] else duration(value)
