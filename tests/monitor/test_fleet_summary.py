@@ -106,6 +106,12 @@ def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
     assert (item["unjudged"], item["coarse"]) == ("axis 3", "axis 2")
 
 
+def test_logs_that_are_not_there_are_none_of_those_that_are(built):
+    page = (built / "index.html").read_text()
+    assert "5 logs of about 120 windows expected of silent robots since their newest ones." in page
+    assert "overdue" not in page
+
+
 def test_the_table_counts_what_was_refused_stale_or_not_judged(built):
     with (built / "fleet.csv").open() as file:
         rows = {row["robot"]: row for row in csv.DictReader(file)}

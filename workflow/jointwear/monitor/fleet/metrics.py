@@ -18,11 +18,11 @@ COUNTS = {
     "logs": "Logs that were read",
     "refused_logs": "Logs that were refused, at least in part",
     "copied_logs": "Logs with the samples of another, which count once",
-    "stale_logs": "Logs that are overdue",
+    "stale_logs": "Logs expected since the newest one of a robot that is silent",
     "unjudged_logs": "Logs in which no axis could be judged",
     "windows": "Windows",
     "refused_windows": "Windows with refused samples",
-    "stale_windows": "Windows that are overdue",
+    "stale_windows": "Windows expected since then",
     "unjudged_windows": "Windows in which no axis could be judged",
 }
 
