@@ -69,6 +69,7 @@ class Experiment:
             detections=worn("detection"),
             locations=worn("location"),
             models=by_task("detection", "model.nc"),
+            tasks={task: str(ROOT / "config/tasks" / f"{task}.yaml") for task in self.config["tasks"]},
             training_features=by_task("features", "training.nc"),
             training_simulations=by_task("simulation", "training.nc"),
             normal_simulations=by_task("simulation", "normal.nc"),

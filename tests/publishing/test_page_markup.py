@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from small_experiment import ROOT, compute, small_config
 
 from jointwear.files.errors import InputError
 from jointwear.publishing.report import numbers, rendering
+from jointwear.publishing.report.assembly import assemble
 from jointwear.publishing.report.page import other_pages
 from jointwear.reproduction import readings
 
@@ -139,6 +141,26 @@ def test_a_model_without_residual_is_told(tmp_path, page):
     text = Page(Path(done.path("report/index.html")).read_text(encoding="utf-8")).text
     assert "Task T2: nothing is left to watch." in text
     assert "In 2 of 2 normal models" in text
+
+
+@pytest.mark.parametrize(
+    ("own", "words"),
+    [
+        ([], "Payload, poses and wear shape were fitted to Tables V and VI"),
+        (["T1"], "Payload, wear shape and the poses of T2 were fitted to Tables V and VI"),
+        (["T1", "T2"], "Payload and wear shape, not the poses, were fitted to Tables V and VI"),
+    ],
+)
+def test_captions_say_what_was_fitted(experiment, tmp_path, own, words):
+    (tmp_path / "Stack.yaml").write_text("name: Stack\nprovenance: {source: an example}\n")
+    files = dict.fromkeys(("T1", "T2"), experiment.results.tasks["T2"]) | dict.fromkeys(
+        own, str(tmp_path / "Stack.yaml")
+    )
+    results = replace(experiment.results, tasks=files)
+    robot = assemble(results, experiment.config)["robot"]
+    macros = rendering.environment().from_string('{% import "macros.html.j2" as m %}{{ m.fitted(robot) }}')
+    assert " ".join(macros.render(robot=robot).split()) == f"{words} at the printed hours."
+    assert macros.render(robot={"fitted": {"payload": False, "poses": [], "tasks": []}}).strip() == ""
 
 
 def test_a_missing_or_broken_input_is_named(experiment, tmp_path):

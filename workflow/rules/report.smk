@@ -47,6 +47,7 @@ rule build_report:
         detections=cells("detection"),
         locations=cells("location"),
         models=expand("results/detection/{task}/model.nc", task=config["tasks"]),
+        tasks=[shipped(f"config/tasks/{task}.yaml") for task in config["tasks"]],
         training_features=expand(
             "results/features/{task}/training.nc", task=config["tasks"]
         ),

@@ -11,6 +11,7 @@ if __name__ == "__main__":
             name: dict(zip(tasks, found[name], strict=True))
             for name in (
                 "models",
+                "tasks",
                 "training_features",
                 "training_simulations",
                 "normal_simulations",

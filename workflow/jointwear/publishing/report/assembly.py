@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files import provenance
+from jointwear.files.documents import read_yaml
 from jointwear.files.storage import read_variables
 from jointwear.publishing.figures.curves import divergence_curves, friction_curves, residual_curves
 from jointwear.publishing.report import detection_rates, drivers, figure_scores, torque_limits
@@ -31,8 +32,9 @@ TABLES = ("table_ii", "table_iii", "table_iv", "table_v", "table_vi")
 class Results:
     """Files that the report reads.
 
-    `tables` by name; `simulations`, `detections`, `locations`: worn runs; the `normal_` and `training_` files and
-    `models` by task; `figure_run`: simulation, features, detection and task file of the run in Figures 1 to 3.
+    `tables` by name; `simulations`, `detections`, `locations`: worn runs; the `normal_` and `training_` files,
+    `models` and task files (`tasks`) by task; `figure_run`: simulation, features, detection and task file of the run in
+    Figures 1 to 3.
     """
 
     published: str
@@ -42,6 +44,7 @@ class Results:
     detections: Sequence[str]
     locations: Sequence[str]
     models: Mapping[str, str]
+    tasks: Mapping[str, str]
     training_features: Mapping[str, str]
     training_simulations: Mapping[str, str]
     normal_simulations: Mapping[str, str]
@@ -171,6 +174,11 @@ def paper_facts(printed: Published) -> dict[str, Any]:
     }
 
 
+def _recovered(content: Mapping[str, Any]) -> bool:
+    """Return whether a robot or task file was recovered from the paper's tables: it names its source in these words."""
+    return "Tables V and VI" in str(content.get("provenance", {}).get("source", ""))
+
+
 def assemble(results: Results, config: Mapping[str, Any]) -> dict[str, Any]:
     """Return all numbers of the report as dicts, lists, numbers and text.
 
@@ -214,8 +222,11 @@ def assemble(results: Results, config: Mapping[str, Any]) -> dict[str, Any]:
             "payload": robot.get("payload"),
             "limits": [j["torque_limit"] for j in robot["joints"]],
             "provenance": robot.get("provenance", {}),
-            # Captions say so; the file of the recovered arm names its source in these words.
-            "fitted": "Tables V and VI" in str(robot.get("provenance", {}).get("source", "")),
+            "fitted": {
+                "payload": _recovered(robot),
+                "poses": [task for task, path in results.tasks.items() if _recovered(read_yaml(path))],
+                "tasks": list(results.tasks),
+            },
         },
         "assumptions": assumptions(config["reading"]),
         "paper": paper_facts(printed),
