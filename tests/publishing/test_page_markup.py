@@ -132,15 +132,17 @@ def test_building_the_report_imports_nothing_heavy():
 
 
 def test_a_model_without_residual_is_told(tmp_path, page):
-    assert "nothing is left to watch" not in page.text
+    assert "is left to watch" not in page.text
     config = small_config()
     config.update(replicates=2, tasks=["T2"])
     config["wear"].update(axes=[3], increase_percent=[10])
     config["detection"]["variance_share"] = 0.999
     done = compute(tmp_path, config)
     text = Page(Path(done.path("report/index.html")).read_text(encoding="utf-8")).text
-    assert "Task T2: nothing is left to watch." in text
+    assert "Task T2: nothing but rounding is left to watch." in text
     assert "In 2 of 2 normal models" in text
+    assert "few joints" not in text
+    assert "no wear" not in text.split("is left to watch.")[1].split("lower")[0]
 
 
 @pytest.mark.parametrize(

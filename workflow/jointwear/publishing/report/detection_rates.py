@@ -50,8 +50,9 @@ def mean_interval(values: np.ndarray, exposure: float) -> dict[str, float]:
 def models_without_residual(models: Mapping[str, str | Path]) -> dict[str, dict[str, Any]]:
     """Return for each task how many of its normal models keep all the variance that there is.
 
-    Their Q-statistic is zero but for round-off, and no wear can raise it above its limit: it happens with few joints,
-    when the rule for the number of components keeps every one.
+    Their Q-statistic and its limit are zero but for round-off. It exceeds the limit as soon as anything changes that
+    was constant in training (a series of an axis that rests, say), and shows nothing else. It happens with few joints,
+    when the rule for the number of components keeps every one, and where axes rest.
 
     Parameters
     ----------
