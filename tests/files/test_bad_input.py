@@ -78,7 +78,7 @@ def test_a_wrong_config(config, path, value, words):
     [
         ("wear.axes", [7], ["'wear.axes' holds 7", "axes 1 to 6", "nearest valid value is 6"]),
         ("tasks", ["T9"], ["'T9'", "did you mean", "T1, T2, T3"]),
-        ("robot", "config/robots/puma561.yaml", ["no such file", "did you mean 'puma560.yaml'"]),
+        ("robot", "config/robots/puma561.yaml", ["'robot' is", "no such file", "did you mean 'puma560.yaml'"]),
     ],
 )
 def test_a_config_that_does_not_fit_its_files(config, root, monkeypatch, path, value, words):

@@ -1,11 +1,14 @@
 """Every format gives the same samples; names, units and order of axes come from the config; memory stays small."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from monitor_logs import START, columns, layout, make_log, write_bag, write_csv, write_netcdf, write_parquet
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.formats import read_log
+from jointwear.measurement.formats import layout_of, read_log
+from jointwear.measurement.formats.chunk import make_chunk
 from jointwear.measurement.units import converted
 
 
@@ -142,3 +145,10 @@ def test_temperature_of_the_arm_and_labels(tmp_path, log):
 )
 def test_units_of_torque_by_other_names(unit, factor):
     np.testing.assert_allclose(converted(np.ones(1), "torque", unit, "log"), factor)
+
+
+def test_a_log_of_an_arm_with_more_joints_names_the_robot():
+    layout = layout_of({}, ("shoulder", "elbow"))
+    values = {"time": np.arange(5.0), "position": np.zeros((5, 6)), "torque": np.zeros((5, 6))}
+    with pytest.raises(InputError, match=r"day\.nc: position is of 6 joints, .*'robot' names has 2: .*shoulder, elbow"):
+        make_chunk(Path("day.nc"), values, layout, {}, dated=False)

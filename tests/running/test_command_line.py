@@ -48,7 +48,7 @@ FILES = {
     "deep": ("a: " + "[" * 100_000, "levels deep"),
     "date": ("seed: 2026-13-45\n", "not valid YAML"),
     "template": ("__use_yte__: true\nseed: ?__import__('os').system('touch executed')\n", "runs code"),
-    "empty": ("", "must be a mapping"),
+    "empty": ("# nothing yet\n", "is empty; a mapping of keys to values is expected"),
     "bytes": ("seed: 7", "UTF-8"),
 }
 

@@ -181,6 +181,8 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
         # Values whose tag says what they are not: 2026-13-45, !!int text.
         raise InputError(f"{path}: not valid YAML ({error})") from None
+    if data is None:
+        raise InputError(f"{path}: is empty; a mapping of keys to values is expected, as 'key: value' in a line")
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a mapping of keys to values")
     check_numbers(data, path)

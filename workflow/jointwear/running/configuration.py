@@ -16,6 +16,7 @@ from jointwear.files.errors import InputError, nearest
 from jointwear.files.numbers import check_numbers
 from jointwear.files.patterns import matches
 from jointwear.files.registered import is_registered, locate
+from jointwear.files.regular_files import check_regular
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
@@ -167,6 +168,10 @@ def check_experiment(config: Mapping[str, Any]) -> dict[str, Any]:
     ------
     InputError : one line naming file and key.
     """
+    try:
+        check_regular(config["robot"])
+    except InputError as error:
+        raise InputError(f"config: 'robot' is {error}") from None
     robot = read_robot_file(config["robot"])
     axes = len(robot["joints"])
     for axis in config["wear"]["axes"]:

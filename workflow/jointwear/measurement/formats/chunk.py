@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
+from jointwear.files.wording import count as counted
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import with_log_name
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
@@ -181,6 +182,11 @@ def make_chunk(
             array = np.broadcast_to(array.reshape(len(time), 1), (len(time), axes))
         if array.shape == (len(time), axes):
             array = possible(array, role)
+        elif layout.axes and array.ndim == 2 and array.shape[1] != axes:
+            raise InputError(
+                f"{path}: {role} is of {counted(array.shape[1], 'joint')}, the robot file that 'robot' names "
+                f"has {axes}: {shown(', '.join(layout.joints))}"
+            )
         else:
             raise InputError(
                 f"{path}: {role} has shape {array.shape}; {len(time)} samples of {axes} joints are expected"
