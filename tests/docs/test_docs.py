@@ -3,6 +3,7 @@
 import contextlib
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -63,7 +64,7 @@ def built(tmp_path_factory):
 @contextlib.contextmanager
 def surroundings(page: Path, folder: Path):
     """Give the environment of a page; that of the cluster page has a Slurm and a Kubernetes API on loopback."""
-    base = {**os.environ, "PYTHONPATH": "workflow"}
+    base = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}  # as a reader has it
     base["PATH"] = f"{folder / '.venv/bin'}{os.pathsep}{base['PATH']}"
     if page != CLUSTER_PAGE:
         yield base
@@ -101,9 +102,16 @@ def test_every_step_of_a_page_works(built, tmp_path, page):
             run(step, folder, environment)
 
 
-def test_links_between_pages_lead_somewhere():
-    import re
+def test_files_of_the_project_that_documents_name_are_there():
+    pages = [*(ROOT / "docs").rglob("*.md"), *(ROOT / "data").rglob("README.md"), ROOT / "config/README.md"]
+    for page in pages:
+        text = page.read_text()
+        for path in re.findall(r"\bworkflow/\w+/[\w/]+\.\w+", text):
+            # A reader writes some of them.
+            assert (ROOT / path).exists() or f"# file: {path}" in text, f"{page.relative_to(ROOT)}: {path}"
 
+
+def test_links_between_pages_lead_somewhere():
     for page in [*(ROOT / "docs").rglob("*.md"), ROOT / "README.md", ROOT / "config/README.md"]:
         for target in re.findall(r"\]\(([^)#]+)", page.read_text()):
             if not target.startswith(("http:", "https:")):

@@ -34,7 +34,7 @@ from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alar
 from jointwear.monitor.summaries import UNKNOWN, axis_summary, headline, why_unjudged
 from jointwear.monitor.temperature import temperature_share
 from jointwear.monitor.window_files import read_statistics
-from jointwear.monitor.words import todo
+from jointwear.monitor.words import sure_words, todo
 
 EVIL = "<script>alert(1)</script>"
 HOURS, WORN = 60, 2
@@ -295,9 +295,13 @@ def test_how_sure_an_axis_is_stands_beside_it(built):
     assert axis_conditions(unsure)[0].check.startswith("compare the other axes before opening anything")
     write_page(unsure, folder / "unsure.html", folder / "unsure")
     text = (folder / "unsure.html").read_text().replace("\u00a0", " ")
-    assert text.count("axis is right with 33 %") == 2
+    assert text.count("33 % likely to be this axis") == 2
     assert "compare" not in axis_conditions(state)[0].check
-    assert todo(standing(state), standing(state)["axes"][0], zone_of(None))["sure"] == "axis is right with 99\u00a0%"
+    assert (
+        todo(standing(state), standing(state)["axes"][0], zone_of(None))["sure"] == "99\u00a0% likely to be this axis"
+    )
+    assert sure_words(0.999) == ">\u00a099\u00a0% likely to be this axis"
+    assert sure_words(None) == ""
 
 
 def test_a_number_that_is_not_known_says_why(built):

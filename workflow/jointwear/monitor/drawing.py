@@ -205,7 +205,7 @@ def _points(axes, at: np.ndarray, mean: np.ndarray, size: np.ndarray, colour: st
 
 
 def _mark(axes, marks: dict[int, list]) -> None:
-    """Draw the alarms: upright lines by the number of their dashes, one artist for all that are alike."""
+    """Draw the alarms: vertical lines by the number of their dashes, one artist for all that are alike."""
     from matplotlib.collections import LineCollection
 
     for k, lines in marks.items():

@@ -44,7 +44,7 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
 def sure_words(probability: float | None) -> str:
     """Return in words how likely it is that an alarm names the right axis, empty where nothing says so."""
     percent = sure_percent(probability)
-    return f"axis is right with {percent}".replace(" %", NO_BREAK + "%") if percent else ""
+    return f"{percent.replace(' ', NO_BREAK)} likely to be this axis" if percent else ""
 
 
 def sure_percent(probability: float | None) -> str:

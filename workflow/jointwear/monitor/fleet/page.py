@@ -82,7 +82,7 @@ def fleet_heading(rows: Sequence[Mapping[str, Any]]) -> str:
         return "No robot"
     if not waiting:
         return f"Nothing to check on {len(rows)} robots" if len(rows) > 1 else "Nothing to check"
-    return f"{len(waiting)} of {len(rows)} robots to look at" if len(rows) > 1 else "The robot wants a look"
+    return f"{len(waiting)} of {len(rows)} robots to look at" if len(rows) > 1 else "The robot needs attention"
 
 
 def write_fleet_page(
