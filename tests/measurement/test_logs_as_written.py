@@ -48,6 +48,26 @@ def test_times_in_many_spellings(tmp_path, stamp, entry):
     assert chunk.time[0] == pytest.approx(1768456800.25, abs=1e-3)
 
 
+def test_times_with_a_zone_and_without_are_told_with_the_row(tmp_path):
+    times = ["2026-01-15 06:00:00Z", "2026-01-15 06:00:01Z", "2026-01-15 06:00:02"]
+    path = write(tmp_path / "a.csv", [";".join(HEADER), *(f"{time};0.1;1.0" for time in times)])
+    with pytest.raises(InputError, match=r"with a zone and without are mixed: '2026-01-15 06:00:02' of row 4 names no"):
+        one(path)
+
+
+@pytest.mark.parametrize(
+    ("stamp", "decimal"), [("2026-01-15 06:{:02}:00Z", "."), ("15.01.2026 06:{:02}:00", ","), ("{}", ",")]
+)
+def test_cells_that_cannot_be_read_are_left_out_alone(tmp_path, stamp, decimal):
+    rows = [f"{stamp.format(k)};0{decimal}{k};{k}{decimal}5" for k in range(40)]
+    rows[5], rows[7] = rows[5].rpartition(";")[0] + ";#REF!", "later;" + rows[7].partition(";")[2]
+    chunk = one(write(tmp_path / "a.csv", [";".join(HEADER), *rows]))
+    assert len(chunk.time) == 39
+    assert np.flatnonzero(np.isnan(chunk.torque[:, 0])).tolist() == [5]
+    assert chunk.torque[-1, 0] == 39.5
+    assert chunk.unread == (2, "row 7 has '#REF!' in column 'torque_1'")
+
+
 def test_nanoseconds_in_parquet(tmp_path):
     columns = {"time": pa.array([1768456800250000001, 1768456800270000003]), "position_1": [0.1, 0.2]}
     parquet.write_table(pa.table({**columns, "torque_1": [1.0, 2.0]}), tmp_path / "a.parquet")

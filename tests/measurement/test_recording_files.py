@@ -5,8 +5,10 @@ import pytest
 from monitor_logs import columns, make_log, write_csv
 
 from jointwear.files.errors import InputError
+from jointwear.measurement.checks import check_recording
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording, read_recording, write_recording
+from jointwear.robots.robot import load_robot
 
 
 @pytest.fixture
@@ -70,8 +72,15 @@ def test_a_word_among_the_numbers_is_told(tmp_path, log):
     table = {name: list(values) for name, values in columns(log).items()}
     table["torque_2"][7] = "broken"
     write_csv(tmp_path / "r.csv", table)
-    with pytest.raises(InputError, match="'broken'"):
-        load(tmp_path, "r.csv")
+    found = load(tmp_path, "r.csv")
+    assert np.argwhere(~np.isfinite(found.torque)).tolist() == [[7, 1]]
+    told = "row 9 has 'broken' in column 'torque_2'; what cannot be read was left out as missing"
+    assert told in check_recording(found, load_robot("config/robots/puma560.yaml"))
+    table["time"][9] = table["position_6"][11] = "x"
+    write_csv(tmp_path / "r.csv", table)
+    found = load(tmp_path, "r.csv")
+    assert len(found.time) == len(log.time) - 1
+    assert "and 2 more rows hold such a cell" in found.unread
 
 
 @pytest.mark.parametrize(

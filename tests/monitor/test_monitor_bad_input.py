@@ -289,6 +289,23 @@ def test_what_cannot_be_read_ends_in_one_line(tmp_path, good, name):
         assert name in later.refused[0]
 
 
+def test_one_cell_that_cannot_be_read_costs_no_window(tmp_path, good):
+    table = {name: list(values) for name, values in columns(make_log(48.0)).items()}
+    table["position_1"][1000] = "?"
+    found = read(write_csv(tmp_path / "log.csv", table), good)
+    (words,) = found.refused
+    assert "log.csv: row 1002 has '?' in column 'position_1'" in words
+    assert len(found.statistics.count) == 4
+    assert found.statistics.judgeable[:, :5].all()
+
+
+def test_cells_that_cannot_be_read_for_long_end_the_log_with_row_and_column(tmp_path, good):
+    table = {name: list(values) for name, values in columns(make_log(48.0)).items()}
+    table["torque_2"][500:] = ["?"] * (len(table["time"]) - 500)
+    (words,) = read(write_csv(tmp_path / "log.csv", table), good).refused
+    assert "row 502 has '?' in column 'torque_2', which is not a number" in words
+
+
 def test_a_bag_without_effort_says_so(tmp_path):
     with pytest.raises(InputError, match="carry no effort"):
         read(write_bag(tmp_path / "bag", make_log(2.0), effort=False))

@@ -105,7 +105,7 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
             "'variables' are derived",
         )
     _units(recording, robot, good)
-    restrictions = []
+    restrictions = [recording.unread] if recording.unread else []
     if good.mean() < 1.0:
         restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are {_lost(recording)} and were left out")
     if len(recording.time) < 400:

@@ -13,7 +13,7 @@ from jointwear.files import provenance
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.measurement.formats import Chunk, layout_of, read_log
-from jointwear.measurement.formats.chunk import JOINT_ROLES, UNLABELLED
+from jointwear.measurement.formats.chunk import JOINT_ROLES, UNLABELLED, unread_in_words
 from jointwear.measurement.formats.netcdf import floats
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.possible import LARGEST_LABEL, check_clock
@@ -41,7 +41,8 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     joints = None
     if log_format(path) == "bag":
         joints = entry.get("joints") or [j["name"] for j in read_robot_file(Path(root) / entry["robot"])["joints"]]
-    whole = _joined(list(read_log(path, layout_of(entry, joints))))
+    chunks = list(read_log(path, layout_of(entry, joints)))
+    whole = _joined(chunks)
     for role in JOINT_ROLES:
         values = getattr(whole, role)
         if values is not None and not np.isfinite(values).any():
@@ -73,6 +74,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         encoder_side=entry.get("encoder_side") or "motor",
         units=whole.units,
         missing=whole.missing,
+        unread=unread_in_words(chunk.unread for chunk in chunks),
     )
 
 
@@ -102,7 +104,7 @@ def _joined(chunks: Sequence[Chunk]) -> Chunk:
         parts = [getattr(chunk, role) for chunk in chunks]
         return None if any(part is None for part in parts) else np.concatenate(parts)
 
-    roles = [field.name for field in fields(Chunk) if field.name not in ("dated", "units", "missing")]
+    roles = [field.name for field in fields(Chunk) if field.name not in ("dated", "units", "missing", "unread")]
     missing = {
         role: tuple(sorted({x for chunk in chunks for x in chunk.missing.get(role, ())}))
         for role in dict.fromkeys(role for chunk in chunks for role in chunk.missing)

@@ -13,6 +13,7 @@ from jointwear.measurement.clipped_torque import at_limit
 from jointwear.measurement.clock import Clock, Ordered, join, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
+from jointwear.measurement.formats.chunk import unread_in_words
 from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
@@ -63,8 +64,9 @@ def log_statistics(
     refused = inspector.refused
     parts: list[WindowStatistics] = []
     span = [np.inf, -np.inf]
+    unread: list[tuple[int, str]] = []
     try:
-        for around, kept in _blocks(path, layout, length, block):
+        for around, kept in _blocks(path, layout, length, block, unread):
             time = around.chunk.time[kept]
             span = [min(span[0], float(time.min())), max(span[1], float(time.max()))]
             parts.append(_block_statistics(around, kept, model, loads, survey, settings, inspector))
@@ -72,6 +74,8 @@ def log_statistics(
                 parts = [merge(parts)]
     except InputError as error:
         refused.append(str(error))
+    if words := unread_in_words(unread):
+        refused.append(f"{path}: {words}")
     dated = survey.dated if not parts else parts[0].dated
     if dated != survey.dated:
         told = ("dates", "none") if dated else ("no dates", "some")
@@ -83,12 +87,15 @@ def log_statistics(
     return LogStatistics(merge(parts), *span, tuple(dict.fromkeys(refused)))
 
 
-def _blocks(path: str, layout: Layout, length: float, block: int) -> Iterator[tuple[Ordered, slice]]:
-    """Yield blocks with what is around them, and which of their samples count."""
+def _blocks(
+    path: str, layout: Layout, length: float, block: int, unread: list[tuple[int, str]]
+) -> Iterator[tuple[Ordered, slice]]:
+    """Yield blocks with what is around them, and which of their samples count; `unread` is filled as of chunks."""
     clock = Clock(length, path)
     waiting: list[Ordered] = []
     size = before = 0
     for chunk in read_log(path, layout, block):
+        unread.append(chunk.unread)
         waiting.append(clock.order(chunk))
         size += len(waiting[-1].stretch)
         while size >= before + block + HALO:

@@ -48,31 +48,71 @@ def stamps(path: Path, column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.Chun
 
     Raises
     ------
-    InputError : showing the first text that is none of these.
+    InputError : showing the first text that is none of these, or two of which only one names a zone.
     """
     try:
         # What is ISO 8601 already needs no mending, which takes several times as long as the reading.
         return column.cast(pa.timestamp("ns", tz="UTC"))
     except pa.ArrowException:
-        text = compute.utf8_trim_whitespace(column)
-    text = compute.replace_substring_regex(text, r"^(\d{1,2})\.(\d{1,2})\.(\d{4})", r"\3-\2-\1")
-    text = compute.replace_substring_regex(text, r"^(\d{4})-(\d)-", r"\1-0\2-")
-    text = compute.replace_substring_regex(text, r"^(\d{4}-\d\d)-(\d)([ T])", r"\1-0\2\3")
-    text = compute.replace_substring(text, ",", ".")
-    zoned = compute.match_substring_regex(text, r"(Z|z|[+-]\d\d:?\d\d)$")
+        text = _mended(column)
+    zoned = compute.match_substring_regex(text, _ZONE)
     kind = pa.timestamp("ns", tz="UTC") if compute.any(zoned).as_py() else pa.timestamp("ns")
     try:
         return text.cast(kind)
     except pa.ArrowException:
-        for value in text.to_pylist():
-            try:
-                pa.scalar(value).cast(kind)
-            except pa.ArrowException:
+        for given, value in zip(column.to_pylist(), text.to_pylist(), strict=True):
+            if value is not None and not is_stamp(value):
                 raise InputError(
-                    f"{path}: the time '{str(value)[:40]}' is no number, nor ISO 8601 (2026-01-15T00:00:00Z), nor "
+                    f"{path}: the time '{str(given)[:40]}' is no number, nor ISO 8601 (2026-01-15T00:00:00Z), nor "
                     "dd.mm.yyyy hh:mm:ss"
                 ) from None
-        raise InputError(f"{path}: the times cannot be read") from None
+    odd = first_of_other_zone(column)
+    raise InputError(f"{path}: {mixed_zones(column, odd) if odd is not None else 'the times cannot be read'}")
+
+
+def first_of_other_zone(column: pa.Array | pa.ChunkedArray) -> int | None:
+    """Return where the first time stands that names a zone unlike the first one, or the other way round; None where
+    there is none."""
+    zoned = compute.match_substring_regex(_mended(column), _ZONE).to_pylist()
+    first = next((z for z in zoned if z is not None), None)
+    return next((k for k, z in enumerate(zoned) if z is not None and z != first), None)
+
+
+def mixed_zones(column: pa.Array | pa.ChunkedArray, odd: int, row: int | None = None) -> str:
+    """Return in words that some times name a zone and some do not; `odd` as of :func:`first_of_other_zone`, in the row
+    `row` of the file where that is known."""
+    texts = column.to_pylist()
+    first = next(text for text in texts if text is not None)
+    zoned = compute.match_substring_regex(_mended(pa.array([first])), _ZONE)[0].as_py()
+    place, has = "" if row is None else f" of row {row}", ("no time zone", "one") if zoned else ("a time zone", "none")
+    return (
+        f"times with a zone and without are mixed: '{texts[odd][:40]}'{place} names {has[0]}, '{first[:40]}' {has[1]}; "
+        "write all of them one way"
+    )
+
+
+#: The zone at the end of a time.
+_ZONE = r"(Z|z|[+-]\d\d:?\d\d)$"
+
+
+def _mended(column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.ChunkedArray:
+    """Return times as ISO 8601 has them: the year first, two digits each, a point before the fraction."""
+    text = compute.utf8_trim_whitespace(column)
+    text = compute.replace_substring_regex(text, r"^(\d{1,2})\.(\d{1,2})\.(\d{4})", r"\3-\2-\1")
+    text = compute.replace_substring_regex(text, r"^(\d{4})-(\d)-", r"\1-0\2-")
+    text = compute.replace_substring_regex(text, r"^(\d{4}-\d\d)-(\d)([ T])", r"\1-0\2\3")
+    return compute.replace_substring(text, ",", ".")
+
+
+def is_stamp(text: str) -> bool:
+    """Return whether a text is a time of :func:`stamps`, with a zone or without."""
+    mended = _mended(pa.array([text]))
+    zoned = compute.match_substring_regex(mended, _ZONE)[0].as_py()
+    try:
+        mended.cast(pa.timestamp("ns", tz="UTC") if zoned else pa.timestamp("ns"))
+    except pa.ArrowException:
+        return False
+    return True
 
 
 def _seconds(column: pa.Array | pa.ChunkedArray, zone: str | None = None) -> np.ndarray:

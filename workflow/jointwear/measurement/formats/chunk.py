@@ -34,7 +34,8 @@ class Chunk:
     `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label,
     :data:`UNLABELLED` where there is none, or None; `program` (m,) text, empty where unknown, or None. `units`: role ->
     unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it. `missing`: role ->
-    numbers that were read as missing.
+    numbers that were read as missing. `unread`: how many rows held a cell that cannot be read, which was left out, and
+    the first of them in words.
     """
 
     time: np.ndarray
@@ -48,6 +49,17 @@ class Chunk:
     dated: bool = False
     units: Mapping[str, str] = field(default_factory=dict)
     missing: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    unread: tuple[int, str] = (0, "")
+
+
+def unread_in_words(told: Iterable[tuple[int, str]]) -> str:
+    """Return what the `unread` of chunks says together, empty where all was read."""
+    found = [(count, words) for count, words in told if count]
+    more = sum(count for count, _ in found) - 1
+    if not found:
+        return ""
+    others = f", and {more} more rows hold such a cell" if more else ""
+    return f"{found[0][1]}{others}; what cannot be read was left out as missing"
 
 
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.

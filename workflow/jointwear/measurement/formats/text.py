@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pyarrow as pa
@@ -16,6 +16,7 @@ from pyarrow import csv as arrow_csv
 
 from jointwear.files.errors import InputError, shown
 from jointwear.measurement.formats.arrow import chunk_of, stamps
+from jointwear.measurement.formats.cells import Cells
 from jointwear.measurement.formats.chunk import Chunk, check_count, find_columns
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.units import UNITS
@@ -26,6 +27,8 @@ _ALSO_MISSING = ["#N/A", "#NA", "n/a", "-", "--", "---", "#VALUE!", "ERROR", "Er
 _BYTES_A_NUMBER = 18
 
 
+#: What the reader says of a cell that is not of its column's type.
+_CONVERSION = "conversion error"
 #: Lines looked at for the header and for the form of the numbers.
 _LOOK = 60
 #: Bytes at the end of a log in which a row that was cut is looked for.
@@ -59,28 +62,28 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         if not _is_number(cell.replace(",", ".")):
             stamps(path, pa.array([cell]))
             types[columns["time"][0]] = pa.string()
+    done, time = 0, columns["time"][0]
     torn = _TornRow(path, head.encoding)
     try:
-        with arrow_csv.open_csv(
-            path,
-            read_options=arrow_csv.ReadOptions(
-                use_threads=False,
-                block_size=max(1 << 16, rows * _BYTES_A_NUMBER * len(head.names)),
-                column_names=head.names,
-                skip_rows=head.skip,
-                encoding=head.encoding,
-            ),
-            parse_options=arrow_csv.ParseOptions(delimiter=head.delimiter, invalid_row_handler=torn),
-            convert_options=arrow_csv.ConvertOptions(
-                column_types=types,
-                include_columns=wanted,
-                null_values=[*_MISSING, *_ALSO_MISSING],
-                strings_can_be_null=True,
-                decimal_point=head.decimal,
-            ),
-        ) as reader:
-            for batch in reader:
-                yield chunk_of(path, batch, columns, layout, head.units)
+        try:
+            for batch in _batches(path, head, types, rows, torn):
+                chunk = chunk_of(path, batch, columns, layout, head.units)
+                done += batch.num_rows
+                yield chunk
+            return
+        except pa.ArrowInvalid as error:
+            if _CONVERSION not in str(error):
+                raise
+        except InputError:
+            if types[time] != pa.string():
+                raise
+        # A cell holds something else than its column: what was not read yet is read as text, which takes longer.
+        cells = Cells(
+            path, head.decimal, time, types[time] == pa.string(), tuple(columns.get("program", ())), done, head.skip
+        )
+        for batch in _rest(_batches(path, head, dict.fromkeys(types, pa.string()), rows, torn), done):
+            table, unread = cells.numbers(batch)
+            yield replace(chunk_of(path, table, columns, layout, head.units), unread=unread)
     except (pa.ArrowException, OSError) as error:
         if torn.fault:
             raise InputError(torn.fault) from None
@@ -88,6 +91,40 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         if "Empty CSV" in first_line:
             raise InputError(f"{path}: holds no samples") from None
         raise InputError(f"{path}: cannot be read as CSV ({first_line})") from None
+
+
+def _batches(
+    path: Path, head: Head, types: dict[str, pa.DataType], rows: int, torn: _TornRow
+) -> Iterator[pa.RecordBatch]:
+    """Yield the columns of `types` as these, about `rows` rows at a time."""
+    with arrow_csv.open_csv(
+        path,
+        read_options=arrow_csv.ReadOptions(
+            use_threads=False,
+            block_size=max(1 << 16, rows * _BYTES_A_NUMBER * len(head.names)),
+            column_names=head.names,
+            skip_rows=head.skip,
+            encoding=head.encoding,
+        ),
+        parse_options=arrow_csv.ParseOptions(delimiter=head.delimiter, invalid_row_handler=torn),
+        convert_options=arrow_csv.ConvertOptions(
+            column_types=types,
+            include_columns=list(types),
+            null_values=[*_MISSING, *_ALSO_MISSING],
+            strings_can_be_null=True,
+            decimal_point=head.decimal,
+        ),
+    ) as reader:
+        yield from reader
+
+
+def _rest(batches: Iterator[pa.RecordBatch], done: int) -> Iterator[pa.RecordBatch]:
+    """Yield what follows the first `done` rows."""
+    for batch in batches:
+        skipped = min(done, batch.num_rows)
+        done -= skipped
+        if skipped < batch.num_rows:
+            yield batch.slice(skipped)
 
 
 class _TornRow:

@@ -1,0 +1,102 @@
+"""Cells of a CSV log that hold something else than a number or a time: left out where nearly all others are sound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow as pa
+from pyarrow import compute
+
+from jointwear.files.errors import InputError, shown
+from jointwear.measurement.formats.arrow import first_of_other_zone, is_stamp, mixed_zones, stamps
+
+#: Share of the rows of a log, read so far, that may hold such a cell.
+MOST = 0.1
+#: Numbers as the CSV reader takes them.
+_NUMBER = r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$|^[-+]?(?i:nan|inf|infinity)$"
+
+
+@dataclass
+class Cells:
+    """Reads batches of text of one log at `path` as numbers; `decimal` sign, `time`: its column, `stamped` where it
+    holds times of day, `text`: columns of text. `rows` read so far, `line` of the file before the first of them."""
+
+    path: Path
+    decimal: str
+    time: str
+    stamped: bool
+    text: tuple[str, ...]
+    rows: int
+    line: int
+    unread: int = 0
+
+    def numbers(self, batch: pa.RecordBatch) -> tuple[pa.Table, tuple[int, str]]:
+        """Return a batch with null in place of what is no number, rows whose time is none left out, and how many rows
+        were concerned with the first of them in words.
+
+        Raises
+        ------
+        InputError : naming row and column where more than :data:`MOST` of the rows so far are.
+        """
+        columns, wrong = {}, {}
+        for name in batch.schema.names:
+            given = batch.column(name)
+            if name in self.text:
+                columns[name] = given
+                continue
+            sound = self._sound(name, given)
+            wrong[name] = compute.and_(compute.is_valid(given), compute.invert(sound))
+            kept = compute.if_else(sound, self._plain(name, given), pa.scalar(None, pa.string()))
+            columns[name] = kept if self._is_time(name) else kept.cast(pa.float64())
+        begin, self.rows = self.rows, self.rows + batch.num_rows
+        concerned = [index for mask in wrong.values() for index in _places(mask)]
+        if not concerned:
+            return pa.table(columns), (0, "")
+        first = min(concerned)
+        column = next(name for name, mask in wrong.items() if mask[first].as_py())
+        self.unread += len(set(concerned))
+        told = (
+            f"row {self.line + begin + first + 1} has {shown(batch.column(column)[first].as_py())} in column '{column}'"
+        )
+        if self.unread > MOST * self.rows:
+            kind = "a time" if self._is_time(column) else "a number"
+            raise InputError(
+                f"{self.path}: cannot be read as CSV ({told}, which is not {kind}; so have {self.unread} of {self.rows}"
+                " rows)"
+            )
+        table = pa.table(columns)
+        return table.filter(compute.invert(wrong[self.time])), (len(set(concerned)), told)
+
+    def _is_time(self, name: str) -> bool:
+        return self.stamped and name == self.time
+
+    def _plain(self, name: str, given: pa.Array) -> pa.Array:
+        trimmed = compute.utf8_trim_whitespace(given)
+        if self._is_time(name) or self.decimal == ".":
+            return trimmed
+        return compute.replace_substring(trimmed, self.decimal, ".")
+
+    def _sound(self, name: str, given: pa.Array) -> pa.Array:
+        """Return which cells are read, false for those that are missing."""
+        if self._is_time(name):
+            try:
+                stamps(self.path, given)
+                return compute.is_valid(given)
+            except InputError:
+                sound = pa.array([text is not None and is_stamp(text) for text in given.to_pylist()])
+            known = compute.if_else(sound, given, pa.scalar(None, pa.string()))
+            odd = first_of_other_zone(known)
+            if odd is not None:
+                words = mixed_zones(known, odd, self.line + self.rows + odd + 1)
+                raise InputError(f"{self.path}: {words}")
+            return sound
+        sound = compute.match_substring_regex(self._plain(name, given), _NUMBER)
+        if self.decimal != ".":
+            sound = compute.and_(sound, compute.invert(compute.match_substring(given, ".")))
+        return compute.fill_null(sound, False)
+
+
+def _places(mask: pa.Array) -> list[int]:
+    """Return where a mask is true."""
+    return compute.indices_nonzero(compute.fill_null(mask, False)).to_pylist()
