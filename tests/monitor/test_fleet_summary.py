@@ -93,6 +93,21 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 
+def test_spells_that_are_over_are_told_once_and_last():
+    spells = [
+        {"time": NOW - k * DAY, "end": NOW - k * DAY + 3600, "axes": [], "kind": "shared", "words": f"Spell {k}."}
+        for k in (5, 2, 9)
+    ]
+    scale = {"time": NOW - 20 * DAY, "axes": [2], "kind": "scale", "words": "The scale changed."}
+    for count, told in (
+        (1, "Spell 5."),
+        (2, "Spell 2. It was so once before."),
+        (3, "Spell 2. It was so 2 times before."),
+    ):
+        row = as_of(robot("arm", findings=[*spells[:count], scale]), NOW)
+        assert robot_item(row, zone_of(None), "robots")["findings"] == ["The scale changed.", told]
+
+
 def test_a_service_that_is_proposed_asks_for_its_event_until_one_is_entered():
     found = {"time": NOW, "axes": [2], "kind": "proposed_service", "words": "Friction of axis 2 fell."}
     assert as_of(robot("arm", findings=[found]), NOW)["urgency"] == "asks for an event"

@@ -65,9 +65,24 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
 
 
 def _to_check(findings: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return findings in words, the newest first, without those on backlash: they say what cannot be judged."""
+    """Return findings in words, the newest first, without those on backlash: they say what cannot be judged.
+
+    What is over comes last, and of several of a kind the newest alone, with how many there were before.
+    """
     shown = [f for f in findings if f["kind"] != BACKLASH]
-    return [f["words"] for f in sorted(shown, key=lambda f: -(f.get("time") or 0))]
+    newest = sorted(shown, key=lambda f: -(f.get("time") or 0))
+    words = [f["words"] for f in newest if "end" not in f]
+    over: dict[str, list[str]] = {}
+    for found in newest:
+        if "end" in found:
+            over.setdefault(found["kind"], []).append(found["words"])
+    return words + [f"{told[0]}{_before(len(told) - 1)}" for told in over.values()]
+
+
+def _before(count: int) -> str:
+    if not count:
+        return ""
+    return " It was so once before." if count == 1 else f" It was so {count} times before."
 
 
 def _minute(row: Mapping[str, Any]) -> float:
