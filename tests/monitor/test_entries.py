@@ -20,7 +20,7 @@ def check(**more):
         ({"units": {"positon": "deg"}}, r"cell_3\.units' has the role 'positon'; did you mean 'position'"),
         (
             {"units": {"position": "degreess"}},
-            r"units\.position' is 'degreess'; did you mean 'degrees'\? \(allowed: rad,",
+            r"units\.position' is 'degreess'; did you mean 'deg'\? \(allowed: rad,",
         ),
         ({"units": {"torque": "V"}}, r"units\.torque' is 'V' .*\(allowed: N m, mN m, kN m, kgf m, .*A, mA, %"),
         ({"variables": {"torques": SIX}}, r"variables' has the role 'torques'; did you mean 'torque'"),

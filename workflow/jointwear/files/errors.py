@@ -1,7 +1,7 @@
 """Errors that a user can act on, and how they are shown."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 #: Longest value that a message repeats; what is wrong with a longer one shows at its beginning. Characters.
@@ -40,7 +40,13 @@ def _cut(text: str, length: int) -> str:
     return text if len(text) <= length else text[: length - 3] + "..."
 
 
-def nearest(word: str, allowed: Iterable[str]) -> str:
-    """Return a hint ``; did you mean 'x'?`` for the allowed word closest to `word`, or an empty string."""
-    close = difflib.get_close_matches(str(word)[:LONGEST_VALUE], [str(a) for a in allowed], n=1, cutoff=0.5)
-    return f"; did you mean '{close[0]}'?" if close else ""
+def nearest(word: str, allowed: Iterable[str], meant: Mapping[str, str] | None = None) -> str:
+    """Return a hint ``; did you mean 'x'?`` for the allowed word closest to `word`, or an empty string.
+
+    Parameters
+    ----------
+    meant : other words that count as close, and the allowed word that each stands for.
+    """
+    words = [str(a) for a in allowed] + list(meant or {})
+    close = difflib.get_close_matches(str(word)[:LONGEST_VALUE], words, n=1, cutoff=0.5)
+    return f"; did you mean '{(meant or {}).get(close[0], close[0])}'?" if close else ""

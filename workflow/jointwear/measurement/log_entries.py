@@ -70,7 +70,7 @@ def _check_roles(entry: Mapping[str, Any], where: str, axes: int) -> None:
         known = [*UNITS[role], *((*CURRENTS, *SHARES) if role == "torque" else ())]
         plain = str(unit).split(" since ")[0].strip() if role == "time" else str(unit).strip()
         if role != "trajectory" and SPELLINGS.get(plain, plain) not in known:
-            near = nearest(plain, [*known, *(word for word, meant in SPELLINGS.items() if meant in known and word)])
+            near = nearest(plain, known, {word: meant for word, meant in SPELLINGS.items() if meant in known and word})
             raise InputError(
                 f"config: '{where}.units.{role}' is {shown(str(unit))}{near} (allowed: {', '.join(known)})"
             )

@@ -92,9 +92,9 @@ def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.
     if plain not in known:
         if role == "trajectory":
             return values  # labels, whatever they are said to be
+        near = nearest(plain, known, {word: meant for word, meant in SPELLINGS.items() if meant in known and word})
         raise InputError(
-            f"data set '{name}': unit {shown(str(unit))} of {role} is not known{nearest(plain, known)} "
-            f"(allowed: {', '.join(known)})"
+            f"data set '{name}': unit {shown(str(unit))} of {role} is not known{near} (allowed: {', '.join(known)})"
         )
     factor, offset = known[plain]
     return values if (factor, offset) == (1.0, 0.0) else values * factor + offset
