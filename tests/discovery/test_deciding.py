@@ -281,6 +281,8 @@ def test_a_failed_search_leaves_a_verdict_and_a_page(case, tmp_path, monkeypatch
     assert written["gap"]["augmented"] == pytest.approx(written["gap"]["nominal"], rel=1e-4)
     pages = [tmp_path / name for name in ("verdict.json", "where.nc", "models.nc", "page.html")]
     write_page(*pages, tmp_path / "figures")
+    assert "model, RMS error in N&nbsp;m" in pages[-1].read_text()
+    assert '<ol class="wraps">' in pages[-1].read_text()
     assert "a calculation went wrong" in pages[-1].read_text().lower()
     assert "No effect of the library is needed" not in pages[-1].read_text()
 

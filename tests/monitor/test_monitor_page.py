@@ -125,6 +125,7 @@ def test_the_page_says_what_an_engineer_needs(built):
     state = read_state(folder / "state.nc")
     assert why_unjudged(state, 5) == "at rest, or too slow to show friction"
     assert headline([axis_summary(state, 5)])[0] == "No axis can be judged"
+    assert axis_summary(state, 5)["remark"] == ""
 
 
 def test_an_axis_that_stops_moving_is_no_longer_called_healthy(built):

@@ -61,9 +61,8 @@ def axis_summary(
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
     remark = ""
-    if not len(after):
-        remark = why_unjudged(state, j)
-    elif after[-1] < len(state.start) - FEWEST_NOW:
+    # Of an axis that was never judged the reason stands in the table of what cannot be judged.
+    if len(after) and after[-1] < len(state.start) - FEWEST_NOW:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
     coarse = next((f["least"] for f in state.findings if f["kind"] == COARSE and j + 1 in f["axes"]), None)
