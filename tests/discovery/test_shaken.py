@@ -130,21 +130,35 @@ def test_a_problem_in_which_nothing_shakes_the_arm(disturbed):
     assert not replace(disturbed.problem, still=True).shaken.any()
 
 
-def test_what_shakes_the_arm_is_noise_unless_a_link_swings(disturbed, monkeypatch):
+SWING = Candidate("joint_flexibility", 1, None, {"inertia_over_stiffness": 1e-4, "inertia": 2.0, "side": 1})
+SHARED = Candidate("drive_coupling", 1, 2, {})
+LATE = Candidate("actuation_delay", 1, None, {"delay": 0.01})
+
+
+@pytest.mark.parametrize(
+    ("found", "unexplained", "stands"),
+    [
+        ([SWING], ["time"], True),
+        ([SHARED], [], True),
+        ([SHARED], ["time"], False),
+        ([SHARED, LATE], [], False),
+        ([], [], False),
+    ],
+)
+def test_what_shakes_the_arm_is_noise_unless_what_was_found_explains_it(
+    disturbed, monkeypatch, found, unexplained, stands
+):
     asked = []
 
     def search(white):
-        asked.append(bool(white.problem.shaken.any()))
-        return Outcome(white.problem, white, None, None, named=[] if white.problem.shaken.any() else named)
+        shaken = bool(white.problem.shaken.any())
+        asked.append(shaken)
+        named = [] if shaken else [SimpleNamespace(candidate=c) for c in found]
+        return Outcome(white.problem, white, None, None, named=named, unexplained=unexplained)
 
     monkeypatch.setattr(decide, "_search", search)
-    spring = Candidate("joint_spring", 1, None, {})
-    swing = Candidate("joint_flexibility", 1, None, {"inertia_over_stiffness": 1e-4, "inertia": 2.0, "side": 1})
-    for candidate, found in ((spring, 0), (swing, 1)):
-        named = [SimpleNamespace(candidate=candidate)]
-        asked.clear()
-        assert len(decide.search(disturbed).named) == found
-        assert asked == ([False] if found else [False, True])
+    assert len(decide.search(disturbed).named) == (len(found) if stands else 0)
+    assert asked == ([False] if stands else [False, True])
 
 
 def test_noise_that_moves_the_arm_is_no_structure(disturbed):

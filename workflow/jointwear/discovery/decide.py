@@ -53,28 +53,36 @@ def search(white: White) -> Outcome:
     """Return the effects that whitened data show, out of all of the library: :func:`decide`.
 
     Where a force from outside explains more than any of them they are looked for beside it. What shakes the arm is
-    noise, unless it is a link that swings: :func:`_swinging`.
+    noise, unless what was found explains it: :func:`_found_still`.
     """
-    return _swinging(white) or _search(white)
+    return _found_still(white) or _search(white)
 
 
-def _swinging(white: White) -> Outcome | None:
-    """Return what is found where nothing that shakes the arm is noise, if that is an elastic gear, else None.
+def _found_still(white: White) -> Outcome | None:
+    """Return what is found where nothing that shakes the arm is noise, if that explains it, else None.
 
-    A strong gear shakes all joints, as noise in the drives does. A swing that noise feigned would need the stiffness,
-    the size and the pull on all other joints of one gear.
+    A strong gear shakes all joints, as noise in the drives does, and a drive of two joints both of them. Noise feigns
+    rates of torque: names of timing say nothing here, but for a link that swings, which needs the stiffness, the size
+    and the pull on all other joints of one gear. Other names explain it where they leave nothing.
     """
-    problem = white.problem
-    if not problem.shaken.any():
+    if not white.problem.shaken.any():
         return None
-    outcome = _search(whitened(replace(problem, still=True)))
-    return outcome if any(_swings(n) for n in outcome.named) else None
+    outcome = _search(whitened(replace(white.problem, still=True)))
+    if any(_swings(n) for n in outcome.named):
+        return outcome
+    sound = outcome.named and not outcome.unexplained and not any(_of_timing(n) for n in outcome.named)
+    return outcome if sound else None
 
 
 def _swings(one: Named) -> bool:
     """Return whether an effect is a link that swings, which pulls on every joint."""
     candidate = one.candidate
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).spreads(candidate.nonlinear)
+
+
+def _of_timing(one: Named) -> bool:
+    """Return whether an effect is made of rates of torque."""
+    return one.candidate.effect != LINK_MASS and get_effect(one.candidate.effect).timing
 
 
 def _search(white: White) -> Outcome:
