@@ -1,5 +1,7 @@
 """A unit that is stated and is not that of the data: told with the right one, whatever was stated."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
@@ -8,6 +10,8 @@ from jointwear.discovery.preflight import check_data
 from jointwear.files.errors import InputError
 from jointwear.measurement.checked import checked
 from jointwear.measurement.checks import Refused
+from jointwear.measurement.motion import measure
+from jointwear.measurement.position_unit import check_position_unit
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.monitor.survey import survey_log
@@ -59,6 +63,22 @@ def test_celsius_that_is_stated_as_kelvin_is_told():
     assert remedy(temperature="K") == "state units: {temperature: degC}"
 
 
+@pytest.mark.parametrize("stated", ["deg", "rev"])
+def test_the_example_of_the_monitor_is_told_to_be_in_radians(stated):
+    with pytest.raises(Refused) as refused:
+        survey_log("data/examples/monitor_puma560/day_1.nc", layout(units={"position": stated}), model(), 12.0)
+    assert refused.value.suggestion == "state units: {position: rad}"
+
+
+def test_radians_that_are_far_outside_the_limits_once_read_as_revolutions_are_told(tmp_path):
+    log = make_log(40.0)
+    table = columns(log) | {"position_6": log.position[:, 5] + 2.0}
+    path = str(write_parquet(tmp_path / "log.parquet", table))
+    with pytest.raises(Refused, match="look like radians") as refused:
+        survey_log(path, layout(units={"position": "rev"}), model(), 12.0)
+    assert refused.value.suggestion == "state units: {position: rad}"
+
+
 @pytest.mark.parametrize(("truth", "stated"), [("rad", "deg"), ("rad", "rev"), ("deg", "rad"), ("deg", "rev")])
 def test_the_first_log_of_the_monitor_is_held_to_the_stated_unit(tmp_path, truth, stated):
     log = make_log(40.0)
@@ -79,3 +99,11 @@ def test_measured_velocities_tell_of_the_stated_unit_of_the_positions(tmp_path):
     with pytest.raises(Refused, match=r"velocity of joint 1 .* it looks like radians") as refused:
         survey_log(path, layout(units={"velocity": "deg/s"}), model(), 12.0)
     assert refused.value.suggestion == "state units: {velocity: rad/s}"
+
+
+def test_without_motion_no_unit_is_told():
+    robot = load_robot("config/robots/puma560.yaml")
+    recording = split(load_recording({"measured": EXAMPLE}, "arm"))
+    still = measure(replace(recording, position=0 * recording.position))
+    for samples in (still, replace(still, position=np.nan * still.position)):
+        check_position_unit(samples, robot, "arm", "deg")

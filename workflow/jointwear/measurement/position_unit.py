@@ -14,6 +14,8 @@ from jointwear.robots.robot import Robot
 #: Share of the squared torque, a median over the axes, that the right unit may leave. The right one of measured arms
 #: leaves 0.09 (Kinova) and 0.007 (Staubli).
 RIGHT = 0.15
+#: Share below which no unit is better than another.
+LEAST = 1e-3
 #: Factor by which the right unit must leave less, and axes of which it must: most of the torque of a slow axis is
 #: friction, which tells nothing of the unit. Radians read as degrees leave 5 and 6 times as much (Kinova), 12 and 16
 #: (Staubli).
@@ -28,6 +30,13 @@ def left_as_read(measured: Measured, robot: Robot, unit: float = 1.0) -> np.ndar
     return explained(Dynamics(robot), np.stack([*motion, np.nan_to_num(measured.torque)], axis=1), measured.usable)
 
 
+def _largest(measured: Measured) -> np.ndarray:
+    """Return the size of the position of each axis (n,) that nearly all samples keep to."""
+    if not len(measured.position):
+        return np.zeros(measured.position.shape[1])
+    return np.quantile(np.nan_to_num(np.abs(measured.position)), NEARLY_ALL, axis=0)
+
+
 def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, float] | None:
     """Return the unit that the positions look like in place of the stated one, and the share of the squared torque that
     it leaves, a median over the axes; None where none fits far better.
@@ -38,19 +47,22 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
     """
     sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
     reach = np.where(turns_on(robot), np.inf, BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
-    largest = np.nanquantile(np.abs(measured.position), NEARLY_ALL, axis=0)
+    largest = _largest(measured)
     as_stated: np.ndarray | None = None
-    found: list[tuple[str, float]] = []
+    found: list[tuple[float, str, float]] = []
     for unit, size in sizes.items():
         factor = size / sizes[stated]
         if unit == stated or np.any(factor * largest > reach):
             continue
         as_stated = left_as_read(measured, robot) if as_stated is None else as_stated
+        if not np.isfinite(as_stated).any():
+            return None
         left = left_as_read(measured, robot, factor)
         telling = np.sum(as_stated > FAR_LESS * left) >= TELLING and not np.any(left > FAR_LESS * as_stated)
         if telling and np.nanmedian(left) < RIGHT:
-            found.append((unit, float(np.nanmedian(left))))
-    return min(found, key=lambda x: x[1], default=None)
+            # Axes that friction turns fit in any unit; what all leave together tells the right one.
+            found.append((float(np.nansum(np.log(np.maximum(left, LEAST)))), unit, float(np.nanmedian(left))))
+    return min(found)[1:] if found else None
 
 
 def refusal_of(name: str, unit: str, stated: str) -> Refused:
@@ -73,7 +85,7 @@ def check_position_unit(measured: Measured, robot: Robot, name: str, stated: str
     Refused : with the unit to state.
     """
     stated = stated or "rad"
-    largest = np.nanquantile(np.abs(measured.position), NEARLY_ALL, axis=0)
+    largest = _largest(measured)
     if stated == "rad" and not np.any(largest > BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper))):
         return
     found = better_unit(measured, robot, stated)

@@ -9,7 +9,7 @@ whatever the load, is not judged.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -74,11 +74,17 @@ def check_first(
     measured = _measured(chunk, stretch, motion, dead_band)
     if len(measured.time) < FEWEST:
         return [None] * robot.joints
-    _check_units(measured, robot, name)
+    _check_units(measured, robot, name, chunk.units)
     check_derivatives(chunk, stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
-        check_readings(measured, robot, lambda samples: _as_discovery(samples, robot, name, samples), name, chunk.units)
+        check_readings(
+            measured,
+            robot,
+            lambda samples: _as_discovery(samples, robot, name, samples, chunk.units),
+            name,
+            chunk.units,
+        )
     left = explained(Dynamics(robot), *_thinned(measured))
     known = left[np.isfinite(left)]
     if len(known) >= FEWEST_AXES and np.median(known) > MOST_LEFT:
@@ -127,7 +133,7 @@ class LaterCheck:
         measured = _measured(chunk, stretch, motion, self._dead_band)
         if len(measured.time) < FEWEST:
             return nothing
-        _check_units(measured, self._dynamics.robot, self._name)
+        _check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
         parts, usable = _thinned(measured)
         self._last = self._growth(parts, usable)
@@ -260,13 +266,13 @@ def _thinned(measured: Measured) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([p[::step] for p in parts], axis=1), measured.usable[::step]
 
 
-def _check_units(measured: Measured, robot: Robot, name: str) -> None:
+def _check_units(measured: Measured, robot: Robot, name: str, units: Mapping[str, str]) -> None:
     nothing = np.zeros(0, dtype=int)
     names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
-    _as_discovery(measured, robot, name, replace(measured, **{n: getattr(measured, n)[nothing] for n in names}))
+    _as_discovery(measured, robot, name, replace(measured, **{n: getattr(measured, n)[nothing] for n in names}), units)
 
 
-def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured) -> None:
+def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured, units: Mapping[str, str]) -> None:
     """Check as discovery does, comparing `against` with the model."""
     recording = Recording(
         time=measured.time,
@@ -274,6 +280,7 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
         position=measured.position,
         torque=np.nan_to_num(measured.torque),
         name=name,
+        units=units,
     )
     try:
         check_recording(recording, robot)
