@@ -97,7 +97,8 @@ def _plain(parameters):
 def test_loops_of_hysteresis_never_drive_and_follow_the_fit(level, bends, distance):
     written = HYSTERESIS.bend.written({"level": level, "distance": distance}, None, np.array(bends))
     assert all(HYSTERESIS.possible(p) for p in written)
-    if min(bends) >= 0 and distance * 0.3 > 0.004:
+    # A file holds loops of distances within the bounds of the effect alone.
+    if min(bends) >= 0 and distance * 0.3 > 0.004 and distance * 3.5 < 0.3:
         travel = np.linspace(0, distance, 50)
         factors = distance * np.array([1, 0.3, 0.6, 1.7, 3.5])
         wanted = np.exp(-travel[:, None] / factors) @ np.array([level, *bends])
