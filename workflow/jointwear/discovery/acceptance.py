@@ -29,6 +29,11 @@ def follows_time(candidate: Candidate) -> bool:
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).follows_time
 
 
+def of_timing(candidate: Candidate) -> bool:
+    """Return whether an effect is made of rates of torque."""
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).timing
+
+
 def is_body(candidate: Candidate) -> bool:
     """Return whether an effect is a body, which wrong inertial parameters of the links may stand for."""
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).sound is not None

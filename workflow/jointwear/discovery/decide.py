@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from jointwear.discovery.acceptance import predictive, refusals, within_bounds
+from jointwear.discovery.acceptance import of_timing, predictive, refusals, within_bounds
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -70,7 +70,7 @@ def _found_still(white: White) -> Outcome | None:
     outcome = _search(whitened(replace(white.problem, still=True)))
     if any(_swings(n) for n in outcome.named):
         return outcome
-    sound = outcome.named and not outcome.unexplained and not any(_of_timing(n) for n in outcome.named)
+    sound = outcome.named and not outcome.unexplained and not any(of_timing(n.candidate) for n in outcome.named)
     return outcome if sound else None
 
 
@@ -78,11 +78,6 @@ def _swings(one: Named) -> bool:
     """Return whether an effect is a link that swings, which pulls on every joint."""
     candidate = one.candidate
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).spreads(candidate.nonlinear)
-
-
-def _of_timing(one: Named) -> bool:
-    """Return whether an effect is made of rates of torque."""
-    return one.candidate.effect != LINK_MASS and get_effect(one.candidate.effect).timing
 
 
 def _search(white: White) -> Outcome:

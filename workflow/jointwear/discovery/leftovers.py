@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import gammaincc
 
-from jointwear.discovery.acceptance import explained, predictive
+from jointwear.discovery.acceptance import explained, of_timing, predictive
 from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
@@ -213,7 +213,7 @@ def _shaken(one: Named) -> bool:
 
     The noise model takes a part of that for noise, so that the share of what is left says nothing.
     """
-    return one.candidate.effect != LINK_MASS and get_effect(one.candidate.effect).timing
+    return of_timing(one.candidate)
 
 
 def left_open(outcome: Outcome, one: Named) -> list[int]:

@@ -9,8 +9,6 @@ den Hof 2005; Janot, Vandanjon and Gautier 2014).
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 #: Longest and shortest piece, in samples, of which spectra are taken, and its length [s] between: runs of samples that
@@ -56,6 +54,7 @@ def shaken_shares(
     """
     shares = np.zeros(residual.shape[1])
     frequency, length = frequencies(rate), piece_of(rate)
+    octave = np.frexp(frequency / LOWEST)[1]
     for axis in range(len(shares)):
         pieces = _pieces(usable[:, axis], record, length)
         if len(pieces) < FEWEST:
@@ -70,14 +69,13 @@ def shaken_shares(
         own, noise = common - derived[axis], power - derived[axis]
         if band.sum() >= BINS:
             shares[axis] = np.sum(own[band]) / np.sum(noise[band])
-        for octave in _octaves(frequency):
-            part = band & octave
-            if part.any():
-                share = np.sum(own[part]) / np.sum(noise[part])
-                # Of two spectra without anything in common.
-                chance = np.sqrt(np.sum((power * motion)[part]) / (2.0 * len(pieces))) / np.sum(noise[part])
-                if share > SIGMAS * chance:
-                    shares[axis] = max(shares[axis], share)
+        for one in np.unique(octave[band]):
+            part = band & (octave == one)
+            share = np.sum(own[part]) / np.sum(noise[part])
+            # Of two spectra without anything in common.
+            chance = np.sqrt(np.sum((power * motion)[part]) / (2.0 * len(pieces))) / np.sum(noise[part])
+            if share > SIGMAS * chance:
+                shares[axis] = max(shares[axis], share)
     others = [np.max(np.delete(shares, axis), initial=0.0) for axis in range(len(shares))]
     shares = np.minimum(shares, others)
     return np.where(shares < LEAST, 0.0, np.minimum(shares, 1.0))
@@ -86,13 +84,6 @@ def shaken_shares(
 def piece_of(rate: float) -> int:
     """Return the length [samples], a power of two, of the pieces of a recording of `rate` [Hz]."""
     return int(np.clip(2 ** round(np.log2(SPAN * rate)), SHORTEST, LONGEST))
-
-
-def _octaves(frequency: np.ndarray) -> list[np.ndarray]:
-    """Return masks (k,) over `frequency` (k,) [Hz] of the octaves above :data:`LOWEST`."""
-    count = int(np.ceil(np.log2(max(frequency[-1] / LOWEST, 2.0)))) + 1
-    edges = LOWEST * 2.0 ** np.arange(count + 1)
-    return [(frequency >= a) & (frequency < b) for a, b in itertools.pairwise(edges)]
 
 
 def frequencies(rate: float) -> np.ndarray:
