@@ -11,7 +11,7 @@ from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, 
 from jointwear.measurement.motion import Measured, runs
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.turns import turns_on
-from jointwear.measurement.units import POSITION_WORDS, UNITS
+from jointwear.measurement.units import POSITION_WORDS, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -189,7 +189,7 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
 
 def _smaller_units(stated: str) -> Iterator[tuple[str, float]]:
     """Yield the units of positions that are smaller than the stated one, the largest first, and their shares of it."""
-    sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
+    sizes = sizes_of("position")
     for unit in sorted(sizes, key=sizes.__getitem__, reverse=True):
         if sizes[unit] < sizes.get(stated, 1.0):
             yield unit, sizes[unit] / sizes.get(stated, 1.0)

@@ -12,7 +12,7 @@ from jointwear.measurement.possible import likely_unit
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.smoothing import SLOWEST
 from jointwear.measurement.turns import unwrapped
-from jointwear.measurement.units import POSITION_WORDS, UNITS
+from jointwear.measurement.units import POSITION_WORDS, sizes_of
 
 #: Ratios of a derivative to what the positions say that count as right: filters take a part off fast motion.
 LOWEST, HIGHEST = 0.8, 1.25
@@ -107,7 +107,7 @@ def _remedy(role: str, ratio: float, stated: Mapping[str, str]) -> tuple[str, st
 
 def _other_position(ratio: float, stated: str) -> tuple[str, str] | None:
     """Return in words the unit of the positions that a ratio stands for, and the remedy; None where it is none."""
-    sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
+    sizes = sizes_of("position")
     for unit, size in sizes.items():
         if unit != stated and LOWEST < ratio * sizes.get(stated, 1.0) / size < HIGHEST:
             return f"; the positions look like {POSITION_WORDS[unit]}", f"state units: {{position: {unit}}}"

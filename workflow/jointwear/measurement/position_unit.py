@@ -7,7 +7,7 @@ import numpy as np
 from jointwear.measurement.checks import Refused, explained
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.turns import turns_on
-from jointwear.measurement.units import POSITION_WORDS, UNITS
+from jointwear.measurement.units import POSITION_WORDS, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -45,7 +45,7 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
     ----------
     measured : samples, thinned, read in the unit `stated`, a key of the units of a position.
     """
-    sizes = {unit: size for unit, (size, _) in UNITS["position"].items()}
+    sizes = sizes_of("position")
     reach = np.where(turns_on(robot), np.inf, BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
     largest = _largest(measured)
     as_stated: np.ndarray | None = None

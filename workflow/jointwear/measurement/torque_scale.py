@@ -12,7 +12,7 @@ from jointwear.measurement.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.units import CURRENTS, UNITS
+from jointwear.measurement.units import CURRENTS, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
@@ -226,7 +226,7 @@ def off_scale(measured: Measured, robot: Robot, load_free: bool = False) -> np.n
 
 def _other_units(stated: str) -> Iterator[tuple[str, float]]:
     """Yield the other units that a torque read in a stated one may be in, and its factor on the model's then."""
-    known = {unit: size for unit, (size, _) in UNITS["torque"].items()} | CURRENTS
+    known = sizes_of("torque") | CURRENTS
     for unit in CURRENTS if stated in CURRENTS else LIKELY:
         if unit != stated:
             yield unit, known.get(stated, 1.0) / known[unit]

@@ -69,6 +69,11 @@ SPELLINGS = {
 CURRENTS, SHARES = {"A": 1.0, "mA": 1e-3}, ("%", "percent", "1/1000")
 
 
+def sizes_of(role: str) -> dict[str, float]:
+    """Return the size of each unit of a role in the project's."""
+    return {unit: size for unit, (size, _) in UNITS[role].items()}
+
+
 def spelled(role: str, unit: str) -> str:
     """Return a unit of a role as :data:`UNITS` spells it, where it is known."""
     plain = str(unit).strip()
