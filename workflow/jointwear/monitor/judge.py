@@ -41,7 +41,7 @@ from jointwear.monitor.windows import WindowStatistics
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
 MOST_STEPS, SCALE_RATE = 3, 1.0
 #: Shares of the allowance: of the charts for viscous friction alone, where the level that is judged leaves it out, and
-#: for backlash; the rest is that of the level. The viscous part takes two to four times its share: its law has heavier
+#: for backlash; the rest is that of the level. The viscous part takes two to nine times its share: its law has heavier
 #: tails than the null runs', as oil and loads move it (docs/decisions/normal_state.md).
 VISCOUS_SHARE, BACKLASH_SHARE = 0.05, 0.1
 LEVEL_SHARE = 1.0 - VISCOUS_SHARE - BACKLASH_SHARE
