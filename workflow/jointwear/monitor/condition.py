@@ -48,6 +48,7 @@ class AxisCondition:
     now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `episodes`:
     unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
     unknown. `seen`: it has been judged after the baseline. `rescaled`: time [s] of a changed scale of its torque.
+    `fell`: time [s] of a fall of its friction that nobody has explained.
     """
 
     axis: int
@@ -64,6 +65,7 @@ class AxisCondition:
     viscous_std: float = math.nan
     seen: bool = True
     rescaled: float = math.inf
+    fell: float = math.inf
 
     @property
     def change(self) -> float | None:
@@ -91,6 +93,8 @@ class AxisCondition:
         if self.main.detector != DETECTORS[0] and self.rescaled <= self.main.last:
             # What the histograms saw is explained.
             return advice("scale", None)
+        if self.main.detector != DETECTORS[0] and self.fell <= self.main.last:
+            return "its friction fell before, as after a service: enter it under 'events', or look for another cause"
         told = advice(self.main.quantity, self.main.newest["change"])
         if self.probability is not None and self.probability < EVEN_ODDS:
             return f"compare the other axes before opening anything, as it may well be another; then {told}"
@@ -153,10 +157,14 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         viscous=viscous,
         viscous_std=viscous_std,
         seen=len(after) > 0,
-        rescaled=min(
-            (f["time"] for f in state.findings if f["kind"] == "scale" and j + 1 in f["axes"]), default=math.inf
-        ),
+        rescaled=_first(state, "scale", j),
+        fell=_first(state, "proposed_service", j),
     )
+
+
+def _first(state: RobotState, kind: str, j: int) -> float:
+    """Return the time [s] of the first finding of a kind on a 0-based axis, infinite where there is none."""
+    return min((f["time"] for f in state.findings if f["kind"] == kind and j + 1 in f["axes"]), default=math.inf)
 
 
 def _long_unseen(state: RobotState, judged: np.ndarray) -> bool:
