@@ -187,7 +187,8 @@ _READ = {
         Flag.CONTRADICTED,
         (
             "The torque of {axes} is none that the model and the first log know: another unit, a size without sign, "
-            "another column or a fault of its measurement. It is not judged there; mend these logs or leave them out."
+            "another column, a fault of its measurement, or a load at the flange that the robot file lacks. It is not "
+            "judged there; mend these logs or leave them out, or state the load."
         ),
     ),
     "saturated": (
