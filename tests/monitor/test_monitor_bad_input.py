@@ -265,7 +265,7 @@ FILES = {
         lambda p: write_csv(p, {k: v for k, v in columns(make_log(1.0)).items() if "torq" not in k}),
         "torque",
     ),
-    "slow.csv": (lambda p: write_csv(p, columns(make_log(300.0, rate=2.0))), "log both"),
+    "slow.csv": (lambda p: write_csv(p, columns(make_log(300.0, rate=2.0))), "log velocity and acceleration"),
     "twice.csv": (lambda p: p.write_text("time,time\n1,2\n"), "twice"),
     "words.parquet": (
         lambda p: write_parquet(p, columns(make_log(1.0)) | {"position_1": np.full(50, "x")}),

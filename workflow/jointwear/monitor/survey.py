@@ -118,9 +118,10 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
     derived = "velocity" not in roles or "acceleration" not in roles
     if derived and rate < SLOWEST_RATE:
+        lacking = " and ".join(r for r in ("velocity", "acceleration") if r not in roles)
         raise InputError(
-            f"{path}: is sampled at {rate:.3g} Hz; velocity and acceleration cannot be derived from it: log both, or "
-            f"at least {SLOWEST_RATE:g} Hz"
+            f"{path}: is sampled at {rate:.3g} Hz, from which {lacking} cannot be derived: log {lacking} (named under "
+            f"'variables'), or at least {SLOWEST_RATE:g} Hz"
         )
     cutoff, noise = _spectra(chunk, stretch, rate, derived)
     motion = derive_motion(chunk, stretch, cutoff)
