@@ -110,12 +110,13 @@ def operating_features(
 class Design:
     """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range, of
     temperatures and of how fast they change; `programs`: columns of programs that the log names or the baseline lacks;
-    their normal is learnt when they first run."""
+    their normal is learnt when they first run. `thermal`: columns of temperature, warming and hour, with products."""
 
     matrix: np.ndarray
     prior: Posterior
     beyond: np.ndarray
     programs: tuple[int, ...] = ()
+    thermal: tuple[int, ...] = ()
 
 
 def _lagged(temperature: np.ndarray, start: np.ndarray) -> np.ndarray:
@@ -166,17 +167,20 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
         turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)
         columns += [np.cos(turn), np.sin(turn)]
         scales += [WARM, DAY, DAY]
+    thermal = list(range(1, len(columns)))
     features = conditions.features[:, axis]
     usual = np.nanmedian(features[baseline], axis=0) if np.isfinite(features[baseline]).any() else np.zeros(5)
     centred = features - usual
     columns += list(centred.T)
     scales += list(FEATURES)
+    before = len(columns)
     if known:
         columns += list((centred * changing[:, None]).T)
         scales += list(FEATURES * PRODUCT)
     elif warm is not None:
         columns += list((centred * columns[1][:, None]).T)
         scales += list(FEATURES * PRODUCT_WARM)
+    thermal += range(before, len(columns))
     load = conditions.load - float(np.median(conditions.load[baseline]))
     columns.append(load)
     scales.append(LOAD)
@@ -198,4 +202,4 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
         scales.append(PROGRAM)
     scale = np.array(scales)
     prior = Posterior(np.zeros(len(scale)), np.diag(scale**2))
-    return Design(np.stack(columns, axis=1), prior, beyond, tuple(programs))
+    return Design(np.stack(columns, axis=1), prior, beyond, tuple(programs), tuple(thermal))

@@ -322,13 +322,23 @@ class _Axis:
 
 def _new_programs(design: Design, posterior: Posterior, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return which windows of `rows`, all so far, run a program that is not known yet: of one with hardly any windows,
-    and of one with enough to learn its level from."""
+    and of one with enough to learn its level from.
+
+    Known is what can be predicted at the usual temperature, not the constant of the program alone: where a program
+    always runs at one load and speed, no data tell its constant from what load and speed do in it, and its windows
+    would teach their level, wear among it, for ever.
+    """
     waiting, new = np.zeros(len(rows), dtype=bool), np.zeros(len(rows), dtype=bool)
     for c in design.programs:
-        if posterior.covariance[c, c] > UNSEEN**2:
-            own = design.matrix[rows, c] > 0
+        own = design.matrix[rows, c] > 0
+        if not own.any():
+            continue
+        usual = design.matrix[rows[own]].copy()
+        usual[:, list(design.thermal)] = 0.0
+        unknown = posterior.predict(usual)[1] > UNSEEN**2
+        if unknown.any():
             target = new if own.sum() >= FEWEST_NEW else waiting
-            target |= own
+            target[np.flatnonzero(own)[unknown]] = True
     return rows[waiting], rows[new]
 
 
