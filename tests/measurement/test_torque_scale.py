@@ -94,6 +94,21 @@ def test_a_torque_of_another_time_is_told(example, seconds):
         check_delay(measure(shifted(recording, seconds)), robot, "arm")
 
 
+def test_friction_that_builds_up_after_reversals_is_no_clock(example):
+    """Its torque turns late, over a travel: read later it would fit friction that jumps, and nothing else."""
+    recording, robot, measured = example
+    friction = 0.5 * (robot.coulomb_positive - robot.coulomb_negative)
+    late = np.zeros_like(measured.torque)
+    for label in recording.labels:
+        rows = np.flatnonzero(measured.trajectory == label)
+        for joint in range(robot.joints):
+            state = 0.0
+            for row, step in zip(rows[1:], np.diff(measured.position[rows, joint]), strict=True):
+                state = float(np.clip(state + step / 0.02, -1.0, 1.0))
+                late[row, joint] = 4.0 * friction[joint] * state
+    assert check_delay(replace(measured, torque=measured.torque + late), robot, "arm") == []
+
+
 def test_a_short_delay_of_all_joints_is_told_in_words(example):
     recording, robot, _ = example
     (words,) = check_delay(measure(shifted(recording, 0.035)), robot, "arm")

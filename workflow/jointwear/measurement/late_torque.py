@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.effects.bristle import bristle
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.torque_follows import free_torques, unfollowed
@@ -21,6 +22,8 @@ REFUSED = 0.05
 EXPLAINED = 0.003
 #: Factor by which the right time lowers what is left of the variance, as a median over the joints.
 LOWERED = 2.0
+#: Travels [rad] after a reversal over which friction may build up: its torque turns late, and no clock is off.
+TRAVELS = (5e-4, 2e-3, 8e-3, 3e-2)
 
 
 def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
@@ -31,7 +34,7 @@ def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
     Refused : where all of the torque follows the motion far better at another time than a drive can be late by.
     """
     samples = thinned(measured)
-    free = free_torques(samples, robot)
+    free = np.concatenate([free_torques(samples, robot), _built_up(measured)], axis=2)
     now = unfollowed(free, samples)
     if not len(now) or np.median(now) < EXPLAINED:
         return []
@@ -50,6 +53,20 @@ def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
             "join torque and motion by one clock, or move the rows of the torque",
         )
     return [f"{words}: the clock of the log does that, as a delay of all drives would"]
+
+
+def _built_up(measured: Measured) -> np.ndarray:
+    """Return friction that builds up after reversals over each of TRAVELS, of the thinned samples, (n, m, k)."""
+    columns = []
+    for travel in TRAVELS:
+        state = np.zeros_like(measured.position)
+        for label in np.unique(measured.trajectory):
+            mine = measured.trajectory == label
+            for joint in range(state.shape[1]):
+                sense = np.sign(measured.velocity[mine, joint])
+                state[mine, joint] = bristle(measured.position[mine, joint], sense, travel)
+        columns.append(thinned(replace(measured, torque=state)).torque)
+    return np.stack(columns, axis=1).transpose(2, 0, 1)
 
 
 def _read_later(measured: Measured, samples: Measured, delay: float) -> Measured:
