@@ -11,7 +11,7 @@ from jointwear.discovery.effect_numbers import Estimate
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.noise_floor import floor_with_names
-from jointwear.discovery.outcome import Outcome, Refusal
+from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in, unlikely_masses
 from jointwear.discovery.verdict import (
@@ -56,7 +56,7 @@ def make_verdict(
         (_named_effect(final, e) for e in (*final.estimates, *final.unwritten)), key=lambda e: -e.evidence_nats
     )
     retuned = [] if outcome.white is None else retuned_parameters(final)
-    left = outcome.unexplained[:LONGEST_LIST]
+    left = listed(outcome.unexplained)
     if left:
         word = "unknown"
     elif effects:
@@ -89,6 +89,16 @@ def make_verdict(
         ),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
+
+
+def listed(unexplained: list[Unexplained]) -> list[Unexplained]:
+    """Return the strongest structure, that of every axis in it: what a list leaves out reads as if there were none."""
+    first: dict[int, Unexplained] = {}
+    for u in unexplained:
+        first.setdefault(u.axis, u)
+    others = [u for u in unexplained if u is not first[u.axis]]
+    chosen = [*first.values(), *others][: max(LONGEST_LIST, len(first))]
+    return sorted(chosen, key=lambda u: -u.nats)
 
 
 def measure_gap(problem: Problem, torques: Mapping[str, np.ndarray], floor: Iterable[float | None]) -> Gap:
