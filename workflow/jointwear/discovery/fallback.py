@@ -10,7 +10,6 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import ndtri
 
 from jointwear.discovery.left_out import Asked, LeftOut
 from jointwear.discovery.linear import Fit, Term
@@ -164,8 +163,8 @@ def _links_in_vain(ask: Asked, kept: list[Term], asked: LeftOut) -> tuple[int, S
 
 
 def _unsteady(white: White, kept: list[Term], axis: int, asked: LeftOut) -> bool:
-    """Return whether a record to come may turn out worse on an axis than its model, and not by noise alone."""
-    if asked.steady[axis] >= ndtri(white.problem.settings.certainty):
+    """Return whether a record to come is expected to turn out worse on an axis, and its scatter is not noise alone."""
+    if asked.steady[axis] >= 0.0:
         return False
     return bool(misfit_of(white, Fit(white.targets, kept))[axis] > 1.0)
 

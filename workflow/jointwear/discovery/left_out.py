@@ -30,7 +30,7 @@ class LeftOut:
     surely : the same, where a record alone counts only if it is worse beyond what its blocks of time scatter.
     gained : share of what is gained in all that the model changes of the squared errors of blocks of time: 1 where no
         block is worse, 0.5 where the model gains nothing.
-    steady : margin to which `not_worse` is kept by the records, as :func:`margin` says; infinite for one record.
+    steady : margin by which a record to come is expected to keep `not_worse`, as :func:`margin` says; infinite for one.
     told_alone : one fold alone tells of an effect.
     """
 
@@ -236,10 +236,11 @@ def surely_worse(means: np.ndarray, count: np.ndarray, settings: Settings) -> bo
 
 
 def margin(squares: np.ndarray, settings: Settings) -> float:
-    """Return by how many deviations of a record to come a model is predicted to stay below `not_worse`.
+    """Return the logarithm by which the expected error of a record to come stays below `not_worse`; negative if not.
 
     The records are taken for draws of one log-normal ratio of errors: one more scatters about their mean as they do,
-    and by what their mean is not known.
+    and by what their mean is not known. What counts is the mean square of that ratio: a record that gains far more than
+    the others widens the scatter, and is no sign that one will lose.
 
     Parameters
     ----------
@@ -249,7 +250,7 @@ def margin(squares: np.ndarray, settings: Settings) -> float:
         return np.inf
     logs = 0.5 * np.diff(np.log(np.maximum(squares, 1e-300)), axis=1)[:, 0]
     scatter = np.std(logs, ddof=1) * np.sqrt(1.0 + 1.0 / len(logs))
-    return float((np.log(settings.not_worse) + np.mean(logs)) / max(scatter, 1e-12))
+    return float(np.log(settings.not_worse) + np.mean(logs) - scatter**2)
 
 
 def _left_open(factor: tuple[np.ndarray, bool], precision: np.ndarray) -> np.ndarray:
