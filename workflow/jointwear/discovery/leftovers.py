@@ -179,7 +179,8 @@ def stand_alone(outcome: Outcome) -> None:
         share = found.share if failed else _share(outcome, others, one, found)
         if failed:
             reason = f"{failed[0].gate}: {failed[0].reached:.3g}, needed {failed[0].needed:.3g}"
-        elif share <= MOST:
+        elif share <= MOST and _shaken(one):
+            # The bases of structure hold no rates of torque: beside them it would pass whatever it stands for.
             reason = f"explains {100 * share:.0f} % of what {where} lacks, and structure is left there"
         elif (share > outcome.problem.settings.nearly_all and not _shaken(one)) or not predictive(
             outcome.white, [*others, *_structures(outcome, one, axes)], one

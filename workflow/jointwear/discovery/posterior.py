@@ -21,8 +21,8 @@ BEAM = 8
 def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored], float]) -> Named:
     """Return a named effect with evidence, rivals that the data do not exclude, and its probability.
 
-    The sets weighed are those with the effect, with each rival in its place, and with neither; the evidence of each
-    is exact for given forms, averaged over the grid of a family and over whether a form is bent.
+    The sets weighed are those with the effect, with each rival in its place, with both, and with neither; the evidence
+    of each is exact for given forms, averaged over the grid of a family and over whether a form is bent.
 
     Parameters
     ----------
@@ -41,9 +41,14 @@ def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored]
     ties = [
         s.candidate for s in close if s.candidate.key != one.candidate.key and scores[s.candidate.key] > own - margin
     ]
-    rivals = [v for key, v in scores.items() if key != one.candidate.key] + [0.0]
-    evidence = white.fit([*others, *one.terms]).evidence - fit.evidence
-    score = (own - float(np.logaddexp.reduce(rivals))) / (1.0 + COARSE * max(own, 0.0))
+    rivals = {key: v for key, v in scores.items() if key != one.candidate.key}
+    with_it = white.fit([*others, *one.terms])
+    evidence = with_it.evidence - fit.evidence
+    # What comes beside the effect, as on another axis, is as likely with it as without it: no rival.
+    beside = {s.candidate.key: s for s in scan(white, outcome.dictionary, with_it, rivals.keys())} if rivals else {}
+    both = [with_form(white, with_it, beside[key]) if key in beside else 0.0 for key in rivals]
+    ahead = own + float(np.logaddexp.reduce([*both, 0.0]) - np.logaddexp.reduce([*rivals.values(), 0.0]))
+    score = ahead / (1.0 + COARSE * max(own, 0.0))
     left = bool(left_open(outcome, one))
     probability = calibrated(score, one.cross_validated, left)
     return replace(
