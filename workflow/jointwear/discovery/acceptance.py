@@ -9,7 +9,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, possible, prior_std, raw_torques
+from jointwear.discovery.candidates import (
+    LINK_MASS,
+    Candidate,
+    fitted_torque,
+    gain_about_one,
+    on_all_axes,
+    possible,
+    prior_std,
+    raw_torques,
+)
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.linear import Fit, Term, gain, gain_of_one, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -166,6 +175,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         if effect.of_drive:
             sigmas = _sigmas(white, before, beside, trial)
             gates.append(("standard deviations by which it is off", sigmas, settings.mass_sigmas))
+        if on_all_axes(trial.candidate):
+            gates.append(("nats in the band that holds its swing", _nats_with_swing(white, beside, trial), half))
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     if is_body(trial.candidate):
@@ -337,6 +348,19 @@ def where_noise_is_harmless(white: White, beside: Fit, candidate: Candidate) -> 
     b, gram = beside.gram({axis: white.columns(axis, columns)})
     nats, best = gain_of_one(b, gram), 0.5 * float(b[0] ** 2 / gram[0, 0]) if gram[0, 0] > 0 else 0.0
     return nats, nats / best if best > 0 else 0.0
+
+
+def _nats_with_swing(white: White, beside: Fit, trial: Named) -> float:
+    """Return the nats of a link that swings with its columns ended where noise feigns no swing, above its own.
+
+    Columns that end below the swing are rates of torque, which filters and clocks feign too.
+    """
+    candidate, problem = trial.candidate, white.problem
+    effect, own = get_effect(candidate.effect), candidate.nonlinear
+    torque = effect.spread(problem.train_state, candidate.axis, candidate.source, own)
+    period = 2 * np.pi * np.sqrt(own[effect.scaled])
+    ended = {a: white.of_swing(a, torque[:, [a]], period, own["damping"]) for a in problem.judged}
+    return gain_about_one(white, *beside.gram({a: white.columns(a, x) for a, x in ended.items()}))
 
 
 def within_bounds(white: White, beside: Fit, trial: Named) -> bool:

@@ -173,6 +173,46 @@ def cutoff_of(
     return _highest(white, np.stack([power, power**2]) * share, frequency, rate, energy)
 
 
+def swing_cutoff(
+    white: Whitener,
+    density: np.ndarray,
+    frequency: np.ndarray,
+    rate: float,
+    period: float,
+    damping: float,
+    energy: float,
+) -> float:
+    """Return the highest cut-off [Hz] of the columns of one swing at which shared noise feigns no evidence for it.
+
+    The torque that a link lacks which swings is G load with G = w^2 / (w0^2 - w^2 + 2i damping w0 w). The nominal
+    torque holds noise, the residual the same noise with the other sign: below the swing it speaks against the column,
+    above it for it.
+
+    Parameters
+    ----------
+    density : (k,) of the noise of the nominal torque at `frequency` (k,) [Hz]. period : [s] of the swing.
+    energy : mean square of the whitened column where noise does no harm.
+    """
+    square = (period * frequency) ** 2
+    below = (1.0 - square) ** 2 + (2.0 * damping) ** 2 * square
+    share = density / white.density(frequency, rate)
+    speaks, size = -square * (1.0 - square) / below * share, square**2 / below * share
+    for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
+        gain = zero_phase_gain(frequency, cutoff, rate)
+        product, total = max(float(np.mean(speaks * gain)), 0.0), energy + np.mean(size * gain**2)
+        if 0.5 * len(white.rows) * product**2 <= FEIGNED * total:
+            return float(cutoff) if cutoff < HIGHEST * rate else np.inf
+    return float(cutoff)
+
+
+def nominal_noise(problem: Problem, axis: int, white: Whitener) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies (k,) [Hz] and density (k,) of the noise of the nominal torque of one axis at them."""
+    measured = problem.measured
+    frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
+    density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
+    return frequency, np.maximum(density, problem.shaken[axis] * white.density(frequency, measured.rate))
+
+
 def _highest(white: Whitener, shared: np.ndarray, frequency: np.ndarray, rate: float, energy: float) -> float:
     """Return the highest cut-off [Hz] at which noise feigns no more than :data:`FEIGNED`, infinite for no filter.
 

@@ -10,7 +10,16 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.fused_load import fused_load
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, clock_of, limit, limited_state, velocities
+from jointwear.discovery.instruments import (
+    Cutoffs,
+    axis_cutoffs,
+    clock_of,
+    limit,
+    limited_state,
+    nominal_noise,
+    swing_cutoff,
+    velocities,
+)
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
@@ -145,6 +154,22 @@ class White:
     def columns(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N_train, k) of one axis."""
         return self.whiteners[axis](columns)
+
+    def of_swing(self, axis: int, column: np.ndarray, period: float, damping: float) -> np.ndarray:
+        """Return the column (N_train, 1) on one axis of a link that swings, ended where noise would feign it."""
+        problem, whitener = self.problem, self.whiteners[axis]
+        record, rate = np.asarray(problem.train_state.record), problem.measured.rate
+        timing = self.cutoffs[axis].timing
+        if problem.measured.noise is None or not np.isfinite(timing):
+            return column
+        if (axis, "noise") not in self._states:
+            self._states[axis, "noise"] = nominal_noise(problem, axis, whitener)
+        frequency, density = self._states[axis, "noise"]
+        # What is motion in a column is seen where noise alone could do no harm.
+        energy = float(np.mean(whitener(limit(column, record, timing, rate)) ** 2))
+        cutoff = swing_cutoff(whitener, density, frequency, rate, period, damping, energy)
+        # Above what is judged most of a column is noise, which takes a part off its size.
+        return limit(column, record, min(cutoff, max(self.cutoffs[axis].judged, timing)), rate)
 
     def raw(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Return columns (N_train, k) [N m] on the rows of the whitened ones, below what is noise of derivatives."""
