@@ -9,7 +9,7 @@ from discovery_cases import make_case
 from jointwear.discovery import Settings
 from jointwear.discovery.candidates import build_dictionary
 from jointwear.discovery.decide import search
-from jointwear.discovery.outside_force import force_in_words, outside_force
+from jointwear.discovery.outside_force import force_beside, force_in_words, outside_force
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.whitening import whiten
@@ -56,7 +56,22 @@ def test_a_tilted_base_is_no_force(bare):
     tilt = gravity_regressor(problem.robot, problem.state.position) @ np.array([0.3, 0.2, 0.0])
     white = white_with(bare, tilt)
     assert outside_force(white, build_dictionary(white)) is None
-    assert [n.candidate.effect for n in search(white).named] == ["mounting_tilt"]
+    named = search(white).named
+    assert [n.candidate.effect for n in named] == ["mounting_tilt"]
+    assert force_beside(white, named) is None
+
+
+def test_a_rope_that_turns_with_the_pose_is_no_tilt(bare):
+    """It looks more like a tilted base than like a force that stays the same, but beside the tilt the force shows."""
+    problem = bare[0]
+    lean = gravity_regressor(problem.robot, problem.state.position) @ np.array([0.25, 0.1, 0.0])
+    rope = lean + 0.1 * pull(problem, FORCE)
+    white = white_with(bare, rope)
+    assert outside_force(white, build_dictionary(white)) is None
+    outcome = search(white)
+    assert [n.candidate.effect for n in outcome.named] == []
+    assert outcome.unexplained
+    assert outcome.force is not None
 
 
 def test_nothing_is_no_force(bare):

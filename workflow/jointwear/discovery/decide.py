@@ -26,7 +26,7 @@ from jointwear.discovery.forms import companion, form_of
 from jointwear.discovery.leftovers import stand_alone, unexplained
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Outcome, Refusal
-from jointwear.discovery.outside_force import beside_force, force_of, outside_force
+from jointwear.discovery.outside_force import beside_force, force_beside, force_of, outside_force
 from jointwear.discovery.posterior import weigh
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.refine import free_parameters, refine
@@ -82,16 +82,19 @@ def _swings(one: Named) -> bool:
 
 def _search(white: White) -> Outcome:
     dictionary = build_dictionary(white)
-    term = outside_force(white, dictionary)
+    term, outcome = outside_force(white, dictionary), None
     if term is None:
-        return decide(white, dictionary)
-    outcome = decide(*beside_force(white, dictionary, term))
-    outcome.force = force_of(white, term, outcome.named)
-    if outcome.force is None:
-        return decide(white, dictionary)
-    outcome.white, outcome.dictionary = white, dictionary
-    settle(outcome)
-    return outcome
+        outcome = decide(white, dictionary)
+        term = force_beside(white, outcome.named)
+    if term is None:
+        return outcome
+    beside = decide(*beside_force(white, dictionary, term))
+    beside.force = force_of(white, term, beside.named)
+    if beside.force is None:
+        return outcome or decide(white, dictionary)
+    beside.white, beside.dictionary = white, dictionary
+    settle(beside)
+    return beside
 
 
 def settle(outcome: Outcome) -> None:
@@ -112,29 +115,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     problem, settings = white.problem, white.problem.settings
     outcome = Outcome(problem, white, white.fit(), dictionary)
     outcome.not_tried = {(effect, axis): reason for effect, axis, reason in dictionary.not_tried}
-    named: list[Named] = []
-    refused: list[Named] = []
-    refusals_so_far = 0
-    ranking = _Ranking(white, dictionary, named)
-    while sum(n.candidate.effect != LINK_MASS for n in named) < settings.most_effects:
-        best = ranking.best(refused)
-        if best is None:
-            break
-        trial, failed = _tried(white, ranking.fit, named, best)
-        if failed:
-            outcome.refusals += failed
-            refused.append(trial)
-            refusals_so_far += 1
-            if refusals_so_far > MOST_REFUSED:
-                break
-            continue
-        named.append(trial)
-        named = _exchange(white, dictionary, named)
-        ranking = _Ranking(white, dictionary, named)
-        # What a hidden effect spoilt may pass now that this one has a name.
-        refused = []
-    named = _eliminate(outcome, named)
-    outcome.named = _predicting(outcome, named)
+    outcome.named = _searched(outcome)
     settle(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
@@ -148,6 +129,45 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
+
+
+def _searched(outcome: Outcome) -> list[Named]:
+    """Return the effects of a forward search that, all together, are needed and predict records left out.
+
+    What is dropped at the end has kept a place from others: the search goes on without it until nothing is dropped.
+    """
+    dropped: list[Named] = []
+    named: list[Named] = []
+    while True:
+        found = _forward(outcome, named, dropped)
+        named = _predicting(outcome, _eliminate(outcome, found))
+        keys = {n.candidate.key for n in named}
+        fresh = [n for n in found if n.candidate.key not in keys]
+        if not fresh:
+            return named
+        dropped += fresh
+
+
+def _forward(outcome: Outcome, named: list[Named], dropped: list[Named]) -> list[Named]:
+    """Return `named` and what a forward search by evidence adds to it; never any of `dropped`."""
+    white, dictionary = outcome.white, outcome.dictionary
+    refused = list(dropped)
+    refusals_so_far = 0
+    ranking = _Ranking(white, dictionary, named)
+    while (best := ranking.best(refused)) is not None:
+        trial, failed = _tried(white, ranking.fit, named, best)
+        if failed:
+            outcome.refusals += failed
+            refused.append(trial)
+            refusals_so_far += 1
+            if refusals_so_far > MOST_REFUSED:
+                break
+            continue
+        named = _exchange(white, dictionary, [*named, trial], dropped)
+        ranking = _Ranking(white, dictionary, named)
+        # What a hidden effect spoilt may pass now that this one has a name.
+        refused = list(dropped)
+    return named
 
 
 def _weighed(outcome: Outcome, one: Named) -> Named:
@@ -302,20 +322,36 @@ def _eliminate(outcome: Outcome, named: list[Named]) -> list[Named]:
     return named
 
 
-def _exchange(white: White, dictionary: Dictionary, named: list[Named]) -> list[Named]:
-    """Try, for every named effect, whether another family does better in its place now that all are there."""
+def _exchange(white: White, dictionary: Dictionary, named: list[Named], dropped: list[Named]) -> list[Named]:
+    """Try, for every named effect, whether another family does better in its place now that all are there.
+
+    What takes the place of a name passes the same gates as a name.
+    """
     if len(named) < 2:
         return named
     result = list(named)
     for i in range(len(result) - 1):
         rest = [n for k, n in enumerate(result) if k != i]
         fit = white.fit(with_tolerances(white, rest))
-        taken = {n.candidate.key for n in rest}
-        found = [s for s in scan(white, dictionary, fit) if s.candidate.key not in taken]
-        best = max(contenders(found, white.problem.settings)[:RANKED], key=lambda s: _with_form(white, fit, s))
+        taken = {n.candidate.key for n in [*rest, *dropped]}
+        own = result[i].candidate
+        found = [
+            s for s in scan(white, dictionary, fit) if s.candidate.key not in taken and _in_place(s.candidate, own)
+        ]
+        close = contenders(found, white.problem.settings)[:RANKED]
+        if not close:
+            continue
+        best = max(close, key=lambda s: _with_form(white, fit, s))
         if best.candidate.key != result[i].candidate.key:
-            result[i] = _named(white, fit, best)
+            other, failed = _tried(white, fit, rest, best)
+            if not failed:
+                result[i] = other
     return result
+
+
+def _in_place(other: Candidate, own: Candidate) -> bool:
+    """Return whether one effect may stand for another: what another axis lacks is no rival, it comes beside."""
+    return other.axis == own.axis or other.axis is None or own.axis is None
 
 
 def _with_prediction(one: Named, found: CrossValidated) -> Named:

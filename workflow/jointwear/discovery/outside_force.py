@@ -19,7 +19,7 @@ from jointwear.discovery.candidates import Dictionary, scan
 from jointwear.discovery.linear import Term, gain, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import White
-from jointwear.effects import library
+from jointwear.effects import get_effect, library
 from jointwear.robots.inertia import gravity_regressor
 from jointwear.robots.robot import Link
 
@@ -37,6 +37,23 @@ def outside_force(white: White, dictionary: Dictionary) -> Term | None:
     if nats <= accept or any(nats <= gain(*fit.gram(blocks), std) + accept for _, blocks, std in dictionary.whole):
         return None
     return term if nats > max((s.evidence for s in scan(white, dictionary, fit)), default=0.0) + accept else None
+
+
+def force_beside(white: White, named: Sequence[Named]) -> Term | None:
+    """Return the term of a force at the flange that shows beside a name that acts on the whole arm, None for none.
+
+    A rope that turns with the pose pulls at all joints as a tilted base does, and may look more like one than like a
+    force that stays the same. A base that is tilted, and nothing else, leaves nothing for a force. A body leaves its
+    own weight to be known better: that is no force.
+    """
+    whole = [get_effect(n.candidate.effect) for n in named if n.candidate.axis is None]
+    if not any(effect.sound is None for effect in whole):
+        return None
+    term = _term(white)
+    if term is None:
+        return None
+    b, gram = white.fit([t for n in named for t in n.terms]).gram(term.blocks)
+    return term if gain(b, gram, term.std) > white.problem.settings.accept else None
 
 
 def beside_force(white: White, dictionary: Dictionary, term: Term) -> tuple[White, Dictionary]:

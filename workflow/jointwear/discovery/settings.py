@@ -29,7 +29,8 @@ class Settings:
     usual : share of the friction of its axis that an effect is usually worth, and share of the effect that a bend of
         its form is: the width of every prior of theirs. An order of magnitude: evidence hardly asks for more. Families
         of effects that are further behind the best are not ranked again with forms that bend.
-    most_effects : no more effects than this are named; `most_on_axis` on one axis.
+    most_on_axis : no more effects than this are named on one axis. Axes do not share places: what one lacks must not
+        keep another from being asked.
     accept : evidence [nats], after the price of complexity and of searching, that an effect needs, and a parameter of
         the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. Half of it is
         enough for what only has to hold beside what has been found: a name beside the others or with inertial
@@ -84,7 +85,6 @@ class Settings:
 
     inertial_prior: float = 0.05
     usual: float = 0.3
-    most_effects: int = 6
     most_on_axis: int = 2
     accept: float = 9.0
     certainty: float = 0.99

@@ -88,8 +88,6 @@ def can_matter(outcome: Outcome, name: str, factor: float, settings: Settings) -
             return any(r.gate.startswith(words) for r in outcome.refusals)
         passed = outcome.named or outcome.suspects or any(r.gate in _LATE for r in outcome.refusals)
         return bool(passed)
-    if name == "most_effects":
-        return len(outcome.named) >= settings.most_effects - 1 or bool(outcome.suspects)
     if name == "most_on_axis":
         axes = [n.candidate.axis for n in [*outcome.named, *(n for n, _ in outcome.suspects)]]
         return any(axes.count(a) >= settings.most_on_axis for a in axes)
