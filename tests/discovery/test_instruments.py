@@ -14,7 +14,7 @@ from jointwear import effects
 from jointwear.discovery import Recording, discover
 from jointwear.discovery.candidates import Candidate, raw_columns
 from jointwear.discovery.fused_load import fused_load
-from jointwear.discovery.instruments import LATE, Cutoffs, band_limited, cutoff_of, limit, torque_noise
+from jointwear.discovery.instruments import LATE, Cutoffs, band_limited, cutoff_of, limit, swing_cutoff, torque_noise
 from jointwear.discovery.linear import Term
 from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.outcome import Named
@@ -388,3 +388,21 @@ def test_a_sensor_behind_the_gear_does_not_retune_a_motor_that_the_file_lacks(ro
     recording = split(replace(coarse(robot), torque_kind="link_sensor"))
     kept = build_problem(recording, robot, Settings(), measure(recording)).friction_prior(1)
     assert np.all(kept > 1e-3 * stds["motor"])
+
+
+@pytest.mark.parametrize("swing", [5.0, 12.0, 20.0])
+def test_columns_of_a_swing_reach_beyond_it_as_far_as_noise_allows(swing):
+    """Noise that nominal torque and residual share speaks against a swing below it and for it only above."""
+    frequency = np.linspace(0.5, 100.0, 200)
+    quiet = SimpleNamespace(rows=np.arange(5000), density=lambda f, rate: np.ones_like(f))
+
+    def ends(size, energy=0.1):
+        density = size * (frequency / 20.0) ** 4
+        return swing_cutoff(quiet, density, frequency, 200.0, 1.0 / swing, 0.05, energy)
+
+    assert ends(0.0) == np.inf
+    found = [ends(size) for size in (1e-6, 1e-3, 1e-1, 10.0)]
+    assert all(a >= b for a, b in pairwise(found))
+    # However much noise there is, what lies below the swing cannot feign it; the filter rolls off over some of it.
+    assert min(found) >= 0.75 * swing
+    assert ends(1e-1, energy=10.0) >= ends(1e-1)
