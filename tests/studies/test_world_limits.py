@@ -121,3 +121,9 @@ def test_few_names_do_not_make_a_fit_certain(wrong):
 def test_structure_that_is_left_makes_no_name_more_probable(log_odds, share):
     assert 0.0 <= calibrated(log_odds, share, True) <= calibrated(log_odds, share, False) <= 1.0
     assert calibrated(log_odds, share, False) <= calibrated(log_odds + 10.0, share, False) + 1e-12
+    # Nothing else of the library is as likely: one half at least, unless structure says that something else is there.
+    assert log_odds < 0.0 or calibrated(log_odds, share, False) >= 0.5
+
+
+def test_a_name_of_little_share_beside_structure_is_no_name():
+    assert calibrated(50.0, 0.2, True) < 0.5 < calibrated(50.0, 0.9, True)

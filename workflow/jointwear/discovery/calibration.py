@@ -42,11 +42,13 @@ def calibrated(log_odds: float, share: float, left: bool) -> float:
     """Return the probability that a name is right; parameters as of :func:`features`.
 
     No name is given whose log odds are below zero, so that no fit has seen one: there they count as they are. Above
-    zero nothing else is as likely as the name, whatever it explains: one half at least, so that no name depends on the
-    fit.
+    zero nothing else of the library is as likely as the name, whatever it explains: one half at least, so that no name
+    depends on the fit. Where structure is left there is something else.
     """
     probability = float(expit(np.dot(_coefficients(), features(log_odds, share, left))))
-    return min(probability, float(expit(log_odds))) if log_odds < 0 else max(probability, 0.5)
+    if log_odds < 0:
+        return min(probability, float(expit(log_odds)))
+    return probability if left else max(probability, 0.5)
 
 
 @cache

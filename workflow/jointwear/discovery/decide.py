@@ -119,11 +119,14 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     settle(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
-    outcome.refusals += [
-        Refusal(n.candidate, n.evidence, "probability, given the data and the library", n.probability, settings.likely)
-        for n in weighed
-        if n.probability < settings.likely
-    ]
+    for n in weighed:
+        if n.probability >= settings.likely:
+            continue
+        gate = "probability, given the data and the library"
+        outcome.refusals.append(Refusal(n.candidate, n.evidence, gate, n.probability, settings.likely))
+        if n.structure_left and n.log_odds >= 0.0:
+            # No other effect of the library does better, but what is left may be the cause of all of it.
+            outcome.suspects.append((n, f"probability {n.probability:.2f} beside the structure that is left"))
     outcome.named = sorted((n for n in weighed if n.probability >= settings.likely), key=lambda n: -n.evidence)
     if {n.candidate.key for n in outcome.named} != before:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
