@@ -14,16 +14,17 @@ from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
 from jointwear.discovery.acceptance import explained, missed, predictive
 from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks, scan
 from jointwear.discovery.crossval import CrossValidated, cross_validate, lowered, positive
+from jointwear.discovery.findings import _above_the_noise
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
-from jointwear.discovery.page import body_in_words, lead, put_back_in_words, write_page
+from jointwear.discovery.page import body_in_words, heading, joint_table, lead, put_back_in_words, write_page
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.discovery.retuned import ended_on_bounds, stands_in, unlikely_masses
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
-from jointwear.discovery.verdict import Retuned
+from jointwear.discovery.verdict import Gap, Retuned
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import get_effect
 from jointwear.files.errors import InputError
@@ -245,10 +246,18 @@ def test_parameters_of_a_verdict_are_those_of_the_file(robot):
 
 def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):
     content = {**found.data, "to_the_noise": False}
-    content["gap"] = {**content["gap"], "augmented": [2.0 * f for f in content["gap"]["noise_floor"]]}
+    content["above_the_noise"] = [{"axis": 1, "ratio": 2.0}]
     text = " ".join(lead(content))
     assert "nothing beyond the noise" not in text
     assert "2 times on joint 1" in text
+    assert heading(content).endswith(", and more than noise is left on joint 1")
+    assert joint_table(content)[0]["left"] == ["error 2 times the noise"]
+    assert heading(found.data) == "The model lacks an effect"
+
+
+def test_axes_above_the_noise_are_told_with_their_ratio():
+    gap = Gap((9.0,) * 3 + (None,), (9.0,) * 3 + (None,), (1.05, 1.34, 3.0, None), (1.0, 1.0, 2.0, None))
+    assert [(a.axis, a.ratio) for a in _above_the_noise(gap, 0.1)] == [(2, 1.34), (3, 1.5)]
 
 
 def test_the_augmented_robot_is_better_on_records_left_out(found):

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
+from scipy.linalg import null_space
 
 from jointwear.discovery.acceptance import stiff
 from jointwear.discovery.base import doubted_links, likely_base
+from jointwear.discovery.between_axes import of_scales
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -17,7 +19,7 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, OF_LINKS, Step, put_back
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, OF_LINKS, OWN, Step, put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.linear import Fit, Term
@@ -25,6 +27,7 @@ from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.references import effect_term, reference_of, with_references
 from jointwear.discovery.refine import refine, simplest
+from jointwear.discovery.sound_links import nearest_links
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL, White
 from jointwear.effects import get_effect
@@ -110,11 +113,13 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
     nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(white, alone, [], [])
     alone, retuned_given_up = put_back(white, [*alone, *mass_terms], steps, "retuned", nameless)
-    friction, _, inertial = _base_of(white, Fit(white.targets, alone), masses)
+    retuned = Fit(white.targets, alone)
+    beside = _make_links_sound(white, retuned, masses)
+    friction, _, inertial = _base_of(white, retuned, masses)
     return replace(
         final,
         retuned_friction=friction,
-        retuned_inertial=inertial,
+        retuned_inertial=inertial + beside,
         fallbacks=fallbacks + retuned_given_up,
         unwritten=unwritten,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
@@ -153,10 +158,11 @@ def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[
     """Return what was given up of effects, those that went with everything else of their joint by their names."""
     result = []
     for step in given_up:
-        own = [c.effect for c in lost if c.axis is not None and c.axis + 1 == step.axis]
+        whole = step.step == EVERYTHING
+        own = [c.effect for c in lost if (whole if c.axis is None else c.axis + 1 == step.axis)]
         if step.step.startswith(WITHOUT):
             result.append(step)
-        elif step.step == EVERYTHING and own:
+        elif step.step in (EVERYTHING, OWN) and own:
             result.append(replace(step, step=f"{WITHOUT} {', '.join(own)}"))
     return tuple(result)
 
@@ -232,12 +238,16 @@ def _fitted(
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     fit = Fit(white.targets, [*base, *terms])
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
+    beside = _make_links_sound(white, fit, masses)
     for _, candidate, term in refined:
         _make_sound(fit, candidate, places[id(term)])
     weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
     known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
     known.covariance = doubted_links(weak, known)
     known.theta = fit.theta
+    for one, _, term in refined:
+        if one.candidate.axis is None:
+            known.covariance = known.covariance + of_scales(weak, known, less[id(term)])
     weak_base = [less[id(t)] for t in base]
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
@@ -249,6 +259,7 @@ def _fitted(
         bent = form[0] if form is not None else None
         estimates.append(estimate_effect(weak, known, weak_base, one, candidate, bent, where, rng, others))
     friction, _, inertial = _base_of(white, fit, masses)
+    inertial += beside
     std = _base_of(weak, known, [])[1]
     return Final(outcome, weak, doubt * misfit, fit, tuple(estimates), friction, std, inertial, friction, inertial)
 
@@ -273,6 +284,40 @@ def _make_sound(fit: Fit, candidate: Candidate, where: slice) -> None:
             if effect.sound(effect.parameters_of(candidate.nonlinear, moved[where])):
                 fit.theta = moved
                 return
+
+
+def _make_links_sound(white: White, fit: Fit, masses: list[Named]) -> np.ndarray:
+    """Move a fit along its posterior to the nearest links that may exist.
+
+    Returns
+    -------
+    what is added to the inertial parameters (10 n,) beside the coefficients: directions that the data cannot see cost
+    no torque, and are bent before those that they do.
+    """
+    problem, mass_terms = white.problem, [t for n in masses for t in n.terms]
+    where = fit.where(INERTIAL)
+    own = [] if where is None else [np.arange(where.start, where.stop)]
+    change = [] if where is None else [problem.factor @ white.directions]
+    for term, place in zip(fit.terms, fit.slices, strict=True):
+        for one, of_mass in zip(masses, mass_terms, strict=True):
+            if term is of_mass:
+                own.append(np.arange(place.start, place.stop))
+                change.append(mass_direction(problem.robot, one.candidate.axis)[:, None])
+    if not own:
+        return np.zeros(10 * problem.robot.joints)
+    places = np.concatenate(own)
+    seen = white.directions if where is not None else np.zeros((problem.factor.shape[1], 0))
+    unseen = problem.factor @ null_space(seen.T)
+    count = len(places)
+    covariance = fit.covariance[np.ix_(places, places)]
+    precision = np.eye(count + unseen.shape[1])
+    precision[:count, :count] = np.linalg.inv(covariance)
+    fitted = np.concatenate([fit.theta[places], np.zeros(unseen.shape[1])])
+    found = nearest_links(problem.robot, np.concatenate([*change, unseen], axis=1), fitted, precision)
+    if found is not fitted:
+        moved = precision[:count, :count] @ (found - fitted)[:count]
+        fit.theta = fit.theta + fit.covariance[:, places] @ moved
+    return unseen @ found[count:]
 
 
 def _base_of(white: White, fit: Fit, masses: list[Named]):

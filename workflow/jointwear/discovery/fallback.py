@@ -21,6 +21,8 @@ from jointwear.discovery.whitening import INERTIAL, White
 DRIVE = "friction and motor inertia as given"
 #: Words of the step that gives up all of a joint.
 EVERYTHING = "everything of this joint as given"
+#: Words of the step that gives up what acts on one joint alone, and leaves what other joints lean on.
+OWN = "everything of this joint alone as given"
 #: Words of the steps that take corrections of the links back, in part and all of them.
 CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
 #: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
@@ -48,6 +50,11 @@ class Step:
     links: float = np.inf
     deaf: int | None = None
     of_drive: bool = False
+
+    @property
+    def of_many(self) -> bool:
+        """Whether an effect goes that acts on more than one axis."""
+        return any(len(t.blocks) > 1 for t in self.terms)
 
     def taken_off(self, terms: list[Term]) -> list[Term]:
         """Return `terms` without what this step gives up."""
@@ -175,7 +182,9 @@ def best_step(
     """Return the first step that mends an axis, else the one that helps most, else all at once; None if none is left.
 
     A step by which the model becomes worse than the given robot on another axis comes after all that do not. None is
-    also returned where there are only such and the axis is hardly worse.
+    also returned where there are only such and the axis is hardly worse. What costs other axes, as links and effects of
+    the whole arm do that they lean on, is given up only where all axes together gain by it: the product of their
+    ratios falls. Where that leaves nothing that helps, all goes that acts on the axis alone.
 
     Parameters
     ----------
@@ -184,15 +193,19 @@ def best_step(
     """
     others = np.arange(len(ratio)) != axis
     found: dict[bool, list[tuple[float, Step]]] = {False: [], True: []}
+    costly: list[Step] = []
     for step in steps:
         if not step.touches(kept):
             continue
         after = ask(step.taken_off(kept)).surely
         harms = bool(np.any((after > np.maximum(limit, ratio))[others]))
+        if (harms or step.of_many) and not _together_better(after, ratio):
+            costly.append(step)
+            continue
         if after[axis] <= limit and not harms:
             return step
         found[harms].append((float(after[axis]), step))
-    if not any(found.values()):
+    if not any(found.values()) and not costly:
         return None
     for harms in (False, True):
         if harms and ratio[axis] <= 1.0 + SPARED * (limit - 1.0):
@@ -203,4 +216,16 @@ def best_step(
         least, best = min(found[harms], key=lambda f: f[0], default=(np.inf, None))
         if least < ratio[axis]:
             return best
-    return Step(EVERYTHING, tuple(t for s in steps for t in s.terms), min(s.links for s in steps))
+    everything = Step(EVERYTHING, tuple(t for s in steps for t in s.terms), min(s.links for s in steps))
+    own = Step(OWN, tuple(t for s in steps for t in s.terms if set(t.blocks) == {axis}))
+    if _together_better(ask(everything.taken_off(kept)).surely, ratio):
+        return everything
+    if own.touches(kept) and _together_better(ask(own.taken_off(kept)).surely, ratio):
+        return own
+    return None
+
+
+def _together_better(after: np.ndarray, before: np.ndarray) -> bool:
+    """Return whether the product of the ratios (n,) of all axes falls; of axes that cannot be judged they are 0."""
+    judged = (after > 0) & (before > 0)
+    return bool(np.sum(np.log(after[judged])) < np.sum(np.log(before[judged])))

@@ -16,6 +16,7 @@ from jointwear.discovery.problem import Problem
 from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in, unlikely_masses
 from jointwear.discovery.verdict import (
     NONE,
+    AboveNoise,
     Gap,
     Lost,
     MissedGate,
@@ -87,6 +88,7 @@ def make_verdict(
             *stands_in(retuned, {u.axis for u in left}),
             *unlikely_masses(retuned, problem.settings),
         ),
+        above_the_noise=_above_the_noise(gap, problem.settings.near_the_floor),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
 
@@ -132,7 +134,16 @@ def _rounded(value: float | None) -> float | None:
 
 def _to_the_noise(gap: Gap, margin: float) -> bool:
     pairs = [(a, f) for a, f in zip(gap.augmented, gap.noise_floor, strict=True) if a is not None and f is not None]
-    return bool(pairs) and all(a <= (1 + margin) * f for a, f in pairs)
+    return bool(pairs) and not _above_the_noise(gap, margin)
+
+
+def _above_the_noise(gap: Gap, margin: float) -> tuple[AboveNoise, ...]:
+    """Return the axes on which the held-out error stays above the noise floor by more than `margin`, and the ratio."""
+    return tuple(
+        AboveNoise(axis, float(f"{a / max(f, 1e-300):.4g}"))
+        for axis, (a, f) in enumerate(zip(gap.augmented, gap.noise_floor, strict=True), start=1)
+        if a is not None and f is not None and a > (1 + margin) * f
+    )
 
 
 def _places(candidate: Candidate) -> dict[str, int | None]:

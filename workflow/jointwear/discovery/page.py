@@ -11,6 +11,7 @@ from jointwear.effects import library
 from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
+from jointwear.files.wording import numbered
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import number, percent, with_std
 from jointwear.publishing.report.rendering import render_page
@@ -44,7 +45,7 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
     else:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
-    if content["verdict"] != "unknown":
+    if content["verdict"] != "unknown" or content["above_the_noise"]:
         sentences.append(_what_is_left(content))
     if content["suspects"]:
         suspects = "; ".join(name(e) for e in content["suspects"])
@@ -65,15 +66,19 @@ def _what_is_left(content: dict[str, Any]) -> str:
     """Say whether the held-out error is down to the noise, and where it is not."""
     if content["to_the_noise"]:
         return "On held-out motion nothing beyond the noise is left."
-    gap = content["gap"]
-    above = [
-        f"{a / f:.2g} times on joint {j}"
-        for j, (a, f) in enumerate(zip(gap["augmented"], gap["noise_floor"], strict=True), start=1)
-        if a is not None and f and a > 1.1 * f
-    ]
+    above = [f"{a['ratio']:.2g} times on joint {a['axis']}" for a in content["above_the_noise"]]
     if not above:
         return "The held-out error could not be compared with the noise."
     return f"The error on held-out motion stays above the noise: {', '.join(above)}."
+
+
+def heading(content: Mapping[str, Any]) -> str:
+    """Return the verdict as a heading that says where more than noise is left, structure told or not."""
+    words = _WORDS[content["verdict"]]
+    axes = [a["axis"] for a in content["above_the_noise"]]
+    if content["verdict"] == "unknown" or not axes:
+        return words
+    return f"{words}, and more than noise is left on {numbered('joint', axes)}"
 
 
 def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
@@ -121,6 +126,9 @@ def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
             if e["axis"] == axis
         ]
         left = [u["argument"] for u in content["unexplained"] if u["axis"] == axis]
+        if not left:
+            above = (a["ratio"] for a in content["above_the_noise"] if a["axis"] == axis)
+            left = [f"error {number(ratio)} times the noise" for ratio in above]
         retuned = [r["parameter"].replace("_", " ") for r in content["retuned"] if r["axis"] == axis]
         k = axis - 1
         better = None
@@ -184,7 +192,7 @@ def write_page(
     pairs = [n for n in content["not_identifiable"] if len(n["effects"]) > 1]
     context = {
         "content": content,
-        "heading": _WORDS[content["verdict"]],
+        "heading": heading(content),
         "lead": lead(content),
         "library": effects,
         "number": number,

@@ -179,7 +179,7 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
 
 
 def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:
-    outcome = with_kept_sizes(repeat(search_beside(found)))
+    outcome = with_kept_sizes(repeat(search_beside(found), found.problem))
     problem = outcome.problem
     outcome.unexplained = lasting(outcome)
     if outcome.force is not None and outcome.unexplained:

@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery.carried import search_beside
 from jointwear.discovery.decide import search, whitened
 from jointwear.discovery.leftovers import unexplained
 from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import FEWEST_SAMPLES, Problem
+from jointwear.discovery.slow_noise import beside_slow_noise
 from jointwear.files.errors import InputError, nearest
 from jointwear.measurement.recording import Recording
 
@@ -37,17 +39,22 @@ def check_groups(recording: Recording, groups: tuple[tuple[str, tuple[int, ...]]
             seen[label] = name
 
 
-def repeat(outcome: Outcome) -> Outcome:
+def repeat(outcome: Outcome, problem: Problem | None = None) -> Outcome:
     """Run the search again without each group and note how often every name comes back.
 
     A weak name that does not come back without one of the groups rests on that group alone: it is not given.
+
+    Parameters
+    ----------
+    problem : what the search began with, where a body that was found has since been added to the load: each run has to
+        find the body, and what stands beside it, by itself. Default that of `outcome`.
     """
-    problem = outcome.problem
+    problem = problem or outcome.problem
     settings = problem.settings
     parts = [p for _, labels in settings.groups if (p := _without(problem, labels)) is not None]
     if not parts or not outcome.named:
         return outcome
-    count = Counter(n.candidate.key for p in parts for n in search(whitened(p)).named)
+    count = Counter(n.candidate.key for p in parts for n in _searched(p).named)
     kept = []
     for one in outcome.named:
         share = count[one.candidate.key] / len(parts)
@@ -62,6 +69,11 @@ def repeat(outcome: Outcome) -> Outcome:
         outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
+
+
+def _searched(problem: Problem) -> Outcome:
+    """Return what the whole search finds: names that stand only beside a body that is carried, too."""
+    return search_beside(beside_slow_noise(whitened(problem), search))
 
 
 def _without(problem: Problem, labels: tuple[int, ...]) -> Problem | None:

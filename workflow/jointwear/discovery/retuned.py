@@ -54,7 +54,10 @@ def retuned_parameters(final: Final) -> list[Retuned]:
                     )
                 )
     # Where no mass is off by its own uncertainty, centres and inertias differ: it is told if nothing else would be.
-    masses = _wrong_mass(final)
+    # Beside a body on the whole arm that of a link whose joint stays unexplained takes what has no name.
+    whole = any(n.candidate.axis is None for n in final.outcome.named)
+    left = {u.axis + 1 for u in final.outcome.unexplained} if whole else set()
+    masses = [m for m in _wrong_mass(final) if m.axis not in left]
     return found + [m for m in masses if not found or abs(m.value - m.nominal) > m.std]
 
 

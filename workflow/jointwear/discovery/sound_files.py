@@ -80,7 +80,9 @@ def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]
 
 def _as_given(final: Final, kind: str, bad: dict[int, float]) -> Final:
     """Return a model of which one kind of file is the given robot; its effects stay named."""
-    given_up = tuple(FallBack(kind, axis + 1, float(f"{r:.4g}"), "everything as given") for axis, r in bad.items())
+    lost = [e.named.candidate.effect for e in final.estimates] if kind == "augmented" else []
+    words = "everything as given" + (f"; named but not written: {', '.join(dict.fromkeys(lost))}" if lost else "")
+    given_up = tuple(FallBack(kind, axis + 1, float(f"{r:.4g}"), words) for axis, r in bad.items())
     friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)
     final = replace(final, fallbacks=final.fallbacks + given_up)
     if kind == "retuned":

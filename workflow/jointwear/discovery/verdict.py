@@ -154,6 +154,14 @@ class Gap:
 
 
 @dataclass(frozen=True)
+class AboveNoise:
+    """A joint whose error on held-out motion stays above the noise; `ratio` is that error over the noise floor."""
+
+    axis: int
+    ratio: float
+
+
+@dataclass(frozen=True)
 class NotIdentifiable:
     """Effects that this motion cannot show or cannot tell apart."""
 
@@ -196,6 +204,7 @@ class Verdict:
     ----------
     verdict : none, retuned, effects or unknown.
     to_the_noise : whether the held-out error is near the noise floor on every axis that could be judged.
+    above_the_noise : the axes on which it is not: a verdict is not complete there, structure told or not.
     misfits : optimisers that ended at their start or on a bound, in words; an entry is a reason for doubt.
     free_identification : RMS error [N m] of a fit of all parameters without a prior, per axis.
     """
@@ -218,6 +227,7 @@ class Verdict:
     next_experiment_purpose: NextExperiment | None = None
     free_identification: tuple[float | None, ...] = ()
     filter_cutoff_hz: tuple[float | None, ...] = ()
+    above_the_noise: tuple[AboveNoise, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
         """Return plain dicts and lists in the layout of verdict.json."""
