@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from test_monitor_core import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.conditions import Conditions, design_of
@@ -107,3 +108,35 @@ def test_what_a_part_and_the_speed_do_to_friction_is_learnt_program_by_program()
     expected, spread = fit.posterior.predict(design.matrix[~first])
     assert np.abs(value[~first] - expected).max() < 0.015
     assert np.sqrt(spread).max() < 0.01
+
+
+@pytest.mark.parametrize("minutes", [12, 20])
+@pytest.mark.parametrize("tau", [0.7, 2.0])
+def test_a_thermometer_that_lags_on_cold_mornings_does_not_hide_what_a_cold_day_does(minutes, tau):
+    random = np.random.default_rng(3)
+    step = 1 / 60
+    time = np.arange(0, 24 * 12, step)
+    hall = 20 + 2 * np.sin(2 * np.pi * (time / 24 - 0.3)) + np.interp(time / 24, np.arange(13), random.normal(0, 1, 13))
+    hall -= 8.0 * (time > 24 * 10)
+    on = (time % 24 >= 6) & (time % 24 < 22)
+    heat, sensed = np.zeros(len(time)), np.zeros(len(time))
+    sensed[0] = hall[0]
+    for k in range(1, len(time)):
+        heat[k] = heat[k - 1] + step / tau * (12.0 * on[k] - heat[k - 1])
+        sensed[k] = sensed[k - 1] + step * 60 / minutes * (hall[k] + heat[k] - sensed[k - 1])
+    hours = np.array([24 * d + h for d in range(12) for h in range(6, 22)])
+    at = ((hours + random.uniform(0.3, 0.7, len(hours))) / step).astype(int)
+    w, start = len(hours), 3600.0 * hours
+    value = -0.035 * (hall + heat - 30)[at] + 0.001 * random.standard_normal(w)
+    conditions = Conditions(
+        start, start + 3600, sensed[at, None], np.zeros((w, 1, 5)), np.ones((w, 1)), np.zeros(w), None
+    )
+    shift, first = hours // 24, hours < 24 * 6
+    design = design_of(conditions, 0, first, None)
+    noise = Noise(np.full(w, 1e-6), 0.0, 1e-6)
+    fit = fit_normal_state(design.matrix, np.where(first, value, np.nan), noise, shift, design.prior)
+    expected, _ = fit.posterior.predict(design.matrix)
+    cold, error = shift >= 10, value - expected
+    assert np.sqrt(np.mean(error[~first & ~cold] ** 2)) < 0.005
+    # Oil and thermometer part by up to 3 K on mornings: a law of the thermometer alone is 5 to 12 % off.
+    assert abs(error[cold].mean()) < 0.02

@@ -6,7 +6,7 @@ operating feature that is itself a log is an elasticity:
 - 1: a constant, as good as free;
 - temperature less that of the baseline [K], and its square: :data:`SLOPE`, :data:`CURVE`;
 - the warm-up state (:mod:`.warm_up`) and a wave of one day, for the hall, where no temperature of the axis itself is
-  logged: :data:`WARM`, :data:`DAY`;
+  logged: :data:`WARM`, :data:`DAY`; two warm-up states for the delay of the thermometer where one is: :data:`BEHIND`;
 - operating features (:func:`operating_features`): :data:`FEATURES`;
 - the load at the flange (:mod:`.payload`): :data:`LOAD`;
 - a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`; its products with the load, since
@@ -25,9 +25,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.monitor.normal_state import Posterior
+from jointwear.monitor.warm_up import warm_up_state
 from jointwear.monitor.windows import WindowStatistics
 
 CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
+#: A thermometer on a housing follows the oil with a delay, so that a cold morning does not tell of a cold day: times
+#: [h] of warming whose states stand for it beside a temperature of the axis itself, short and long as joints have,
+#: and the standard deviation of their coefficients.
+BEHIND_TIMES, BEHIND = (0.7, 2.0), 0.1
 LOAD, PROGRAM = 0.2, 0.05
 LOAD_PROGRAM, SPEED_PROGRAM = 0.5, 0.2
 #: The same of programs that the log names, as much as friction may differ between any two motions; and of programs that
@@ -142,6 +147,13 @@ def _outside(values: np.ndarray, baseline: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(low - values, values - high), 0.0)
 
 
+def _behind(conditions: Conditions) -> np.ndarray:
+    """Return the warm-up states (w, k) of :data:`BEHIND_TIMES`, of an operation that is always the usual one."""
+    usual = np.ones((len(conditions.start), 1))
+    states = [warm_up_state(conditions.start, conditions.end, usual, tau) for tau in BEHIND_TIMES]
+    return np.concatenate(states, axis=1)
+
+
 def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.ndarray | None) -> Design:
     """Return the design of one axis.
 
@@ -162,6 +174,10 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
         outside = _outside(temperature, baseline)
         hurried = _outside(temperature - _lagged(temperature, conditions.start), baseline)
         beyond = (BEYOND * outside) ** 2 + (TRANSIT * hurried) ** 2
+    if known and warm is None:
+        for behind in _behind(conditions).T:
+            columns.append(behind - float(np.mean(behind[baseline])))
+            scales.append(BEHIND)
     if warm is not None:
         columns.append(warm - float(np.mean(warm[baseline])))
         turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)
