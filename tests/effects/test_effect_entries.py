@@ -298,3 +298,13 @@ def test_a_plain_form_is_one_that_is_searched(state):
             (plain,) = effect.plain(state, 1)
             assert plain in effect.grid(state, 1)
             assert plain["scale"] == next(p.default for p in effect.parameters if p.name == "scale")
+
+
+def test_the_words_of_an_argument_are_those_of_its_values():
+    for effect in effects.library().values():
+        assert effect.argument_in_words in (effect.argument, "position")
+    # A rate of torque and a second derivative are no values of the argument: the position is told instead.
+    assert effects.get_effect("joint_flexibility").argument_in_words == "position"
+    assert effects.get_effect("actuation_delay").argument_in_words == "position"
+    assert effects.get_effect("stribeck_friction").argument_in_words != "position"
+    assert effects.get_effect("payload").argument_in_words == effects.get_effect("payload").argument

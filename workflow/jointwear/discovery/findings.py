@@ -244,7 +244,7 @@ def _regime(final: Final, e: Estimate) -> Regime:
     values, unit = argument_of(candidate, state, axis)
     values = values[problem.usable[:, axis]]
     return Regime(
-        _argument(get_effect(candidate.effect).argument, candidate),
+        _argument(get_effect(candidate.effect).argument_in_words, candidate),
         (six_digits(values.min()), six_digits(values.max())),
         unit,
     )

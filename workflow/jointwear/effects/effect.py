@@ -209,6 +209,12 @@ class Effect:
             return self.shape(state, axis, nonlinear)[1], self.argument_unit
         return state.position[..., axis], "rad"
 
+    @property
+    def argument_in_words(self) -> str:
+        """What :meth:`argument_of` gives the values of."""
+        plain = self.regime is not None or self.shape is not None or self.whole_arm
+        return self.argument if plain else "position"
+
 
 def correction_torque(effect: Effect, state: State, axis: int, parameters: Parameters) -> np.ndarray | float:
     """Return the torque of the table ``correction: {knots, values}`` of `parameters`, 0 without one.
