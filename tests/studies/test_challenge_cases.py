@@ -17,7 +17,7 @@ from jointwear.reproduction.wear import Wear
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
 from jointwear.studies.challenge import examples, structure_forms
-from jointwear.studies.challenge.arm import Arm, inertial_columns, with_one_wrong_number, with_wrong_numbers
+from jointwear.studies.challenge.arm import Arm, inertial_columns, with_one_wrong_parameter, with_wrong_parameters
 from jointwear.studies.challenge.arms import ARMS, arm_of, arm_path, given_robot
 from jointwear.studies.challenge.batch import generate_batch
 from jointwear.studies.challenge.case_files import padded, read_truth
@@ -157,12 +157,12 @@ def test_paths_have_consistent_derivatives(robot, kind):
     np.testing.assert_allclose((path.at(t + h)[1] - path.at(t - h)[1]) / (2 * h), a, atol=1e-5)
 
 
-def test_wrong_numbers_are_off_by_the_share_that_is_asked_for(robot):
-    off = with_wrong_numbers(robot, np.random.default_rng(2), 0.05, 0.10)
+def test_wrong_parameters_are_off_by_the_share_that_is_asked_for(robot):
+    off = with_wrong_parameters(robot, np.random.default_rng(2), 0.05, 0.10)
     np.testing.assert_allclose(np.abs(off.viscous / robot.viscous - 1), 0.10)
     np.testing.assert_allclose(abs(off.links[1].mass / robot.links[1].mass - 1), 0.05)
     np.testing.assert_allclose(off.links[1].inertia, off.links[1].inertia.T)
-    one = with_one_wrong_number(robot, "motor_inertia", 2, -0.3)
+    one = with_one_wrong_parameter(robot, "motor_inertia", 2, -0.3)
     np.testing.assert_allclose(one.armature / robot.armature, [1, 1, 0.7, 1, 1, 1])
 
 
@@ -224,7 +224,7 @@ def test_a_short_delay_is_the_derivative_of_the_torque(world):
 
 def test_closed_loop_obeys_its_own_dynamics(robot):
     rng = np.random.default_rng(3)
-    arm = Arm(with_wrong_numbers(robot, rng, 0.05, 0.1))
+    arm = Arm(with_wrong_parameters(robot, rng, 0.05, 0.1))
     paths = [fourier_path(robot, rng, np.full(6, 1.0))]
     (moved,) = track(arm, Arm(robot), paths, np.zeros(1), _steady(), 1.0, 4.0)
     moving = np.all(np.abs(moved.velocity) > 0.05, axis=1)
@@ -261,7 +261,7 @@ def test_sieve_removes_what_the_model_can_retune_and_keeps_the_rest(robot, world
     train = world.state.recording != 2
     sieve = sieve_world(world, robot, train, np.full(6, 0.1), 0.0, 0.05)
     s = world.state
-    retuned = Arm(with_one_wrong_number(robot, "coulomb_friction", 0, 0.3))
+    retuned = Arm(with_one_wrong_parameter(robot, "coulomb_friction", 0, 0.3))
     change = retuned.torque(s.position, s.velocity, s.acceleration) - s.torque
     assert sieve.energy(change) < 1e-3 * np.sum((change[train] / 0.1) ** 2)
     wave = np.zeros_like(change)

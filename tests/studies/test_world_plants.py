@@ -11,7 +11,7 @@ from jointwear.studies.world.arms import ARMS, chain_of
 from jointwear.studies.world.case import generate
 from jointwear.studies.world.chains import urdf_text
 from jointwear.studies.world.plan import EFFECTS, OUTSIDE, Case
-from jointwear.studies.world.plant import DriveNumbers, compile_plant, draft
+from jointwear.studies.world.plant import DriveParameters, compile_plant, draft
 from jointwear.studies.world.scores import score
 from jointwear.studies.world.truth import Judge
 
@@ -23,7 +23,7 @@ def test_both_engines_move_the_same_arm(name, tmp_path):
     mujoco = pytest.importorskip("mujoco")
     chain = chain_of(name)
     n = chain.joints
-    plant = compile_plant(draft(chain, DriveNumbers(*np.full((3, n), 0.5)), 1e-3))
+    plant = compile_plant(draft(chain, DriveParameters(*np.full((3, n), 0.5)), 1e-3))
     rng = np.random.default_rng(1)
     q, v, a = rng.normal(size=(3, n))
     plant.data.qpos[:], plant.data.qvel[:], plant.data.qacc[:] = q, v, a

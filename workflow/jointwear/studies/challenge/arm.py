@@ -46,8 +46,8 @@ def _links(robot: Robot) -> tuple[Link, ...]:
     return robot.links
 
 
-def with_wrong_numbers(robot: Robot, rng: np.random.Generator, inertial: float, drive: float) -> Robot:
-    """Return the robot with every number off by a fixed share, up or down at random.
+def with_wrong_parameters(robot: Robot, rng: np.random.Generator, inertial: float, drive: float) -> Robot:
+    """Return the robot with every parameter off by a fixed share, up or down at random.
 
     Parameters
     ----------
@@ -78,26 +78,30 @@ def with_wrong_numbers(robot: Robot, rng: np.random.Generator, inertial: float, 
     )
 
 
-def with_one_wrong_number(robot: Robot, number: str, axis: int, share: float) -> Robot:
-    """Return the robot with one number of one axis (0-based) multiplied by 1 + share.
+def with_one_wrong_parameter(robot: Robot, parameter: str, axis: int, share: float) -> Robot:
+    """Return the robot with one parameter of one axis (0-based) multiplied by 1 + share.
 
     Parameters
     ----------
-    number : "coulomb_friction" (both directions), "viscous_friction", "motor_inertia" or "link_inertia" (mass of
+    parameter : "coulomb_friction" (both directions), "viscous_friction", "motor_inertia" or "link_inertia" (mass of
         the link behind the axis; its moments of inertia scale with it).
+
+    Raises
+    ------
+    InputError : for another parameter, and for "link_inertia" of a robot that is given by a URDF.
     """
     factor = np.ones(robot.joints)
     factor[axis] += share
-    if number == "coulomb_friction":
+    if parameter == "coulomb_friction":
         return replace(
             robot, coulomb_positive=robot.coulomb_positive * factor, coulomb_negative=robot.coulomb_negative * factor
         )
-    if number == "viscous_friction":
+    if parameter == "viscous_friction":
         return replace(robot, viscous=robot.viscous * factor)
-    if number == "motor_inertia":
+    if parameter == "motor_inertia":
         return replace(robot, armature=robot.armature * factor)
-    if number != "link_inertia":
-        raise InputError(f"challenge: there is no number '{number}'")
+    if parameter != "link_inertia":
+        raise InputError(f"challenge: there is no parameter '{parameter}'")
     links = list(_links(robot))
     old = links[axis]
     links[axis] = Link(old.mass * factor[axis], old.com, old.inertia * factor[axis])

@@ -12,7 +12,7 @@ from jointwear.reproduction.wear import Wear
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.robots.trajectory import Task, load_task
 from jointwear.statistics.randomness import generator
-from jointwear.studies.challenge.arm import Arm, with_wrong_numbers
+from jointwear.studies.challenge.arm import Arm, with_wrong_parameters
 from jointwear.studies.challenge.case_files import write_case_data
 from jointwear.studies.challenge.friction_forms import viscosity
 from jointwear.studies.challenge.generate import CaseData
@@ -23,7 +23,7 @@ from jointwear.studies.challenge.sensors import encoder_steps, quantise, torque_
 from jointwear.studies.challenge.surroundings import start_times, temperatures
 from jointwear.studies.challenge.world import build_world, total_torque
 
-#: What the shipped data set hides, and how: a PUMA 560 with every number off, sampled at 50 Hz.
+#: What the shipped data set hides, and how: a PUMA 560 with every parameter off, sampled at 50 Hz.
 EXAMPLE = {
     "seed": 560,
     "effect": "temperature_dependent_viscous_friction",
@@ -48,7 +48,7 @@ def hidden_example(nominal: Robot) -> tuple[CaseData, np.ndarray, dict[str, Any]
     """
     e = EXAMPLE
     rng = generator(e["seed"], "challenge", "example", replicate=0)
-    arm = Arm(with_wrong_numbers(nominal, rng, e["inertial_error"], e["drive_error"]))
+    arm = Arm(with_wrong_parameters(nominal, rng, e["inertial_error"], e["drive_error"]))
     count, samples = e["recordings"], round(e["duration_s"] / e["interval_s"])
     paths = [fourier_path(nominal, rng, rng.uniform(0.6, 1.8, nominal.joints)) for _ in range(count)]
     heat = temperatures(rng, count, nominal.joints)
@@ -109,7 +109,7 @@ def warm_task_data(robot: Robot, task: Task, settings: WarmTask, seed: int) -> t
 
     Parameters
     ----------
-    robot : the nominal robot, whose numbers are right but for what is hidden.
+    robot : the nominal robot, whose parameters are right but for what is hidden.
 
     Returns
     -------

@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.robots.robot import Robot
 from jointwear.statistics.randomness import generator
-from jointwear.studies.challenge.arm import Arm, with_one_wrong_number, with_wrong_numbers
+from jointwear.studies.challenge.arm import Arm, with_one_wrong_parameter, with_wrong_parameters
 from jointwear.studies.challenge.circumstances import Circumstances, behind_the_gears, draw_circumstances
 from jointwear.studies.challenge.hide import SMOOTH_ONLY, allowed_axes, draw_hidden
 from jointwear.studies.challenge.motion import Path, fourier_path, transfer_paths
@@ -93,13 +93,13 @@ def _draw(case: Case, scene: Scene, rng: np.random.Generator) -> list[Hidden]:
 
 
 def _real_arm(case: Case, tier: Tier, nominal: Robot, rng: np.random.Generator) -> tuple[Robot, dict[str, Any] | None]:
-    robot = with_wrong_numbers(nominal, rng, tier.inertial_error, tier.drive_error)
+    robot = with_wrong_parameters(nominal, rng, tier.inertial_error, tier.drive_error)
     if case.kind != "retuned":
         return robot, None
     massive = [k for k, link in enumerate(nominal.links) if link.mass]
     axis = int(rng.choice(massive)) if case.subject == "link_inertia" else int(rng.integers(nominal.joints))
     share = float(rng.uniform(0.15, 0.40) * rng.choice([-1, 1]))
-    return with_one_wrong_number(robot, case.subject, axis, share), {
+    return with_one_wrong_parameter(robot, case.subject, axis, share), {
         "number": case.subject,
         "axis": axis + 1,
         "share": share,
@@ -181,7 +181,7 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
             for item, term, entry in zip(hidden, terms, facts["effects"], strict=True):
                 entry["rivals"] = _rivals(item, term, world, sieve, rng) if entry["energy"] > IDENTIFIABLE else {}
     if wrong:
-        facts["wrong_number"]["energy"] = _energy_of_number(wrong, world, nominal, train, felt, tier.colour)
+        facts["wrong_number"]["energy"] = _energy_of_parameter(wrong, world, nominal, train, felt, tier.colour)
     kept = held[::TRUTH_STRIDE]
     effects = np.array([t[kept] for t in terms]).reshape(len(terms), len(kept), nominal.joints)
     hide = ~_judged(world)[kept]
@@ -262,13 +262,13 @@ def _rivals(item: Hidden, term: np.ndarray, world: World, sieve: Sieve, rng: np.
     return left
 
 
-def _energy_of_number(
+def _energy_of_parameter(
     wrong: dict[str, Any], world: World, nominal: Robot, train: np.ndarray, deviation: np.ndarray, colour: float
 ) -> float:
-    """Return the energy of a wrong parameter of the model itself: what the model's other numbers cannot take over."""
-    axis, number = wrong["axis"] - 1, wrong["number"]
-    sieve = sieve_world(world, nominal, train, deviation, colour, INERTIAL_PRIOR, (number, axis))
-    right = with_one_wrong_number(world.arm.robot, number, axis, 1 / (1 + wrong["share"]) - 1)
+    """Return the energy of a wrong parameter of the nominal model: what its other parameters cannot take over."""
+    axis, parameter = wrong["axis"] - 1, wrong["number"]
+    sieve = sieve_world(world, nominal, train, deviation, colour, INERTIAL_PRIOR, (parameter, axis))
+    right = with_one_wrong_parameter(world.arm.robot, parameter, axis, 1 / (1 + wrong["share"]) - 1)
     s = world.state
     change = world.arm.torque(s.position, s.velocity, s.acceleration) - Arm(right).torque(
         s.position, s.velocity, s.acceleration

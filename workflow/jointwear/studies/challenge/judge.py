@@ -125,7 +125,7 @@ def judge(
         row["false_name"] = bool(named)
     elif kind == "retuned":
         row["retuned"] = row["verdict"] == "retuned" and not named
-        row["right_number"] = _number_listed(facts["wrong_number"], verdict)
+        row["right_number"] = _parameter_listed(facts["wrong_number"], verdict)
     elif kind == "outside":
         row["unknown"] = row["verdict"] == "unknown"
         row["unknown_only"] = row["unknown"] and not named
@@ -154,8 +154,8 @@ def _judge_single(effect: Mapping[str, Any], named: list[Mapping[str, Any]]) -> 
     }
 
 
-def _number_listed(wrong: Mapping[str, Any], verdict: Mapping[str, Any]) -> bool:
-    """Whether the verdict's list of wrong parameters holds the right kind of number on the right axis or link."""
+def _parameter_listed(wrong: Mapping[str, Any], verdict: Mapping[str, Any]) -> bool:
+    """Whether the verdict's list of wrong parameters holds the right parameter on the right axis or link."""
     words = {"coulomb_friction": "coulomb", "viscous_friction": "viscous", "motor_inertia": "motor_inertia"}
     for entry in verdict.get("retuned", []):
         name = str(entry["parameter"])

@@ -1,8 +1,8 @@
 """Candidate terms for the peers: the equations of the effects on a coarse grid of their nonlinear parameters.
 
 Written for the peers alone, so that neither discovery's library nor the generator's formulas are lent to them. The same
-preparation serves all: derivatives by a zero-phase filter, rest left out, the model's own free numbers (inertial
-parameters under the prior) taken out of the residual and of every term.
+preparation serves all: derivatives by a zero-phase filter, rest left out, the model's own free parameters (inertial
+ones under the prior) taken out of the residual and of every term.
 """
 
 from __future__ import annotations

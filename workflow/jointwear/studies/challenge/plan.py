@@ -9,9 +9,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from jointwear.files.errors import InputError, nearest
-from jointwear.studies.challenge.tiers import BATCH, COUNTS, DRAWINGS, EFFECTS, KINDS, NUMBERS, OUTSIDE, SETS, TIERS
+from jointwear.studies.challenge.tiers import (
+    BATCH,
+    COUNTS,
+    DRAWINGS,
+    EFFECTS,
+    KINDS,
+    MODEL_PARAMETERS,
+    OUTSIDE,
+    SETS,
+    TIERS,
+)
 
-_SUBJECTS = {"single": EFFECTS, "retuned": NUMBERS, "outside": OUTSIDE}
+_SUBJECTS = {"single": EFFECTS, "retuned": MODEL_PARAMETERS, "outside": OUTSIDE}
 
 
 @dataclass(frozen=True)
@@ -40,7 +50,7 @@ class Case:
 
     @property
     def subject(self) -> str | None:
-        """The effect, number or disturbance that is hidden; None where chance decides or nothing is."""
+        """The effect, parameter or disturbance that is hidden; None where chance decides or nothing is."""
         subjects = _SUBJECTS.get(self.kind)
         return subjects[self.number % len(subjects)] if subjects else None
 

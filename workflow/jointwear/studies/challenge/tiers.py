@@ -47,8 +47,8 @@ OUTSIDE = (
     "chirp",
 )
 
-#: Numbers of effects that the model has; a wrong one is "retuned", not an effect.
-NUMBERS = ("coulomb_friction", "viscous_friction", "motor_inertia", "link_inertia")
+#: Parameters of the nominal model; a wrong one makes a case "retuned", not an effect.
+MODEL_PARAMETERS = ("coulomb_friction", "viscous_friction", "motor_inertia", "link_inertia")
 
 KINDS = ("single", "nothing", "retuned", "two", "outside")
 

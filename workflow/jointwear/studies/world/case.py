@@ -19,7 +19,7 @@ from jointwear.studies.world.arms import chain_of
 from jointwear.studies.world.draws import draw_hidden_things, real_arm, subjects_of
 from jointwear.studies.world.maker import Maker, controllers_of, scales_of, wanted_motion
 from jointwear.studies.world.plan import SEED, Case
-from jointwear.studies.world.plant import DriveNumbers
+from jointwear.studies.world.plant import DriveParameters
 from jointwear.studies.world.robot_files import write_robot
 from jointwear.studies.world.setting import TEST, Setting, draw_setting
 from jointwear.studies.world.truth import Judge, describe
@@ -58,13 +58,13 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
     setting = draw_setting(rng, subjects)
     kind = setting.arm
     chain = chain_of(kind.name)
-    drives = kind.drives
-    numbers = DriveNumbers(*(np.array(x, dtype=float) for x in (drives.coulomb, drives.viscous, drives.armature)))
+    nominal = (kind.drives.coulomb, kind.drives.viscous, kind.drives.armature)
+    drives = DriveParameters(*(np.array(x, dtype=float) for x in nominal))
     gear = np.array(kind.drives.gear, dtype=float)
-    told_drives = numbers if setting.torque != "link_sensor" else DriveNumbers(*np.zeros((3, chain.joints)))
+    told_drives = drives if setting.torque != "link_sensor" else DriveParameters(*np.zeros((3, chain.joints)))
     robot = write_robot(folder, case.name, chain, told_drives, gear if setting.gear_known else np.ones_like(gear))
-    believed = write_robot(folder / "truth", "believed", chain, numbers, gear)
-    real_chain, real_drives, wrong = real_arm(case, setting, chain, numbers, rng)
+    believed = write_robot(folder / "truth", "believed", chain, drives, gear)
+    real_chain, real_drives, wrong = real_arm(case, setting, chain, drives, rng)
     real = write_robot(folder / "truth", "real", real_chain, real_drives, gear)
     references = wanted_motion(setting, believed, rng)
     starts = start_times(rng, setting.recordings, setting.duration)
@@ -136,7 +136,7 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
     if hidden:
         describe(facts, hidden, make, judge, logs, clean)
     if wrong:
-        judge.wrong_number(wrong, logs, chain, numbers, folder)
+        judge.add_energy_of_parameter(wrong, logs, chain, drives, folder)
     held = np.flatnonzero(label == TEST)[::TRUTH_STRIDE]
     clock = recording.time[held] - recording.time[label == TEST][0]
     judged = ((clock >= EDGE) & (clock <= clock[-1] - EDGE))[:, None] & (np.abs(velocity[held]) >= REST)

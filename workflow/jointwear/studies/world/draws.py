@@ -11,7 +11,7 @@ from jointwear.studies.world import channels, frictions, outside, structures
 from jointwear.studies.world.chains import Chain, with_body, with_errors
 from jointwear.studies.world.hidden import Hidden, Scales
 from jointwear.studies.world.plan import EFFECTS, Case
-from jointwear.studies.world.plant import DriveNumbers
+from jointwear.studies.world.plant import DriveParameters
 from jointwear.studies.world.setting import Setting
 
 DRAW = {**frictions.DRAW, **structures.DRAW, **channels.DRAW, **outside.DRAW}
@@ -36,26 +36,26 @@ def subjects_of(case: Case, rng: np.random.Generator) -> list[str | None]:
 
 
 def real_arm(
-    case: Case, setting: Setting, chain: Chain, drives: DriveNumbers, rng: np.random.Generator
-) -> tuple[Chain, DriveNumbers, dict[str, Any] | None]:
+    case: Case, setting: Setting, chain: Chain, drives: DriveParameters, rng: np.random.Generator
+) -> tuple[Chain, DriveParameters, dict[str, Any] | None]:
     """Return the arm that moves: the one of the robot file with errors, and in "retuned" cases one gross error."""
     real = with_errors(chain, rng, setting.inertial_error)
     off = [np.clip(1 + setting.drive_error * rng.normal(size=chain.joints), 0.5, 1.5) for _ in range(3)]
-    numbers = {
+    parameters = {
         "coulomb_friction": drives.coulomb * off[0],
         "viscous_friction": drives.viscous * off[1],
         "motor_inertia": drives.armature * off[2],
     }
     if case.kind != "retuned":
-        return real, DriveNumbers(*numbers.values()), None
-    axis, number = int(rng.integers(chain.joints)), str(case.subject)
+        return real, DriveParameters(*parameters.values()), None
+    axis, name = int(rng.integers(chain.joints)), str(case.subject)
     share = float(rng.uniform(0.15, 0.40) * rng.choice([-1, 1]))
-    if number == "link_inertia":
+    if name == "link_inertia":
         real = with_body(real, axis, real.mass[axis] * (1 + share), real.com[axis], real.inertia[axis] * (1 + share))
     else:
-        numbers[number] = numbers[number].copy()
-        numbers[number][axis] *= 1 + share
-    return real, DriveNumbers(*numbers.values()), {"number": number, "axis": axis + 1, "share": share}
+        parameters[name] = parameters[name].copy()
+        parameters[name][axis] *= 1 + share
+    return real, DriveParameters(*parameters.values()), {"number": name, "axis": axis + 1, "share": share}
 
 
 def draw_hidden_things(subjects: Sequence[str | None], scales: Scales, rng: np.random.Generator) -> list[Hidden]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from jointwear.studies.world.arms import Drives
 from jointwear.studies.world.chains import Chain
-from jointwear.studies.world.plant import Draft, DriveNumbers, Plant
+from jointwear.studies.world.plant import Draft, DriveParameters, Plant
 
 
 @dataclass
@@ -53,7 +53,7 @@ class Scales:
     `duration` of each [s]; `rate` of the log [Hz]."""
 
     chain: Chain
-    drives: DriveNumbers
+    drives: DriveParameters
     kind: Drives
     gear: np.ndarray
     low: np.ndarray
@@ -75,7 +75,7 @@ class Hidden:
     ----------
     name : identifier of the effect or disturbance. axis, source : 0-based; axis None is the whole arm.
     also : further axes on which it shows. form : MuJoCo's means. size, unit : how much.
-    parameters : numbers that a verdict should give, under the names of the library.
+    parameters : true values that a verdict should estimate, under the names of the library.
     build : changes the plant before it is built. step : acts at every control step.
     channel : returns what the recorder makes of the torque, (m, n). lag : time constant [s] and dead time [s] of the
         drive of the axis: the torque that acts comes after the one that is commanded.

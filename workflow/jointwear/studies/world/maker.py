@@ -14,7 +14,7 @@ from jointwear.studies.challenge.surroundings import Temperatures
 from jointwear.studies.world.chains import Chain
 from jointwear.studies.world.control import Controller, Reference
 from jointwear.studies.world.hidden import Channel, Hidden, Scales
-from jointwear.studies.world.plant import DriveNumbers, compile_plant, draft
+from jointwear.studies.world.plant import DriveParameters, compile_plant, draft
 from jointwear.studies.world.run import SETTLE, Log, run
 from jointwear.studies.world.setting import Setting
 
@@ -62,7 +62,7 @@ def controllers_of(setting: Setting, robot: Robot, references: Sequence[Wanted])
     return result
 
 
-def scales_of(setting: Setting, robot: Robot, chain: Chain, drives: DriveNumbers, references, starts) -> Scales:
+def scales_of(setting: Setting, robot: Robot, chain: Chain, drives: DriveParameters, references, starts) -> Scales:
     """Return from what the sizes of hidden things are drawn."""
     q, v, a = (
         np.concatenate([getattr(w, x)[::20] for w in references]) for x in ("position", "velocity", "acceleration")
@@ -92,7 +92,7 @@ class Maker:
 
     setting: Setting
     chain: Chain
-    drives: DriveNumbers
+    drives: DriveParameters
     controllers: list[Controller]
     starts: np.ndarray
     heat: Temperatures

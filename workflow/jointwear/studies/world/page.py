@@ -7,8 +7,8 @@ from typing import Any
 
 from jointwear.studies.world.scores import TARGETS, UPPER, WORDS, reached
 
-#: Shares of few cases: shown in per cent, the others as numbers.
-_NUMBERS = {"gap_median", "gap_tenth", "calibration_error", "seconds"}
+#: Scores that are no shares of cases.
+_NO_SHARES = {"gap_median", "gap_tenth", "calibration_error", "seconds"}
 
 
 def world_context(summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def _shown(name: str, found: Mapping[str, Any]) -> str:
     if found["value"] is None:
         return "no cases"
     interval = f" ({found['low']:.2f} to {found['high']:.2f})" if found["low"] is not None else ""
-    return f"{found['value']:.3f}{interval}" if name not in _NUMBERS else f"{found['value']:.3g}"
+    return f"{found['value']:.3f}{interval}" if name not in _NO_SHARES else f"{found['value']:.3g}"
 
 
 def _target(name: str) -> str:

@@ -32,8 +32,8 @@ EFFECTS = (
 #: Disturbances that no effect of the library describes.
 OUTSIDE = ("push", "gusts", "wall", "bump", "dragging_brake", "two_joint_hose", "tremor", "neighbour_drag")
 
-#: Numbers of the model itself that may be wrong.
-NUMBERS = ("coulomb_friction", "viscous_friction", "motor_inertia", "link_inertia")
+#: Parameters of the nominal model; a wrong one makes a case "retuned", not an effect.
+MODEL_PARAMETERS = ("coulomb_friction", "viscous_friction", "motor_inertia", "link_inertia")
 
 KINDS = ("single", "nothing", "retuned", "two", "outside")
 SETS = ("choose", "report")
@@ -50,7 +50,7 @@ BATCH = 15
 #: The cases are part of the test: their seed does not follow the configuration.
 SEED = 4000
 
-_SUBJECTS = {"single": EFFECTS, "retuned": NUMBERS, "outside": OUTSIDE}
+_SUBJECTS = {"single": EFFECTS, "retuned": MODEL_PARAMETERS, "outside": OUTSIDE}
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from jointwear.studies.world.packages import mujoco
 
 
 @dataclass(frozen=True)
-class DriveNumbers:
-    """Joint-side numbers (n,) of the drives: Coulomb [N m], viscous [N m s/rad], motor inertia [kg m2]."""
+class DriveParameters:
+    """Joint-side parameters (n,) of the drives: Coulomb [N m], viscous [N m s/rad], motor inertia [kg m2]."""
 
     coulomb: np.ndarray
     viscous: np.ndarray
@@ -22,14 +22,14 @@ class DriveNumbers:
 
 @dataclass
 class Draft:
-    """A plant in the making: MuJoCo's specification, and the numbers that hidden things may change before it is built.
+    """A plant in the making: MuJoCo's specification, and parameters that hidden effects may change before it is built.
 
     `motor` holds the joint that the motor turns, `flexible` the joints with an elastic gear behind it.
     """
 
     spec: Any
     chain: Chain
-    drives: DriveNumbers
+    drives: DriveParameters
     flexible: set[int] = field(default_factory=set)
 
     def joint(self, axis: int):
@@ -61,7 +61,7 @@ class Plant:
         return v + np.where(self.elastic >= 0, self.data.qvel[self.elastic], 0.0)
 
 
-def draft(chain: Chain, drives: DriveNumbers, step: float) -> Draft:
+def draft(chain: Chain, drives: DriveParameters, step: float) -> Draft:
     """Start a plant with time step `step` [s]: rigid gears, friction and motor inertia of the drives, no limits."""
     spec = mujoco().MjSpec.from_string(urdf_text(chain, "arm"))
     spec.option.timestep = step

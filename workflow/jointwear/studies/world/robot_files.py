@@ -10,10 +10,10 @@ import numpy as np
 from jointwear.files.text_files import replace_text
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.studies.world.chains import Chain, urdf_text
-from jointwear.studies.world.plant import DriveNumbers
+from jointwear.studies.world.plant import DriveParameters
 
 
-def write_robot(folder: Path, name: str, chain: Chain, drives: DriveNumbers, gear: np.ndarray) -> Robot:
+def write_robot(folder: Path, name: str, chain: Chain, drives: DriveParameters, gear: np.ndarray) -> Robot:
     """Write `name`.urdf and `name`.yaml into `folder` and return the robot that they describe.
 
     Parameters
@@ -40,7 +40,7 @@ def write_robot(folder: Path, name: str, chain: Chain, drives: DriveNumbers, gea
             }
         )
     content = {"name": name, "gravity": [0.0, 0.0, -9.81], "urdf": f"{name}.urdf", "joints": joints}
-    # Numbers that are known imperfectly need not be those of bodies.
+    # Inertial parameters that are known imperfectly need not be those of a rigid body.
     content["inertia_check"] = "none"
     # JSON is YAML.
     replace_text(folder / f"{name}.yaml", json.dumps(content, indent=1) + "\n")

@@ -11,7 +11,7 @@ from jointwear.studies.challenge.surroundings import Temperatures
 from jointwear.studies.world.control import Controller
 from jointwear.studies.world.hidden import Hidden, Instant
 from jointwear.studies.world.packages import mujoco
-from jointwear.studies.world.plant import DriveNumbers, Plant
+from jointwear.studies.world.plant import DriveParameters, Plant
 
 #: Time [s] before each recording in which the controller settles.
 SETTLE = 0.4
@@ -37,7 +37,7 @@ def run(
     plant: Plant,
     controllers: Sequence[Controller],
     hidden: Sequence[Hidden],
-    drives: DriveNumbers,
+    drives: DriveParameters,
     starts: np.ndarray,
     heat: Temperatures,
     link_side: bool,
@@ -74,7 +74,7 @@ def _one(
     plant: Plant,
     controller: Controller,
     hidden: Sequence[Hidden],
-    drives: DriveNumbers,
+    drives: DriveParameters,
     recording: int,
     start: float,
     heat: Temperatures,

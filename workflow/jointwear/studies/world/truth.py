@@ -16,7 +16,7 @@ from jointwear.studies.sieve import REST, Sieve
 from jointwear.studies.world.chains import Chain, with_body
 from jointwear.studies.world.hidden import Hidden
 from jointwear.studies.world.maker import Maker
-from jointwear.studies.world.plant import DriveNumbers
+from jointwear.studies.world.plant import DriveParameters
 from jointwear.studies.world.rivals import energies_left
 from jointwear.studies.world.robot_files import write_robot
 from jointwear.studies.world.run import Log
@@ -66,8 +66,8 @@ class Judge:
         train = samples.recording != TEST
         return sieve_samples(samples, self.robot, train, self.noise, self.colour, INERTIAL_PRIOR, drives, without)
 
-    def wrong_number(
-        self, wrong: dict[str, Any], logs: Sequence[Log], chain: Chain, drives: DriveNumbers, folder: Path
+    def add_energy_of_parameter(
+        self, wrong: dict[str, Any], logs: Sequence[Log], chain: Chain, drives: DriveParameters, folder: Path
     ) -> None:
         """Add to `wrong` the energy of a wrong parameter of the model itself."""
         samples, axis = self.samples(logs), wrong["axis"] - 1
