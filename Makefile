@@ -152,7 +152,7 @@ site: $(RUN)  ## Write the static site: report, further pages that are built, da
 	@echo "site: site/index.html"
 
 .PHONY: test-versions
-test-versions: $(RUN)  ## Compare numbers across cores, runs, Python 3.11 to 3.14 and the lower bounds of pyproject.toml
+test-versions: $(RUN)  ## Compare results across cores, runs, Python 3.11 to 3.14 and the lower bounds of pyproject.toml
 	@PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH=workflow $(BIN)/python workflow/benchmarks/versions.py
 
 .PHONY: reference

@@ -1,4 +1,4 @@
-"""Are the numbers the same elsewhere? Cores, runs, Python 3.11 to 3.14, the lower bounds of pyproject.toml.
+"""Are the results the same elsewhere? Cores, runs, Python 3.11 to 3.14, the lower bounds of pyproject.toml.
 
 Builds an environment for each, runs the tiny experiment in it and compares every result with that of the environment
 that runs this program. Prints a table; exits 1 if a result differs by more than the tolerance of `verify`. A Python

@@ -145,7 +145,7 @@ rule report_challenge_peers:
         "../scripts/report_challenge.py"
 
 
-# The small summary that is kept with the project, so that a reader sees the numbers without running the cases.
+# The small summary that is kept with the project, so that a reader sees the scores without running the cases.
 rule store_challenge:
     input:
         scores="results/challenge/{part}/scores.json",

@@ -8,11 +8,11 @@ def challenge_files(folder, ending):
     """All files of one folder of a seed set, or of its first batches, in the order of the batches."""
 
     def files(wildcards):
-        seed_set, numbers = part_batches(wildcards.part)
+        seed_set, counts = part_batches(wildcards.part)
         return [
             f"results/challenge/{seed_set}/{folder}/{tier}_{k:03d}.{ending}"
             for tier in TIERS
-            for k in range(numbers[tier])
+            for k in range(counts[tier])
         ]
 
     return files
@@ -36,12 +36,12 @@ def peers_to_keep(wildcards):
     return f"results/challenge/{seed_set}_first_{PEER_BATCHES}/peers.json"
 
 
-# Numbers of the other methods, where they are kept with the project.
+# Results of the other methods, where they are kept with the project.
 STORED_PEERS = [
     str(path) for path in shipped_glob("data/benchmarks/challenge_peers.json")
 ]
 
-# Numbers of the tier "world", where they are kept with the project.
+# Results of the tier "world", where they are kept with the project.
 STORED_WORLD = [
     str(path) for path in shipped_glob("data/benchmarks/challenge_world.json")
 ]

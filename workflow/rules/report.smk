@@ -80,7 +80,7 @@ rule build_report:
             category="Report",
             labels={"page": "Whole report"},
         ),
-        numbers="results/report/summary.json",
+        scores="results/report/summary.json",
     log:
         "results/logs/build_report.log",
     params:

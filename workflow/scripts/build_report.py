@@ -21,7 +21,7 @@ if __name__ == "__main__":
         }
         write_report(
             snakemake.output.page,
-            snakemake.output.numbers,
+            snakemake.output.scores,
             Results(
                 published=found.published,
                 robot=found.robot,

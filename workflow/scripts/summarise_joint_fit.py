@@ -1,4 +1,4 @@
-"""Put the numbers of the joint fit together for the report."""
+"""Assemble the results of the joint fit for the report."""
 
 from jointwear.running.script import reported
 from jointwear.studies.joint_fit.summary import write_chapter

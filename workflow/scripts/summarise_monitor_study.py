@@ -1,4 +1,4 @@
-"""Put the numbers of the monitor's study together for the report."""
+"""Assemble the results of the monitor's study for the report."""
 
 from jointwear.running.script import reported
 from jointwear.studies.monitor_study.summary import write_chapter

@@ -1,4 +1,4 @@
-"""Put the numbers of the multiverse together for the report."""
+"""Assemble the results of the multiverse for the report."""
 
 from jointwear.running.script import reported
 from jointwear.studies.multiverse.summary import write_chapter

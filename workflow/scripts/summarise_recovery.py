@@ -1,4 +1,4 @@
-"""Put the numbers of the recovery together for the report."""
+"""Assemble the results of the recovery for the report."""
 
 from jointwear.running.script import reported
 from jointwear.studies.recovery.summary import summarise_recovery

@@ -1,4 +1,4 @@
-"""Put the numbers of the shop floor together for the report."""
+"""Assemble the results of the shop floor for the report."""
 
 from jointwear.running.script import reported
 from jointwear.studies.shop_floor.stages import summarise

@@ -1,4 +1,4 @@
-"""Tables II to VI, each published number beside ours."""
+"""Tables II to VI, each published value beside ours."""
 
 from pathlib import Path
 

@@ -27,11 +27,11 @@ def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "or
 
     def knots(state, axis, source, p, used):
         _, argument = shape(state, axis, p)
-        number = count
+        bases = count
         if per_wave:
             span = float(np.ptp(argument[used]))
-            number = int(np.clip(round(span * p[waves] * per_wave / (2 * np.pi)), 6, 40))
-        return knots_of(argument[used], number)
+            bases = int(np.clip(round(span * p[waves] * per_wave / (2 * np.pi)), 6, 40))
+        return knots_of(argument[used], bases)
 
     def columns(state, axis, source, p, table):
         carrier, argument = shape(state, axis, p)

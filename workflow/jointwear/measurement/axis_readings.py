@@ -15,7 +15,7 @@ from jointwear.robots.robot import Robot
 
 #: Samples that the likelihood looks at: apart by more than noise remembers, so that they count as independent.
 INDEPENDENT = 200
-#: Relative standard deviations of inertial parameters and of the numbers of the drives of a nominal model.
+#: Relative standard deviations of the inertial parameters and of the drive parameters of a nominal model.
 INERTIAL_ERROR, DRIVE_ERROR = 0.05, 0.3
 #: A payload that nobody wrote down, standard deviations: share of the mass of the arm, and its lever [m]. Arms carry
 #: up to a fifth of their own mass, two of these.
@@ -123,7 +123,7 @@ def payload_std(robot: Robot) -> np.ndarray:
 
 
 class Likelihood:
-    """How likely a nominal model makes a recording when its numbers may be as wrong as such numbers are.
+    """How likely a nominal model makes a recording when its parameters may be as wrong as such parameters are.
 
     Friction, motor inertia, inertial parameters and a payload have Gaussian priors; what they leave is noise of a
     size that the data tell. So what a wrong parameter, or a body at the flange, does to the torque speaks against no
@@ -164,7 +164,7 @@ class Likelihood:
         if not products:
             return 0.0
         sums, count = np.array(products), np.array(counts)
-        # An axis that the model cannot follow must not bend the numbers of the others: nothing is trusted at first.
+        # An axis that the model cannot follow must not bend the parameters of the others: nothing is trusted at first.
         left = np.ones(len(sums))
         for _ in range(ROUNDS):
             total = np.tensordot(1 / left, sums, 1)

@@ -294,7 +294,7 @@ def _enough(reading: Reading, gained: float, left: np.ndarray) -> float:
 def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
     """Check order, signs and zeros of the axes, and the side of their torques, against the nominal model.
 
-    Another reading must explain the data far better with the numbers of the nominal model as they are, and be the
+    Another reading must explain the data far better with the parameters of the nominal model as they are, and be the
     likelier one when these may be somewhat wrong; or it must be far more likely when they may. Returns whether there
     was enough motion to ask.
 

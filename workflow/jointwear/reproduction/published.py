@@ -1,4 +1,4 @@
-"""The numbers that the paper prints, by cell."""
+"""The values that the paper prints, by cell."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Published:
 
 
 def load_published(path: str | Path) -> Published:
-    """Read the paper's numbers.
+    """Read the paper's values.
 
     Raises
     ------

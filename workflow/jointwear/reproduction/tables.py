@@ -1,4 +1,4 @@
-"""Tables II to VI of the paper, each published number beside ours, as CSV and netCDF."""
+"""Tables II to VI of the paper, each published value beside ours, as CSV and netCDF."""
 
 from __future__ import annotations
 
@@ -213,7 +213,7 @@ def write_tables(
     ----------
     name : table_ii to table_vi.
     stem : path without ending of the two files to write.
-    published : the paper's numbers.
+    published : the paper's values.
     features, detections, locations : files of the worn runs, as far as the table needs them.
     replicate : the named replicate of Table II, 1-based.
     """

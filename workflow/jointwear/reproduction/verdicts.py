@@ -1,6 +1,6 @@
-"""Does a reproduced number agree with the published one?
+"""Does a reproduced value agree with the published one?
 
-Tolerances: 5 % on torque, 0.05 on the coefficient of variation, 10 h on detection. A number *agrees* where the
+Tolerances: 5 % on torque, 0.05 on the coefficient of variation, 10 h on detection. A value *agrees* where the
 median over replicates is within the tolerance and the published value lies in the range over replicates
 (widened by the rounding of the print); it is *close* where only one of the two holds and the median is within
 twice the tolerance; else it *differs*. A wide range alone never earns agreement.

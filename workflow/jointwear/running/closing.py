@@ -15,7 +15,7 @@ PAGES = ("results/*/index.html", "results/*/*.html", "results/*/*/*.html")
 
 
 def score_lines(summary: Path) -> list[str]:
-    """Return one line per claim of the paper, from the numbers of a report; none where there is no such file."""
+    """Return one line per claim of the paper, from the results in a report; none where there is no such file."""
     try:
         statements = read_json(summary)["summary"]["statements"]
         return [f"{s['title']}: {s['verdict']}. {s['text'].split('. ')[0].rstrip('.')}." for s in statements[:5]]

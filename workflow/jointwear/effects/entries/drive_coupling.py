@@ -13,7 +13,7 @@ def _speed(state, axis, source, p):
 
 def _columns(state, axis, source, p):
     # Where the shared drive sticks its friction is anything up to Coulomb friction.
-    # The share of this axis in viscous friction and inertia is part of its own numbers in the robot file.
+    # The share of this axis in viscous friction and inertia is part of its own parameters in the robot file.
     speed = _speed(state, axis, source, p)
     level = np.where(np.abs(speed) > SLOW, np.sign(speed), 0.0)
     for rest in state.rests_of(axis, source, (p["own"], p["other"])):

@@ -75,7 +75,7 @@ def _nearest(robot, coefficients, precision):
     return body(found.x)
 
 
-def _numbers(parameters):
+def _parameter_vector(parameters):
     return np.array([parameters.get(name, 0.0) for name in _NAMES])
 
 
@@ -96,13 +96,13 @@ def _about_centre(total, farthest=np.inf):
 
 
 def _sound(parameters):
-    total = _numbers(parameters)
+    total = _parameter_vector(parameters)
     return bool(total[0] > 0) and bool(np.linalg.eigvalsh(_about_centre(total)[1])[0] >= 0)
 
 
 def _written(content, parameters):
     """Return the body of a robot file that is the sum of `content` and a payload; the nearest that is a body."""
-    total = parameters_of_body(*_body_of(content)) + _numbers(parameters)
+    total = parameters_of_body(*_body_of(content)) + _parameter_vector(parameters)
     mass = float(total[0])
     if mass <= 1e-9:
         return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
@@ -132,7 +132,7 @@ EFFECT = Effect(
     source="standard; e.g. Khalil and Dombre 2002",
     argument="pose",
     argument_unit="rad",
-    torque=lambda state, axis, source, p: _columns(state, axis, source, p) @ _numbers(p),
+    torque=lambda state, axis, source, p: _columns(state, axis, source, p) @ _parameter_vector(p),
     columns=_columns,
     parameters_of=lambda p, c: {**p, **dict(zip(_NAMES, map(float, c), strict=True))},
     grid=lambda state, axis: [{}],

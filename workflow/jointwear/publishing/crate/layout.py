@@ -17,7 +17,7 @@ COMMIT = "commit.json"
 #: What runs when the workflow runs: rules, scripts, library, templates, which may hold expressions, and the registry,
 #: which names addresses to load from and files to write.
 CODE = ("Snakefile", "workflow", "report", "data/registry.yaml")
-#: The page and its numbers, without which there is nothing to verify.
+#: The page and its results, without which there is nothing to verify.
 REPORT = ("results/report/index.html", "results/report/summary.json")
 #: Snakemake's mark on a folder that it made.
 STAMP = ".snakemake_timestamp"

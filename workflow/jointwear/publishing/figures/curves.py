@@ -1,4 +1,4 @@
-"""What Figures 1 to 3 show, computed from result files; the report scores the same numbers."""
+"""What Figures 1 to 3 show, computed from result files; the report scores the same values."""
 
 from __future__ import annotations
 

@@ -69,5 +69,5 @@ def draw_detection_map(table: str | Path, output: str | Path) -> None:
         output,
         name,
         f"{name}; {detected} of {len(rows)} runs are detected in at least half of the replicates. A cross marks runs "
-        "that the paper did not detect. The numbers stand in the table beside the picture.",
+        "that the paper did not detect. The values are in the table beside the picture.",
     )

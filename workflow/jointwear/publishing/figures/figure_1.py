@@ -25,7 +25,7 @@ def draw_figure_1(
     ----------
     simulation : file of the worn run to show.
     robot, task : robot file and task file of that run.
-    published : the paper's numbers; its drawn range is marked where the run is the paper's.
+    published : the paper's values; its drawn range is marked where the run is the paper's.
     output : SVG file.
     replicate : 1-based.
     """

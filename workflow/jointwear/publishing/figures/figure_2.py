@@ -48,7 +48,7 @@ def draw_figure_2(features: str | Path, published: str | Path, output: str | Pat
     Parameters
     ----------
     features : features of the worn run to show.
-    published : the paper's numbers; its drawn range is marked where the run is the paper's.
+    published : the paper's values; its drawn range is marked where the run is the paper's.
     output : SVG file.
     replicate : drawn as a thin line for the worn axis, 1-based.
     """

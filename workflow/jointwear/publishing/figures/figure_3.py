@@ -36,7 +36,7 @@ def draw_figure_3(
     Parameters
     ----------
     model, detection : normal model of the task and scores of the worn run.
-    published : the paper's numbers; its onset is marked where the run is taken for the paper's.
+    published : the paper's values; its onset is marked where the run is taken for the paper's.
     output : SVG file.
     replicate : 1-based.
     confidence : of the control limit, named in the figure.

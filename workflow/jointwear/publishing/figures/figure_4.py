@@ -21,7 +21,7 @@ def draw_figure_4(trajectories: list[str], published: str | Path, output: str | 
     Parameters
     ----------
     trajectories : files results/trajectories/<task>.nc.
-    published : the paper's numbers, for the range of its axes.
+    published : the paper's values, for the range of its axes.
     output : SVG file.
     """
     low, high = load_published(published).data["figures"]["fig_4"]["axis_range_m"]

@@ -76,5 +76,5 @@ def draw_lag_map(table: str | Path, output: str | Path, replicate: int) -> None:
         figure,
         output,
         name,
-        f"{name}. Blue: axis j trails axis i; orange: it leads. The numbers stand in the table beside the picture.",
+        f"{name}. Blue: axis j trails axis i; orange: it leads. The values are in the table beside the picture.",
     )

@@ -32,7 +32,7 @@ def draw_paper_figures(
     simulation, features, model, detection : files of the worn run that Figures 1 to 3 show.
     trajectories : commanded motion of every task (Figure 4).
     robot, task : robot file and task file of that run.
-    published : the paper's numbers.
+    published : the paper's values.
     outputs : SVG file of ``figure_1`` to ``figure_4``.
     replicate : 1-based. confidence : of the control limit.
 

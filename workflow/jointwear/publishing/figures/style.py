@@ -1,4 +1,4 @@
-"""The look of every figure, and how it is written: SVG with the same bytes for the same numbers."""
+"""The look of every figure, and how it is written: SVG with the same bytes for the same data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report: pure functions that assemble its numbers, and the rendering of its pages.
+"""The report: pure functions that assemble its results, and the rendering of its pages.
 
 Only numpy, netCDF4 and jinja2 are imported, so that the report is built in about a second.
 """

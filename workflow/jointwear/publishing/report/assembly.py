@@ -180,7 +180,7 @@ def _recovered(content: Mapping[str, Any]) -> bool:
 
 
 def assemble(results: Results, config: Mapping[str, Any]) -> dict[str, Any]:
-    """Return all numbers of the report as dicts, lists, numbers and text.
+    """Return all results of the report as dicts, lists, numbers and text.
 
     Parameters
     ----------

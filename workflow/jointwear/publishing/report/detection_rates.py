@@ -79,10 +79,10 @@ def false_alarms(path: str | Path, rule: str, consecutive: int) -> dict[str, Any
     result: dict[str, Any] = {"hours": q.shape[1], "replicates": q.shape[0]}
     for name, values, limit in (("q", q, q_limit), ("t2", t2, t2_limit)):
         above = values > limit[:, None]
-        number = count if name == "q" else alarms(above, rule, consecutive)
+        raised = count if name == "q" else alarms(above, rule, consecutive)
         result[name] = {
-            "alarms_per_week": mean_interval(number, weeks),
-            "periods_with_alarm": proportion(number > 0),
+            "alarms_per_week": mean_interval(raised, weeks),
+            "periods_with_alarm": proportion(raised > 0),
             "hours_above_limit": mean_interval(above.mean(axis=1), 1.0),
         }
     return result

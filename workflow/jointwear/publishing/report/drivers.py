@@ -108,7 +108,7 @@ def measured_drivers(
 
 
 def published_drivers(printed: Published, seed: int) -> list[dict[str, Any]]:
-    """Return the same for the paper's own numbers: Tables V (load) and VI (variation) against the hours of IV."""
+    """Return the same for the paper's own values: Tables V (load) and VI (variation) against the hours of IV."""
     rows = []
     design = printed.data["table_iii_design"]
     for increase in design["increase_percent"]:

@@ -1,6 +1,6 @@
 """How well Figures 1 to 3 reproduce what the paper's plots show.
 
-The paper prints no numbers for its figures. A plot whose axis was chosen by the plotting program fills most of
+The paper prints no values for its figures. A plot whose axis was chosen by the plotting program fills most of
 it, which is what its drawn range tells about the data.
 """
 

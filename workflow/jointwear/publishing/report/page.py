@@ -1,4 +1,4 @@
-"""Write the report of the reproduction: one page and its numbers as JSON."""
+"""Write the report of the reproduction: one page and its results as JSON."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def other_pages(results: Path) -> list[dict[str, str]]:
 
 
 def read_chapter(path: str | Path) -> Any:
-    """Read the numbers of a further chapter.
+    """Read the results of a further chapter.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def settings_behind(config: Mapping[str, Any]) -> dict[str, Any]:
 
 def write_report(
     output: str | Path,
-    numbers: str | Path,
+    scores: str | Path,
     results: Results,
     figures: Mapping[str, str],
     config: Mapping[str, Any],
@@ -65,12 +65,12 @@ def write_report(
     chapters: Mapping[str, str] | None = None,
     root: str | Path = ".",
 ) -> None:
-    """Write the page and its numbers.
+    """Write the page and its results.
 
     Parameters
     ----------
     output : the page; figures are put into it and data are linked relative to it.
-    numbers : JSON file with all scores and the summary.
+    scores : JSON file with all scores and the summary.
     results : result files.
     figures : SVG files by name, as `figure_1`, `table_ii`.
     config : the part of the configuration that the reproduction uses.
@@ -101,5 +101,5 @@ def write_report(
         **further,
     }
     context["chapters"] = render_chapters(context)
-    write_json(numbers, content)
+    write_json(scores, content)
     replace_text(output, render_page("index.html.j2", context))

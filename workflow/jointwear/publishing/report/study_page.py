@@ -19,7 +19,7 @@ def write_study_page(study: str, chapter: str | Path, figures: Sequence[str | Pa
     Parameters
     ----------
     study : name of the study; its template is report/chapters/NN_<study>.html.j2.
-    chapter : JSON file with the numbers of the chapter.
+    chapter : JSON file with the results of the chapter.
     figures : SVG files; the template sees a figure as `<study>_<name of its file>`.
     output : the page.
 

@@ -1,4 +1,4 @@
-"""The summary in plain words. Every sentence is made from the numbers; none is fixed."""
+"""The summary in plain words. Every sentence is made from the results; none is fixed."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ SAMPLES = "simulation"
 LEFT_OUT = (SAMPLES, "logs", "benchmarks")
 STAGES = {
     "tables": "Tables II to VI",
-    "report": "The report and its numbers",
+    "report": "The report and its results",
     "figures": "Figures",
     "trajectories": "Commanded motion",
     "detection": "Normal models, scores and onsets",

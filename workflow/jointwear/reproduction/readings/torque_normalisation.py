@@ -21,5 +21,5 @@ def training_maximum(hourly, reference_hour, reference_period):
 
 
 def largest_of_all_axes(hourly, reference_hour, reference_period):
-    """The largest |torque| of all axes in the first hour of normal operation, one number for the whole arm."""
+    """The largest |torque| of all axes in the first hour of normal operation, one value for the whole arm."""
     return reference_hour.max(axis=-1, keepdims=True)[:, None, :] + 0 * reference_hour[:, None, :]

@@ -27,7 +27,7 @@ ARMS = {
 
 def arm_of(case: Case, seed: int) -> str:
     """Return the name of the arm of a case, each as often."""
-    return str(generator(seed, *case.key, "arm", replicate=case.number).choice(list(ARMS)))
+    return str(generator(seed, *case.key, "arm", replicate=case.index).choice(list(ARMS)))
 
 
 def arm_path(name: str) -> Path:

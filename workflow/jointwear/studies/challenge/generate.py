@@ -114,7 +114,7 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
     nominal : the robot that discovery will be given, by DH table; behind the gears where torque is sensed there.
     seed : of the whole test; the case's words are the spawn key.
     """
-    rng = generator(seed, *case.key, replicate=case.number)
+    rng = generator(seed, *case.key, replicate=case.index)
     tier = TIERS[case.tier]
     how = circumstances_of(case, nominal, seed)
     if how.torque == "link_sensor":
@@ -200,7 +200,7 @@ def _judged(world: World) -> np.ndarray:
 
 def circumstances_of(case: Case, nominal: Robot, seed: int) -> Circumstances:
     """Return how a case is driven and logged."""
-    rng = generator(seed, *case.key, "circumstances", replicate=case.number)
+    rng = generator(seed, *case.key, "circumstances", replicate=case.index)
     smooth = case.subject in SMOOTH_ONLY
     return draw_circumstances(rng, case.kind, case.subject, nominal.gear_ratio, smooth)
 

@@ -91,7 +91,7 @@ RIGHT_ANSWER = {"nothing": "none", "outside": "unknown"}
 
 
 def confusion_table(confusion: Mapping[str, Mapping[str, int]]) -> dict[str, Any]:
-    """Return columns and rows of a confusion matrix; every cell has the number and its share of the row."""
+    """Return columns and rows of a confusion matrix; every cell has the count and its share of the row."""
     given = {answer for answers in confusion.values() for answer in answers}
     columns = [n for n in EFFECTS if n in given or confusion.get(n)]
     columns += [n for n in ("none", "retuned", "unknown", "refused") if n in given]
@@ -136,14 +136,14 @@ def calibration_points(bins: list[Mapping[str, Any]]) -> list[dict[str, float]]:
 
 def set_words(part: str, cases: int, drawing: int) -> str:
     """Return in words which cases a page shows; `part` as in :func:`jointwear.studies.challenge.plan.part_batches`."""
-    seed_set, numbers = part_batches(part)
+    seed_set, counts = part_batches(part)
     whole = len(TIERS) * sum(COUNTS[seed_set].values())
     words = _SET_WORDS[seed_set]
     if drawing > 1:
         words += f" (drawing {drawing}: results on earlier ones had been seen before discovery was last changed)"
     if cases >= whole:
         return words
-    count = max(numbers.values())
+    count = max(counts.values())
     return (
         f"{words}: the first {count} batches of every tier, each a like mixture of all kinds, "
         f"{cases} of {whole} cases. The share was fixed before any result was looked at"

@@ -26,7 +26,7 @@ _SUBJECTS = {"single": EFFECTS, "retuned": MODEL_PARAMETERS, "outside": OUTSIDE}
 
 @dataclass(frozen=True)
 class Case:
-    """One case: its seed set, tier, kind and 0-based number within the kind.
+    """One case: its seed set, tier, kind and 0-based index within the kind.
 
     The random numbers of a case depend on these four words alone, so that a case stays the same however many others
     are run beside it.
@@ -35,16 +35,16 @@ class Case:
     set: str
     tier: str
     kind: str
-    number: int
+    index: int
 
     @property
     def name(self) -> str:
         """File name of the case; it says nothing of what is hidden beyond the order of the plan."""
-        return f"{self.tier}_{KINDS.index(self.kind)}{self.number:03d}"
+        return f"{self.tier}_{KINDS.index(self.kind)}{self.index:03d}"
 
     @property
     def key(self) -> tuple[str, ...]:
-        """Words of the spawn key; the number is the replicate."""
+        """Words of the spawn key; the index is the replicate."""
         drawing = DRAWINGS[self.set]
         return ("challenge", self.set if drawing == 1 else f"{self.set} {drawing}", self.tier, self.kind)
 
@@ -52,7 +52,7 @@ class Case:
     def subject(self) -> str | None:
         """The effect, parameter or disturbance that is hidden; None where chance decides or nothing is."""
         subjects = _SUBJECTS.get(self.kind)
-        return subjects[self.number % len(subjects)] if subjects else None
+        return subjects[self.index % len(subjects)] if subjects else None
 
 
 def cases(seed_set: str, tier: str, counts: Mapping[str, int]) -> list[Case]:
@@ -65,7 +65,7 @@ def cases(seed_set: str, tier: str, counts: Mapping[str, int]) -> list[Case]:
     for word, allowed in ((seed_set, SETS), (tier, TIERS), *((kind, KINDS) for kind in counts)):
         if word not in allowed:
             raise InputError(f"challenge: there is no '{word}' (allowed: {', '.join(allowed)}){nearest(word, allowed)}")
-    return [Case(seed_set, tier, kind, number) for kind in KINDS for number in range(int(counts.get(kind, 0)))]
+    return [Case(seed_set, tier, kind, index) for kind in KINDS for index in range(int(counts.get(kind, 0)))]
 
 
 def batches(seed_set: str, tier: str, counts: Mapping[str, int], size: int) -> list[list[Case]]:

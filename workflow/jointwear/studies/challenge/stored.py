@@ -22,7 +22,7 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
     InputError : if the scores are missing or broken.
     """
     content = read_json(scores)
-    seed_set, numbers = part_batches(part)
+    seed_set, counts = part_batches(part)
     digest = hashlib.sha256(json.dumps(dict(settings), sort_keys=True).encode()).hexdigest()[:16]
     head = {
         "part": part,
@@ -30,7 +30,7 @@ def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, s
         "drawing": DRAWINGS[seed_set],
         "cases": content["cases"],
         "cases_of_the_whole_set": len(TIERS) * sum(COUNTS[seed_set].values()),
-        "batches": numbers,
+        "batches": counts,
         "settings": dict(settings),
         "settings_digest": digest,
         "command": f"snakemake --cores 2 results/challenge/{part}/stored.json",

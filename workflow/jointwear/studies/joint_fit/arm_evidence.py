@@ -15,7 +15,7 @@ from scipy.special import logsumexp
 
 from jointwear.studies.joint_fit.pose_search import Arm, TaskFit
 
-_UNIFORM = 1 / 12  # variance of a number that is evenly spread over a range of length one
+_UNIFORM = 1 / 12  # variance of the uniform distribution over a range of length one
 
 
 def region_evidence(fit: TaskFit, u: np.ndarray) -> np.ndarray:
@@ -62,7 +62,7 @@ def walk(
     Parameters
     ----------
     evidence : function of an arm.
-    size : standard deviation of a step in the logarithm of each number.
+    size : standard deviation of a step in the logarithm of each parameter.
     """
     arm, value = start, evidence(start)
     arms, values = [arm], [value]

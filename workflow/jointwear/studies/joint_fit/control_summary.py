@@ -1,4 +1,4 @@
-"""The numbers of the controls of the joint fit for the report's chapter, as plain data."""
+"""The results of the controls of the joint fit for the report's chapter, as plain data."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jointwear.files.json_documents import write_json
 from jointwear.files.storage import open_dataset
 
 MOMENT_TOLERANCE = 0.15  # share of the payload's first moment within which a fit has found it
-_CONTROL_NUMBERS = ("cells", "hour_error", "distance", "moment", "shape", "true_moment", "true_shape")
+_ATTRIBUTES = ("cells", "hour_error", "distance", "moment", "shape", "true_moment", "true_shape")
 _COMPARED = ("cells", "hour_error", "distance")
 
 
@@ -25,7 +25,7 @@ def controls(paths: Sequence[str | Path]) -> dict[str, Any]:
     rows = []
     for path in paths:
         with open_dataset(path) as data:
-            names = [n for n in data.ncattrs() if n in _CONTROL_NUMBERS or n.startswith(("reading_", "true_reading_"))]
+            names = [n for n in data.ncattrs() if n in _ATTRIBUTES or n.startswith(("reading_", "true_reading_"))]
             rows.append({"kind": str(data.kind), **{n: data.getncattr(n) for n in names}})
     result: dict[str, Any] = {"rows": rows}
     for kind in dict.fromkeys(r["kind"] for r in rows):

@@ -1,4 +1,4 @@
-"""The numbers of the joint fit for the report's chapter, as plain data."""
+"""The results of the joint fit for the report's chapter, as plain data."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ class Factory:
         if growth is not None:
             factor[growth[0]] += growth[1]
         coulomb = real.coulomb(velocity) * factor
-        # Vogel: ln(viscosity) = B / (T + C), with the numbers of a gear oil.
+        # Vogel: ln(viscosity) = B / (T + C), with the constants of a gear oil.
         viscous = real.viscous * np.exp(700.0 / (temperature + 105.0) - 700.0 / 130.0)
         torque = coulomb + viscous * velocity
         if self.scenario in ("speed", "all"):

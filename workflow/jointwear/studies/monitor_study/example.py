@@ -37,7 +37,7 @@ TASK = Task(
 
 
 def real_arm(robot: Robot, random: np.random.Generator) -> Robot:
-    """Return the robot with other inertial and friction numbers, a few percent from the nominal ones."""
+    """Return the robot with other inertial and friction parameters, a few percent from the nominal ones."""
 
     def off(size: float, shape: int | tuple[int, ...] = ()) -> np.ndarray:
         return 1 + size * random.standard_normal(shape)

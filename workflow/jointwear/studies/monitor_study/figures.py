@@ -1,4 +1,4 @@
-"""Figures of the monitor's study; each draws one from the chapter's numbers."""
+"""Figures of the monitor's study; each draws one from the chapter's results."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Other detectors on the same runs: multivariate statistics, isolation forest, change points, KL of kernel densities.
 
 All see only torque, hour by hour, as the paper's method does: the first three and the change points its mean, maximum
-and variation on every axis, the last its distribution. Each makes one number an hour; a threshold chosen on the normal
-week of half of the replicates gives all the same rate of false alarms, checked on the other half.
+and variation on every axis, the last its distribution. Each gives one statistic an hour; a threshold chosen on the
+normal week of half of the replicates gives all the same rate of false alarms, checked on the other half.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ STEP = 6
 _VARIANCE_SHARE = 0.9
 _BINS, _WIDTHS = 96, 1.06
 
-#: From standardised features of training (h, p) and of a run (h', p) to one number an hour (h',).
+#: From standardised features of training (h, p) and of a run (h', p) to one statistic an hour (h',).
 Statistic = Callable[[np.ndarray], np.ndarray]
 
 
@@ -134,7 +134,7 @@ def study_peers(features: Sequence[str], runs: Sequence[str], output: str | Path
     of_features, of_torque = by_run(features), by_run(runs)
     cells = sorted(c for c in of_features if isinstance(c, Cell))
     wanted = ["normal", *cells]
-    numbers: dict[str, list[np.ndarray]] = {name: [] for name in PEERS}
+    statistics: dict[str, list[np.ndarray]] = {name: [] for name in PEERS}
     axes: dict[Any, np.ndarray] = {}
     training = _features(of_features["training"], count)
     peers = [fit_peers(standardised(x, x), seed) for x in training]
@@ -142,18 +142,18 @@ def study_peers(features: Sequence[str], runs: Sequence[str], output: str | Path
     for run in wanted:
         values = _features(of_features[run], count)
         for name in PEERS[:-1]:
-            numbers[name].append(
+            statistics[name].append(
                 np.stack([p[name](standardised(x, v)) for p, x, v in zip(peers, training, values, strict=True)])
             )
         scored = np.stack(
             [d.score(t) for d, t in zip(densities, read_torque(of_torque[run], slice(0, count)), strict=True)]
         )
-        numbers["kernel_kl"].append(scored.max(axis=2))
+        statistics["kernel_kl"].append(scored.max(axis=2))
         axes[run] = scored.argmax(axis=2) + 1
     hours = np.full((len(PEERS), len(cells), count), np.nan)
     named, false = np.zeros((len(cells), count), dtype=int), []
     for k, name in enumerate(PEERS):
-        normal, *worn = numbers[name]
+        normal, *worn = statistics[name]
         threshold = factor_for(normal[0::2], RATE, 1)
         false.append(reset_alarms(normal[1::2], threshold, 1).sum())
         for i, values in enumerate(worn):
@@ -170,6 +170,6 @@ def study_peers(features: Sequence[str], runs: Sequence[str], output: str | Path
         "kernel_kl_named": Variable(("cell", "replicate"), named, "axis with the largest divergence then", "1"),
         "false": Variable(("peer",), np.array(false), "false alarms in the checked normal hours", "1"),
     }
-    checked = int(numbers["pca_q"][0][1::2].size)
+    checked = int(statistics["pca_q"][0][1::2].size)
     attributes = provenance.attributes("peers of the monitor", dict(settings)) | {"checked_hours": checked}
     write_dataset(output, variables, attributes | {"rate_per_1000_h": RATE})

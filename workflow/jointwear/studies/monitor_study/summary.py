@@ -1,4 +1,4 @@
-"""The numbers of the monitor's study for the report's chapter, as plain data."""
+"""The results of the monitor's study for the report's chapter, as plain data."""
 
 from __future__ import annotations
 
@@ -318,7 +318,7 @@ def write_chapter(
     tasks: Mapping[str, str], peers: Mapping[str, str], factory: Mapping[str, str], decisions: Mapping[str, str],
     published: str | Path, output: str | Path, seed: int,
 ) -> None:  # fmt: skip
-    """Put the numbers of all stages together.
+    """Assemble the results of all stages.
 
     Parameters
     ----------

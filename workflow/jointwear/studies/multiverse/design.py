@@ -127,8 +127,8 @@ def read_design(path: str | Path) -> list[DesignPoint]:
         raise InputError(f"{path}: {error.strerror}") from None
     if not rows or "kind" not in rows[0]:
         raise InputError(f"{path}: not a design of readings; delete it and run again")
-    numbers = {"wear_shape": float, "consecutive_hours": int}
+    numeric = {"wear_shape": float, "consecutive_hours": int}
     return [
-        DesignPoint(row["kind"], {k: numbers.get(k, str)(v) for k, v in row.items() if k not in ("reading", "kind")})
+        DesignPoint(row["kind"], {k: numeric.get(k, str)(v) for k, v in row.items() if k not in ("reading", "kind")})
         for row in rows
     ]

@@ -92,14 +92,14 @@ def score_readings(
 
     Parameters
     ----------
-    settings : of :func:`analysis_of`; `best` and `start`, the numbers of readings.
+    settings : of :func:`analysis_of`; `best` and `start`, how many readings.
     """
     points = read_design(design)
     loaded = [records.read_outcomes(path) for path in parts]
-    numbers = np.concatenate([n for _, n in loaded])
-    outcomes = records.taken(records.joined([o for o, _ in loaded]), np.argsort(numbers))
-    if len(numbers) != len(points):
-        raise InputError(f"{design}: has {len(points)} readings, the parts have {len(numbers)}; delete them, run again")
+    indices = np.concatenate([n for _, n in loaded])
+    outcomes = records.taken(records.joined([o for o, _ in loaded]), np.argsort(indices))
+    if len(indices) != len(points):
+        raise InputError(f"{design}: has {len(points)} readings, the parts have {len(indices)}; delete them, run again")
     printed = load_published(published)
     target = paper_target(printed, analysis_of(settings, printed))
     (scores, shortfalls), supported = scores_and_shortfalls(outcomes, target), claims(outcomes)
@@ -165,7 +165,7 @@ def measure_influence(design: str | Path, scored: str | Path, output: str | Path
         names = [e.names[place] for e in effects]
         return names + [""] * (count - len(names))
 
-    def number(effects: list[Effect], field: str, count: int) -> list[float]:
+    def padded(effects: list[Effect], field: str, count: int) -> list[float]:
         values = [getattr(e, field) for e in effects]
         return values + [np.nan] * (count - len(values))
 
@@ -176,8 +176,8 @@ def measure_influence(design: str | Path, scored: str | Path, output: str | Path
     variables = {
         "score": Variable(("score",), np.array(chosen), "score"),
         "main_name": Variable(by, np.array([text(m, 0, width) for m in mains]), "dimension"),
-        "main_share": Variable(by, np.array([number(m, "share", width) for m in mains]), share, "1"),
-        "main_p_value": Variable(by, np.array([number(m, "p_value", width) for m in mains]), "p value", "1"),
+        "main_share": Variable(by, np.array([padded(m, "share", width) for m in mains]), share, "1"),
+        "main_p_value": Variable(by, np.array([padded(m, "p_value", width) for m in mains]), "p value", "1"),
         "main_levels": Variable(
             by,
             np.array([[json.dumps(e.levels) for e in m] + [""] * (width - len(m)) for m in mains]),
@@ -185,8 +185,8 @@ def measure_influence(design: str | Path, scored: str | Path, output: str | Path
         ),
         "pair_first": Variable(of, np.array([text(p, 0, depth) for p in pairs]), "first dimension"),
         "pair_second": Variable(of, np.array([text(p, 1, depth) for p in pairs]), "second dimension"),
-        "pair_share": Variable(of, np.array([number(p, "share", depth) for p in pairs]), share, "1"),
-        "pair_p_value": Variable(of, np.array([number(p, "p_value", depth) for p in pairs]), "p value", "1"),
+        "pair_share": Variable(of, np.array([padded(p, "share", depth) for p in pairs]), share, "1"),
+        "pair_p_value": Variable(of, np.array([padded(p, "p_value", depth) for p in pairs]), "p value", "1"),
         "pair_levels": Variable(
             of,
             np.array([[json.dumps(e.levels) for e in p] + [""] * (depth - len(p)) for p in pairs]),

@@ -69,7 +69,7 @@ def write_outcomes(
 
     Parameters
     ----------
-    indices : numbers of the readings in the design.
+    indices : (r,) indices of the readings in the design.
     """
     first = ("pose_set", "reading") if names else ("reading",)
     variables = {"reading": Variable(("reading",), np.asarray(indices), "number of the reading in the design", "1")}
@@ -84,7 +84,7 @@ def write_outcomes(
 
 
 def read_outcomes(path: str | Path) -> tuple[Outcomes, np.ndarray]:
-    """Return outcomes and the numbers of their readings."""
+    """Return outcomes and the indices of their readings (r,) in the design."""
     with open_dataset(path) as dataset:
         values = [read_variable(dataset, path, f.name) for f in fields(Outcomes)]
         return Outcomes(*values), read_variable(dataset, path, "reading")

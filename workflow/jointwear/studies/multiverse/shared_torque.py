@@ -156,7 +156,7 @@ class SharedTask:
             torque[:, j] + growth[:, None] * friction(motion.velocity[:, j])
             for torque, motion in zip(self._commanded, (self._motion, self._cycle), strict=True)
         ]
-        # Means are over samples and cycle: (hours, 1), or one number for all hours.
+        # Means are over samples and cycle: (hours, 1), or one value for all hours.
         share = e.disturbance_share * self._mean(*(c[:, :, None] for c in commanded))[:, 0]
         extra = (share - self._share[j]).astype(np.float32) * self._unit[..., j][:, :, chosen]
         sign = self._sign[..., j]

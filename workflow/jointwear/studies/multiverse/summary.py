@@ -1,4 +1,4 @@
-"""The numbers of the multiverse for the report's chapter, as plain data."""
+"""The results of the multiverse for the report's chapter, as plain data."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ def scored_readings(path: str | Path) -> dict[str, Any]:
         supported = {k: read(f"claim_{k}").astype(bool) for k in CLAIMS}
         wrong = read("wrong_share")
         single = read("single_run_agreement")
-    number = len(kind)
+    count = len(kind)
     return {
-        "readings": number,
+        "readings": count,
         "kinds": {k: int((kind == k).sum()) for k in dict.fromkeys(kind)},
         "dimensions": len(dimensions),
         "alternatives": int(sum(len(set(v)) for v in choices.values())),
@@ -90,7 +90,7 @@ def scored_readings(path: str | Path) -> dict[str, Any]:
             {
                 "claim": k,
                 "meaning": text,
-                "all": counted_share(supported[k].sum(), number),
+                "all": counted_share(supported[k].sum(), count),
                 "sample": counted_share(supported[k][kind == "sample"].sum(), int((kind == "sample").sum())),
                 "best": counted_share(supported[k][best].sum(), len(best)),
             }

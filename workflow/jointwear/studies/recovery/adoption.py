@@ -78,13 +78,13 @@ def adopt_experiment(
     adopt_wear_shape(wear, config)
 
 
-def _numbers(data: Any, key: str = "") -> Iterator[tuple[str, float]]:
+def _values(data: Any, key: str = "") -> Iterator[tuple[str, float]]:
     if isinstance(data, Mapping):
         for name, value in data.items():
-            yield from _numbers(value, f"{key}.{name}" if key else str(name))
+            yield from _values(value, f"{key}.{name}" if key else str(name))
     elif isinstance(data, (list, tuple)):
         for place, value in enumerate(data):
-            yield from _numbers(value, f"{key}[{place}]")
+            yield from _values(value, f"{key}[{place}]")
     elif isinstance(data, (int, float)) and not isinstance(data, bool):
         yield key, float(data)
 
@@ -92,7 +92,7 @@ def _numbers(data: Any, key: str = "") -> Iterator[tuple[str, float]]:
 def compare_copies(
     recovered: Sequence[str | Path], copies: Sequence[str | Path], output: str | Path, tolerance: float
 ) -> None:
-    """Write every number of the recovered files beside that of the copies, and refuse copies that are out of date.
+    """Write every value of the recovered files beside that of the copies, and refuse copies that are out of date.
 
     Parameters
     ----------
@@ -102,14 +102,14 @@ def compare_copies(
 
     Raises
     ------
-    InputError : naming the first number out of tolerance; the CSV file is written all the same.
+    InputError : naming the first value out of tolerance; the CSV file is written all the same.
     """
     rows = []
     for k, (new, old) in enumerate(zip(recovered, copies, strict=True)):
         read = (lambda path: {"payload": read_robot_file(path)["payload"]}) if k == 0 else read_task_file
-        new_numbers, old_numbers = dict(_numbers(read(new))), dict(_numbers(read(old)))
-        for key in sorted(set(new_numbers) | set(old_numbers)):
-            a, b = old_numbers.get(key), new_numbers.get(key)
+        new_values, old_values = dict(_values(read(new))), dict(_values(read(old)))
+        for key in sorted(set(new_values) | set(old_values)):
+            a, b = old_values.get(key), new_values.get(key)
             within = a is not None and b is not None and abs(a - b) <= tolerance * max(abs(a), 1.0)
             rows.append({"file": str(old), "key": key, "copy": a, "recovered": b, "within": within})
     text = io.StringIO()
@@ -122,6 +122,6 @@ def compare_copies(
         first = wrong[0]
         raise InputError(
             f"{first['file']}: {first['key']} is {first['copy']}, recovered {first['recovered']}; "
-            f"{len(wrong)} of {len(rows)} numbers differ by more than {tolerance:g}; "
+            f"{len(wrong)} of {len(rows)} values differ by more than {tolerance:g}; "
             "`snakemake adopt_recovered` renews the copies"
         )

@@ -193,7 +193,7 @@ def bound_published(
     Parameters
     ----------
     robot_path : the unloaded arm.
-    published : file of the published numbers.
+    published : file of the published values.
     output : netCDF file.
     settings : `seed`, `segment_times` [s], `noise_allowance` (share by which noise may raise a maximum).
     """

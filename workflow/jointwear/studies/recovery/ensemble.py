@@ -274,7 +274,7 @@ def write_ensemble(
         "phase": Variable(("solution", "task"), ensemble.phase, "time of the first sample in the cycle", "s"),
         "outward": Variable(("task",), ensemble.outward, "duration from start to stop", "s"),
         "shape": Variable(("solution",), ensemble.shape, "wear shape, 0 where the hours were not used", "1"),
-        "effect": Variable(("solution", "parameter"), ensemble.effect, "value of the number", "1"),
+        "effect": Variable(("solution", "parameter"), ensemble.effect, "value of the parameter", "1"),
         "cost": Variable(("solution",), ensemble.cost, "half the weighted sum of squares", "1"),
         "maximum": Variable(cell, ensemble.maximum, "expected largest |torque|", "N m"),
         "variation": Variable(cell, ensemble.variation, "coefficient of variation of |torque|", "1"),

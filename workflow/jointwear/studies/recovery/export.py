@@ -75,19 +75,19 @@ def task_data(name: str, start: np.ndarray, stop: np.ndarray, outward: float, ph
     }
 
 
-def typical_solution(cost: np.ndarray, numbers: np.ndarray, slack: float = 5.0) -> int:
+def typical_solution(cost: np.ndarray, parameters: np.ndarray, slack: float = 5.0) -> int:
     """Return the position of the solution that stands for all.
 
-    Among solutions that fit as well as the best, which one is best is chance. The one is taken whose numbers lie
+    Among solutions that fit as well as the best, which one is best is chance. The one is taken whose parameters lie
     nearest to the medians over all solutions, in units of their spread.
 
     Parameters
     ----------
     cost : (S,); solutions within `slack` of the least count as equally good (half a sum of squares).
-    numbers : (S, p) what is common to the tasks, such as the wear shape and the payload.
+    parameters : (S, p) what is common to the tasks, such as the wear shape and the payload.
     """
-    spread = numbers.std(axis=0)
-    scaled = (numbers - np.median(numbers, axis=0)) / np.where(spread > 0, spread, 1.0)
+    spread = parameters.std(axis=0)
+    scaled = (parameters - np.median(parameters, axis=0)) / np.where(spread > 0, spread, 1.0)
     away = (scaled**2).sum(axis=1)
     return int(np.argmin(np.where(cost <= cost.min() + slack, away, np.inf)))
 
@@ -95,7 +95,7 @@ def typical_solution(cost: np.ndarray, numbers: np.ndarray, slack: float = 5.0) 
 def export_experiment(
     unloaded: str | Path, ensemble: str | Path, robot: str | Path, task_files: Sequence[str | Path], wear: str | Path
 ) -> None:
-    """Write the typical solution of an ensemble as robot file and task files, rounded to what their numbers mean.
+    """Write the typical solution of an ensemble as robot file and task files, rounded to what their values mean.
 
     Parameters
     ----------

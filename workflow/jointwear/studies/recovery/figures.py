@@ -1,4 +1,4 @@
-"""Figures of the recovery; each function draws one from the chapter's numbers."""
+"""Figures of the recovery; each function draws one from the chapter's results."""
 
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ def with_segment_times(
         for other in OTHER_OUTWARD:
             trial = replace_outward(problem, task, other).task_alone(task, point)
             best, value = search_task(trial, random, effort)
-            # One more number must earn more than its share of the criterion.
+            # One more parameter must earn more than its share of the criterion.
             if value < cost[task] - np.log(problem.data_count):
                 outward[task], changed[columns], cost[task] = other, best, value
     problem = problem.with_outward(outward)
@@ -183,8 +183,8 @@ def write_fit(path: str | Path, fit: ExplanationFit, tables: Tables, settings: d
     if parameters:
         names = [p.name if p.axis is None else f"{p.name}_{p.axis}" for p in parameters]
         variables["parameter"] = Variable(("parameter",), np.array(names), "number of the candidate")
-        variables["effect"] = Variable(("parameter",), fit.effect, "value of the number", "1")
-        variables["effect_std"] = Variable(("parameter",), fit.std, "standard deviation of the number", "1")
+        variables["effect"] = Variable(("parameter",), fit.effect, "value of the parameter", "1")
+        variables["effect_std"] = Variable(("parameter",), fit.std, "standard deviation of the parameter", "1")
     attributes = provenance.attributes(f"fit of the candidate {fit.candidate}", settings)
     attributes |= {
         "candidate": fit.candidate,
@@ -246,7 +246,7 @@ def fit_candidate(
 
     Parameters
     ----------
-    robot, published : robot file of the unloaded arm; file of the published numbers.
+    robot, published : robot file of the unloaded arm; file of the published values.
     simpler : fits of the components of a pair, from which it is fitted too, so that it is never worse than they are.
     output : netCDF file.
     name : candidate, such as "payload" or "payload+gravity_scale".

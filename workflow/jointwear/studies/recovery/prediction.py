@@ -110,7 +110,7 @@ def predict_detection(
 
     Parameters
     ----------
-    robot : the unloaded arm; published : file of the published numbers.
+    robot : the unloaded arm; published : file of the published values.
     ensemble : solutions that were found with the hours unknown.
     output : netCDF file.
     settings : `seed`, `shape_range` from which the wear shape is drawn anew for every solution, and what

@@ -70,7 +70,7 @@ class TableProblem:
 
     Notes
     -----
-    The free vector u is without bounds: every number is middle + half range x sin(u), so positions stay
+    The free vector u is without bounds: every free parameter is middle + half range x sin(u), so positions stay
     within the limits of the joints and parameters within those of the candidate. Its order: start and stop
     positions, phase, task by task; then wear shape; then the candidate's parameters. An axis at rest, printed
     as 0.000, counts with its signed torque at every instant: the largest |torque| has a kink where it is to vanish.
@@ -146,7 +146,7 @@ class TableProblem:
         )
 
     def _layout(self, t: int, n: int) -> None:
-        """Decide which numbers are free and between which bounds."""
+        """Decide which parameters are free and between which bounds."""
         fixed_axis = self.tables.at_rest
         lower = np.empty((t, 2 * n + 1))
         upper = np.empty((t, 2 * n + 1))
@@ -185,15 +185,15 @@ class TableProblem:
 
     @property
     def size(self) -> int:
-        """Number of free numbers."""
+        """Number of free parameters."""
         return len(self.lower)
 
     def physical(self, u: np.ndarray) -> np.ndarray:
-        """Return the numbers in their own units, (S, p), of free vectors u (S, p)."""
+        """Return the parameters in their own units, (S, p), of free vectors u (S, p)."""
         return (self.upper + self.lower) / 2 + (self.upper - self.lower) / 2 * np.sin(u)
 
     def free(self, theta: np.ndarray) -> np.ndarray:
-        """Return a free vector for numbers in their own units; values at a bound are moved inside."""
+        """Return a free vector for parameters in their own units; values at a bound are moved inside."""
         share = (2 * theta - self.upper - self.lower) / (self.upper - self.lower)
         return np.arcsin(np.clip(share, -0.9999, 0.9999))
 

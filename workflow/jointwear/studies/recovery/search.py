@@ -24,7 +24,7 @@ class Effort:
     `starts`: independent starts; `draws`: random poses of which each start takes the best; `rounds` of exchange
     between starts, each followed by `iterations` of least squares; `final`: iterations of the last descent of
     the `finalists` best; `refinements`: how often the tasks are searched again, each by itself, from as many new
-    starts, with the common numbers held where the best start left them.
+    starts, with the common parameters held where the best start left them.
     """
 
     starts: int = 30
@@ -81,7 +81,7 @@ def _rounds(problem: TableProblem, random: np.random.Generator, effort: Effort) 
 
 
 def _refined(problem: TableProblem, random: np.random.Generator, effort: Effort, point: np.ndarray) -> np.ndarray:
-    """Return `point` with every task's trajectory searched anew for the common numbers of `point`."""
+    """Return `point` with every task's trajectory searched anew for the common parameters of `point`."""
     result = point.copy()
     for task, columns in enumerate(problem.columns_by_task):
         found, cost = search_task(problem.task_alone(task, point), random, effort)
@@ -91,7 +91,7 @@ def _refined(problem: TableProblem, random: np.random.Generator, effort: Effort,
 
 
 def search_task(alone: TableProblem, random: np.random.Generator, effort: Effort) -> tuple[np.ndarray, float]:
-    """Return the best trajectory of a problem that has one task and no common numbers, and its cost."""
+    """Return the best trajectory of a problem that has one task and no common parameters, and its cost."""
     found, _ = _rounds(alone, random, effort)
     found, cost = _descend(alone, found[:1], effort.iterations)
     return found[0], float(cost[0])
@@ -122,7 +122,7 @@ def screened_start(
 
     Parameters
     ----------
-    common : (count, p') free numbers that the tasks share; default random.
+    common : (count, p') free parameters that the tasks share; default random.
     """
     place = problem.trajectory_count
     common = problem.random_start(random, count)[:, place:] if common is None else common

@@ -1,4 +1,4 @@
-"""The numbers of the recovery for the report's chapter, as plain data."""
+"""The results of the recovery for the report's chapter, as plain data."""
 
 from __future__ import annotations
 
@@ -188,7 +188,7 @@ def summarise_recovery(
     prediction: str | Path,
     output: str | Path,
 ) -> None:
-    """Write the chapter's numbers as JSON; the arguments before `output` are the results of `recover`."""
+    """Write the chapter's results as JSON; the arguments before `output` are the results of `recover`."""
     found = read_json(verdict)
     content = {
         "bound": bound_summary(bound),

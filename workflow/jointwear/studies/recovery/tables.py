@@ -21,7 +21,7 @@ _TABLES = {
 
 @dataclass(frozen=True)
 class Tables:
-    """Published numbers; every array has shape (t, n, c): tasks, axes, columns of increase.
+    """Published values; every array has shape (t, n, c): tasks, axes, columns of increase.
 
     `hours` [h] of detection, NaN where not detected; `maximum` of |torque| [N m]; `variation` its coefficient
     of variation; `increase_percent` (c,) [%]; `run_hours` [h] at which an undetected run ended.
@@ -57,7 +57,7 @@ class Tables:
 
 
 def tables_from_data(data: dict[str, Any], source: str | Path) -> Tables:
-    """Build :class:`Tables` from the content of the file of published numbers.
+    """Build :class:`Tables` from the content of the file of published values.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def tables_from_data(data: dict[str, Any], source: str | Path) -> Tables:
 
 
 def read_tables(path: str | Path) -> Tables:
-    """Read the published numbers.
+    """Read the published values.
 
     Raises
     ------

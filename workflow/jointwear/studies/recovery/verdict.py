@@ -108,12 +108,12 @@ def build_verdict(
     for component in candidate(chosen).components:
         own = range(place, place + len(component.parameters))
         place += len(component.parameters)
-        numbers = [(component.parameters[k - own.start], fit.effect[k], fit.std[k]) for k in own]
+        estimates = [(component.parameters[k - own.start], fit.effect[k], fit.std[k]) for k in own]
         others = [n for n in fits if parts(n) and component.name in parts(n)]
         without = parts(chosen) - {component.name}
         reduced = "+".join(c.name for c in candidate(chosen).components if c.name in without) or NOTHING
         if component.kind == "effect":
-            named = {p.name if p.axis is None else f"{p.name}_{p.axis}": _parameter(p, v, s) for p, v, s in numbers}
+            named = {p.name if p.axis is None else f"{p.name}_{p.axis}": _parameter(p, v, s) for p, v, s in estimates}
             gain = None
             if chosen in transferred and reduced in transferred:
                 gain = six_digits(1 - transferred[chosen] / transferred[reduced])
@@ -144,7 +144,7 @@ def build_verdict(
                     "tie_set": [component.name, *component.same_in_slow_motion],
                     "kind": component.kind,
                 }
-                for p, v, s in numbers
+                for p, v, s in estimates
             ]
     verdict = "effects" if effects else "retuned" if retuned else "none"
     if fit.variance > UNEXPLAINED:
@@ -235,8 +235,8 @@ def write_comparison(
         writer.writerow([*columns, "left_out_mean_square"])
         for name, fit in sorted(fits.items(), key=lambda item: item[1].bic):
             error = 100 * np.abs(fit.maximum / np.where(tables.maximum > 0, tables.maximum, 1) - 1)[moving]
-            numbers = [fit.cost, fit.variance, fit.bic, fit.aicc, np.median(error), error.max(), transferred.get(name)]
-            text = ["" if x is None else f"{x:.6g}" for x in numbers]
+            scores = [fit.cost, fit.variance, fit.bic, fit.aicc, np.median(error), error.max(), transferred.get(name)]
+            text = ["" if x is None else f"{x:.6g}" for x in scores]
             writer.writerow([name, fit.parameters, fit.data, *text])
 
 
@@ -253,7 +253,7 @@ def judge(
 
     Parameters
     ----------
-    robot : the unloaded arm; published : file of the published numbers; fits, transfer, ensemble : what the other
+    robot : the unloaded arm; published : file of the published values; fits, transfer, ensemble : what the other
         rules wrote; verdict : JSON; comparison : CSV.
     """
     arm, tables = load_robot(robot), read_tables(published)
@@ -263,8 +263,8 @@ def judge(
         transferred = dict(zip(names, read_variable(data, transfer, "mean_square").mean(axis=1), strict=True))
     with open_dataset(ensemble) as data:
         values = read_variable(data, ensemble, "effect")
-        numbers = {str(n): values[:, k] for k, n in enumerate(data["parameter"][:])}
+        solutions = {str(n): values[:, k] for k, n in enumerate(data["parameter"][:])}
     coulomb = np.maximum(arm.coulomb_positive, -arm.coulomb_negative)
-    result = build_verdict(tables, known, transferred, coulomb, numbers)
+    result = build_verdict(tables, known, transferred, coulomb, solutions)
     write_json(verdict, result)
     write_comparison(comparison, known, transferred, tables)

@@ -1,7 +1,7 @@
 """Two arms of different type: the robot files that a user would have, and the drives as they really are.
 
 The light one has the size of a collaborative arm with strain-wave gears, the heavy one that of a foundry arm with
-cycloidal gears. Numbers are typical of their kind, not those of a product.
+cycloidal gears. Parameters are typical of the kind, not those of a product.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _QUARTER = float(np.pi / 2)
 
 @dataclass(frozen=True)
 class ArmType:
-    """What all arms of a type share; lists have one number per axis.
+    """What all arms of a type share; lists have one value per axis.
 
     `home` [rad] around which programs move, `reach` [rad] of their moves, `speed` [rad/s] of a fast move;
     `coulomb` [N m], `viscous` [N m s/rad], `armature` [kg m2] nominal, on the joint side; `bandwidth` [Hz] of the

@@ -1,4 +1,4 @@
-"""Figures of the shop floor, drawn from the chapter's numbers."""
+"""Figures of the shop floor, drawn from the chapter's results."""
 
 from __future__ import annotations
 

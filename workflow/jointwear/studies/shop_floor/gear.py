@@ -6,7 +6,7 @@ On one axis at speed v, with oil of relative viscosity h(T) and the torque L of 
 
 C level of boundary friction, s the rise at low speed where the film is thin (it shrinks with h |v|), B viscous friction
 that thins with shear, k(T) = 1 - c (T - 25 degC). Viscosity follows Walther's law (ASTM D341), log log(nu + 0.7) linear
-in log T. Numbers are drawn for every axis of every arm.
+in log T. Its parameters are drawn for every axis of every arm.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SHAPES = ("straight", "accelerating", "saturating", "late")
 
 @dataclass(frozen=True)
 class Gear:
-    """Numbers of the law above, each (n,): `coulomb` [N m] forward and backward (n, 2), `viscous` [N m s/rad]."""
+    """Parameters of the law above, each (n,): `coulomb` [N m] forward and backward (n, 2), `viscous` [N m s/rad]."""
 
     coulomb: np.ndarray
     viscous: np.ndarray

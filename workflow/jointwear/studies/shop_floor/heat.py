@@ -34,7 +34,7 @@ class Body:
 
 
 def draw_body(n: int, random: np.random.Generator) -> Body:
-    """Draw the thermal numbers of one arm."""
+    """Draw the thermal parameters of one arm."""
     return Body(
         rise=random.uniform(7, 20, n),
         oil=random.uniform(0.25, 0.6, n),

@@ -40,7 +40,7 @@ def outcomes(cell: Cell, statistics: WindowStatistics, rates: Sequence[float]) -
 
 
 def outcome(cell: Cell, statistics: WindowStatistics, rate: float, judged: Judge = product_judge) -> dict[str, Any]:
-    """Judge one robot at a stated rate and return the facts that scores are made of, as plain numbers.
+    """Judge one robot at a stated rate and return the facts that scores are made of, as plain data.
 
     An alarm is a record of the model-based detector that names a friction (Coulomb, viscous) or backlash.
     """

@@ -105,7 +105,7 @@ def _sensed(
     if still.any():
         torque[still] = at_phase(job.true[:, 0], path[still])
     torque += faults.ripple * np.sin(faults.marks * position + faults.shift)
-    # Every window has its own numbers, whatever else is simulated.
+    # Every window has its own random numbers, whatever else is simulated.
     drawn = [cell.random("noise", int(row)).standard_normal((SAMPLES, n), dtype=np.float32) for row in rows]
     noise = lfilter([np.sqrt(1 - faults.memory**2)], [1.0, -faults.memory], np.stack(drawn), axis=1)
     torque = gain[:, None] * torque + faults.noise * noise

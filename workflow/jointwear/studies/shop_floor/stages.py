@@ -35,7 +35,7 @@ def judge_batch(seed_set: str, batch: str, windows: str | Path, output: str | Pa
 def summarise(
     outcomes: Sequence[str | Path], before: str | Path, grid: Mapping[str, str | Path], output: str | Path
 ) -> None:
-    """Put the numbers of the chapter together.
+    """Assemble the results of the chapter.
 
     Parameters
     ----------

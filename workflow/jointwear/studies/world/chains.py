@@ -1,4 +1,4 @@
-"""A serial arm as plain numbers: joint placements, axes and one body a joint; read from a URDF and written as one.
+"""A serial arm as plain arrays: joint placements, axes and one body a joint; read from a URDF and written as one.
 
 The written URDF holds no meshes, no gripper and no fixed links, so that MuJoCo, Pinocchio and a user read the same arm.
 """
