@@ -1,9 +1,45 @@
-"""A log in which nothing is wrong."""
+"""Logs and results that several test files look at."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
-from monitor_logs import columns, make_log, write_parquet
+from monitor_logs import ROBOT, START, columns, make_log, write_parquet
+from monitor_states import EVIL, HOURS, WORN
+
+from jointwear.monitor.page import write_page
+from jointwear.monitor.reading_stages import accumulate_windows, survey_logs
+from jointwear.monitor.stages import judge_windows
+from jointwear.monitor.state import read_state
 
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
+    """A log in which nothing is wrong."""
     return write_parquet(tmp_path_factory.mktemp("good") / "good.parquet", columns(make_log(48.0)))
+
+
+@pytest.fixture(scope="session")
+def monitored(tmp_path_factory):
+    """A robot monitored over 60 hours, 12 s of motion in each; axis 3 wears from hour 40 on. One log is refused."""
+    folder = tmp_path_factory.mktemp("monitored")
+    parts = []
+    for hour in range(HOURS):
+        log = make_log(12.0, seed=hour, start=START + 3600.0 * hour, noise=0.02)
+        more = 0.05 * max(hour - 40, 0) * np.sign(log.velocity[:, WORN])
+        log.torque[:, WORN] += more
+        parts.append(log)
+    names = ("time", "position", "velocity", "acceleration", "torque")
+    whole = {n: np.concatenate([getattr(p, n) for p in parts]) for n in names}
+    log = replace(parts[0], **whole)
+    entry = {"logs": ["x"], "robot": str(ROBOT), "window": "1h", "baseline": {"windows": 36}}
+    logs = [str(write_parquet(folder / f"{EVIL.replace('/', '')}.parquet", columns(log)))]
+    logs.append(str(folder / "cut.parquet"))
+    (folder / "cut.parquet").write_bytes((folder / logs[0]).read_bytes()[:-100])
+    survey_logs(logs[0], ROBOT, entry, folder / "survey.json")
+    windows = [str(folder / f"{k}.nc") for k in range(2)]
+    for path, log in zip(windows, logs, strict=True):
+        accumulate_windows([log], folder / "survey.json", ROBOT, entry, path)
+    judge_windows(windows, ROBOT, entry, folder / "state.nc", folder / "alarms.csv", folder / "recall.json", "cell_3")
+    write_page(read_state(folder / "state.nc"), folder / "monitor.html", folder / "figures")
+    return folder, windows, entry

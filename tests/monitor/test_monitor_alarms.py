@@ -1,0 +1,70 @@
+"""Alarms of a robot that was monitored: whose they are, their file, their episodes, and what may explain them."""
+
+import csv
+from dataclasses import replace
+
+from monitor_logs import START
+from monitor_states import WORN, changed
+
+from jointwear.monitor.condition import axis_conditions
+from jointwear.monitor.episodes import episodes_of
+from jointwear.monitor.events import events_of
+from jointwear.monitor.page import write_page
+from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms
+
+
+def test_the_worn_axis_alarms_and_nothing_else(monitored):
+    folder, _, _ = monitored
+    rows = list(csv.DictReader((folder / "alarms.csv").read_text().splitlines()))
+    assert rows
+    assert tuple(rows[0]) == ALARM_COLUMNS
+    ours = [row for row in rows if row["detector"] == "model"]
+    assert {row["axis"] for row in ours} == {str(WORN + 1)}
+    assert ours[0]["time"].startswith("2026-01-0")
+    assert ours[0]["time"].endswith("Z")
+    assert float(ours[0]["probability_axis"]) > 0.9
+
+
+def test_alarms_of_the_paper_since_a_changed_scale_may_be_that(monitored):
+    folder, _, _ = monitored
+    state = changed(read_state(folder / "state.nc"), "torque histogram", detector="paper")
+    found = {"axes": [1], "kind": "scale", "words": "The scale changed."}
+    for time, told in ((state.start[40], True), (state.start[55], False)):
+        stepped = replace(state, findings=[{**found, "time": float(time)}])
+        write_page(stepped, folder / "s.html", folder / "s")
+        assert ("alarms of this detector since then may be that step" in (folder / "s.html").read_text()) == told
+        asked = [c.check for c in axis_conditions(stepped) if c.episodes]
+        assert any("torque constant and firmware" in check for check in asked) == told
+
+
+def test_alarms_of_one_story_are_one_episode():
+    def alarm(time, axis=1, detector="model"):
+        return {"time": time, "axis": axis, "quantity": "coulomb friction", "detector": detector}
+
+    rows = [alarm(1.0), alarm(2.0), alarm(9.0), alarm(3.0, axis=2), alarm(4.0, detector="paper")]
+    found = episodes_of(rows, events_of({"events": [{"time": 5.0, "axes": [1], "kind": "service", "note": "grease"}]}))
+    assert [(e.axis, e.detector, len(e.alarms), e.resolved is None) for e in found] == [
+        (1, "model", 1, True),
+        (2, "model", 1, True),
+        (1, "paper", 1, False),
+        (1, "model", 2, False),
+    ]
+    assert found[0].before.note == found[2].resolved.note == "grease"
+    assert len({e.key for e in found}) == 4
+
+
+def test_unknown_values_of_an_alarm_stay_empty(tmp_path):
+    alarm = dict.fromkeys(ALARM_COLUMNS, float("nan")) | {
+        "time": 7200.0,
+        "axis": 2,
+        "quantity": "x",
+        "detector": "paper",
+    }
+    write_alarms(tmp_path / "a.csv", [alarm | {"unit": ""}], False)
+    assert (tmp_path / "a.csv").read_text().splitlines()[1] == "7200,2,x,,,,,,,,,paper"
+
+
+def test_times_as_text():
+    assert stamp(START, True) == "2026-01-01T00:00:00Z"
+    assert stamp(START + 0.25, True) == "2026-01-01T00:00:00.250Z"
+    assert stamp(3600.0, False) == "3600"

@@ -1,0 +1,192 @@
+"""Heading and state of every axis: what has changed, what is refused, what nobody has explained."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from monitor_states import HOURS, WORN, changed, with_estimates
+
+from jointwear.measurement.flags import Flag
+from jointwear.monitor.condition import UNRESOLVED, axis_conditions
+from jointwear.monitor.drawing import _rests_on
+from jointwear.monitor.fleet.ranking import as_of
+from jointwear.monitor.fleet.table import table_row
+from jointwear.monitor.judge import CHANGED, UNJUDGED
+from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.page import write_page
+from jointwear.monitor.standing import NOTHING, standing
+from jointwear.monitor.state import read_state
+from jointwear.monitor.summaries import axis_summary, headline
+from jointwear.monitor.words import todo
+
+
+def test_an_axis_that_stops_moving_is_no_longer_called_healthy(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    status = state.status.copy()
+    status[50:, 0] = UNJUDGED
+    found = axis_summary(replace(state, status=status), 0)
+    assert "last judged" in found["remark"]
+    status[state.baseline :, 0] = UNJUDGED
+    assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
+
+
+def test_play_alone_is_no_change_of_friction_and_is_told_as_it_is_now(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    alarm = {
+        **state.alarms[-1], "axis": 1, "quantity": "backlash", "detector": "model", "unit": "%",
+        "change": 26.0, "change_low": 20.0, "change_high": 30.0, "time": float(state.end[50]),
+    }  # fmt: skip
+    status = np.full_like(state.status, "healthy")
+    status[50:, 0] = CHANGED
+    shape = state.status.shape
+    estimates = {**state.estimates, "backlash": (np.full(shape, 70.0), np.ones(shape), "%")}
+    other = replace(state, alarms=[alarm], status=status, estimates=estimates)
+    summaries = [axis_summary(other, j) for j in range(state.axes)]
+    assert headline(summaries)[0] == "Backlash has grown: axis 1"
+    (found,) = [c for c in axis_conditions(other) if c.level == CHANGED]
+    assert found.change == pytest.approx(70.0)
+    said = {"time": float(other.end[55]), "axes": [1], "kind": "acknowledged"}
+    known = axis_summary(replace(other, entry=other.entry | {"events": [said]}), 0)
+    assert headline([known])[0] == "Backlash has grown: axis 1"
+    summaries[2]["status"] = CHANGED
+    assert headline(summaries)[0] == "Friction has changed: axis 3; backlash has grown: axis 1"
+    write_page(other, folder / "play.html", folder / "play")
+    assert (folder / "play" / "timeline_backlash.svg").is_file()
+    assert not (folder / "play" / "timeline_viscous.svg").exists()
+    assert _rests_on(alarm, "backlash")
+    assert not _rests_on(alarm, "coulomb")
+
+
+def test_newest_logs_that_are_refused_are_not_healthy(monitored):
+    """The samples of days 4 on contradict the model: what an axis was like before is no verdict on now."""
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    log = {"logs": ["a.csv", "b.csv"], "refused": ["", "b.csv: the sign looks flipped"], "copy_of": ["", ""]}
+
+    def judged(until, hours):
+        rest = np.arange(HOURS) >= until
+        end = np.where(rest, state.end + (hours - (HOURS - until)) * 3600, state.end)
+        found = np.where(rest[:, None] | np.zeros_like(state.status, dtype=bool), UNJUDGED, "healthy").astype(object)
+        marked = np.where(found == UNJUDGED, int(Flag.REFUSED | Flag.AT_REST), 0)
+        first, last = np.array([state.start[0], state.start[until]]), np.array([state.end[until - 1], end[-1]])
+        return replace(state, status=found, flags=marked, end=end, first=first, last=last, alarms=[], **log)
+
+    lately, long_ago = judged(50, 10.0), judged(50, 100.0)
+    for other, level in ((lately, "healthy"), (long_ago, UNJUDGED)):
+        row = standing(other)
+        assert row["refused_newest"] == 1
+        assert as_of({**NOTHING, "robot": "x", "result": "judged", **row}, other.end[-1])["urgency"] == "refused"
+        summary = axis_summary(other, 0)
+        assert summary["status"] == level
+        assert "since then: the log contradicts the model" in summary["remark"]
+        heading, sentences = headline([summary], refused=row["refused_newest"])
+        assert heading == "The newest logs are refused"
+        assert "as of then" in sentences[0]
+    silent = replace(long_ago, refused=["", ""])
+    assert standing(silent)["refused_newest"] == 0
+
+
+def test_newest_logs_without_any_sample_are_not_healthy(monitored):
+    """They have no time of their own; where they stand in the list tells that they are the newest."""
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    # The log of the fixture that is cut short comes after the one that was read.
+    assert state.refused[1]
+    assert standing(state)["refused_newest"] == 1
+    empty, nan = "b.csv: holds no samples", np.nan
+    begin, end = float(state.start[0]), float(state.end[-1])
+
+    def refused(told, first, last):
+        names = [f"{k}.csv" for k in range(len(told))]
+        times = {"first": np.array(first), "last": np.array(last)}
+        return standing(replace(state, logs=names, refused=told, copy_of=[""] * len(told), **times))["refused_newest"]
+
+    assert refused(["", empty], [begin, nan], [end, nan]) == 1
+    assert refused(["", empty, empty], [begin, nan, nan], [end, nan, nan]) == 2
+    # An old one, before logs that could be read, is no news.
+    assert refused(["", empty, ""], [begin, nan, end - 60], [begin + 60, nan, end]) == 0
+    assert refused([empty, ""], [nan, begin], [nan, end]) == 0
+
+
+def test_an_axis_whose_limit_cannot_be_seen_says_from_where_on(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    found = {"time": 0.0, "axes": [1], "kind": "coarse", "least": 0.34, "words": ""}
+    summaries = [axis_summary(replace(state, findings=[found]), j) for j in (0, 1)]
+    assert summaries[0]["remark"] == "only changes above 34 % can be seen"
+    assert summaries[1]["remark"] == ""
+    heading, sentences = headline(summaries)
+    assert heading == "No change of friction found where it can be judged"
+    assert "Only changes beyond the limit can be seen: axis 1." in sentences
+
+
+def test_viscous_growth_beyond_its_limit_has_reached_it(monitored):
+    folder, _, _ = monitored
+    state = changed(read_state(folder / "state.nc"), "viscous friction")
+    worn = with_estimates(state, coulomb_percent=0.2, viscous_percent=56.0, viscous=2.1)
+    row = standing(worn)
+    first = row["axes"][0]
+    assert (first["axis"], first["reached"], first["viscous_growth"]) == (1, True, 56.0)
+    judged = as_of({**NOTHING, "robot": "x", "result": "judged", **row}, worn.end[-1])
+    assert judged["urgency"] == "limit reached"
+    assert table_row(judged)["viscous_growth_percent"] == 56.0
+    found = todo(row, first, zone_of(None))
+    assert found["bar"] == 100.0
+    assert found["outlook"] == "limit reached"
+    words = found["change"].replace("\u00a0", " ")
+    assert words.startswith("Viscous friction +56.0 % now (+2.1 N m s/rad), limit 20 %; Coulomb friction +0.2 % now")
+    # Of an axis that alarmed for another quantity its noise says nothing.
+    other = with_estimates(changed(state, "coulomb friction"), coulomb_percent=5.0, viscous_percent=56.0)
+    assert not axis_conditions(other)[0].reached
+
+
+def test_an_axis_that_is_back_to_normal_heads_no_red_card(monitored):
+    folder, _, _ = monitored
+    state = with_estimates(changed(read_state(folder / "state.nc"), "coulomb friction"), coulomb_percent=0.1)
+    assert axis_conditions(state)[0].level == CHANGED
+    back = replace(state, back=np.arange(state.axes) == 0)
+    found = axis_conditions(back)[0]
+    assert (found.level, found.outlook) == (UNRESOLVED, None)
+    assert found.check.startswith("friction is back to normal, and nobody has said why")
+    play = axis_conditions(replace(changed(state, "backlash"), back=back.back))[0]
+    assert play.check.startswith("play is back to normal")
+    # Neither status nor alarms are touched.
+    assert (back.status[-1, 0], len(back.alarms)) == (CHANGED, 1)
+
+
+def greased(state, entry_of):
+    """The state after the friction came back, with what the config says of it."""
+    status = state.status.copy()
+    status[-1, WORN] = "healthy"
+    return replace(state, status=status, entry=state.entry | entry_of)
+
+
+def test_an_axis_with_alarms_that_nobody_explained_is_never_green(monitored):
+    folder, _, _ = monitored
+    state = greased(read_state(folder / "state.nc"), {})
+    found = axis_conditions(state)[WORN]
+    assert found.level == UNRESOLVED
+    assert "nobody has said why" in found.check
+    assert axis_summary(state, WORN)["badge"] == "close"
+    heading, sentences = headline([axis_summary(state, j) for j in range(state.axes)])
+    assert heading == "Alarms that nobody has explained: axis 3"
+    assert "No change: axes 1, 2, 4 and 5." in sentences
+
+
+@pytest.mark.parametrize(
+    ("event", "level"),
+    [
+        ({"time": "2027-01-01T00:00:00Z", "axes": [3], "kind": "service"}, "healthy"),
+        ({"time": "2027-01-01T00:00:00+01:00", "kind": "acknowledged"}, "healthy"),
+        ({"time": "2027-01-01T00:00:00Z", "axes": [2], "kind": "service"}, UNRESOLVED),
+        ({"time": "2026-01-01T00:00:00Z", "axes": [3], "kind": "service"}, UNRESOLVED),
+    ],
+)
+def test_an_event_of_the_axis_after_its_alarms_explains_them(monitored, event, level):
+    folder, _, _ = monitored
+    state = greased(read_state(folder / "state.nc"), {"events": [event]})
+    found = axis_conditions(state)[WORN]
+    assert found.level == level
+    assert bool(found.past) == (level == "healthy")

@@ -1,0 +1,104 @@
+"""Notes of the page beside its values: how sure they are, why one is missing; nothing of a log gets in as markup."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from monitor_states import changed, with_estimates
+
+from jointwear.monitor.condition import axis_conditions
+from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.page import write_page
+from jointwear.monitor.standing import standing
+from jointwear.monitor.state import read_state
+from jointwear.monitor.summaries import UNKNOWN, axis_summary, headline, why_unjudged
+from jointwear.monitor.temperature import temperature_share
+from jointwear.monitor.words import sure_words, todo
+
+
+class Tags(HTMLParser):
+    """Collects the names of tags, and attributes that could run something."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tags, self.handlers = set(), set()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        self.handlers |= {name for name, _ in attrs if name.startswith("on")}
+
+
+def test_the_page_escapes_what_comes_from_logs(monitored):
+    folder, _, _ = monitored
+    text = (folder / "monitor.html").read_text()
+    found = Tags()
+    found.feed(text)
+    assert "script" not in found.tags
+    assert not found.handlers
+    assert "&lt;script&gt;" in text
+
+
+def test_the_page_says_what_an_engineer_needs(monitored):
+    folder, _, _ = monitored
+    text = (folder / "monitor.html").read_text()
+    assert "Friction has changed: axis 3" in text
+    assert "Cannot be judged: axis 6. That is no sign of health" in text
+    assert "<b>Axis 3 (joint_3)</b>" in text
+    assert "Coulomb friction +" in text
+    assert text.index("Check the gear and bearings") < text.index("Every axis at a glance")
+    assert "cell_3, robot puma560" in text
+    assert "truncated or not a Parquet file" in text
+    state = read_state(folder / "state.nc")
+    assert why_unjudged(state, 5) == "at rest, or too slow to show friction"
+    assert headline([axis_summary(state, 5)])[0] == "No axis can be judged"
+    assert axis_summary(state, 5)["remark"] == ""
+
+
+def test_a_reason_of_another_version_is_no_failure(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    other = replace(state, reason=np.full_like(state.reason, 99), flags=np.zeros_like(state.flags))
+    assert "too small against the noise" in why_unjudged(other, 5)
+
+
+def test_how_sure_an_axis_is_stands_beside_it(monitored):
+    folder, _, _ = monitored
+    state = with_estimates(changed(read_state(folder / "state.nc"), "coulomb friction"), coulomb_percent=5.0)
+    unsure = replace(state, alarms=[{**state.alarms[0], "probability_axis": 0.33}])
+    assert axis_conditions(unsure)[0].check.startswith("compare the other axes before opening anything")
+    write_page(unsure, folder / "unsure.html", folder / "unsure")
+    text = (folder / "unsure.html").read_text().replace("\u00a0", " ")
+    assert text.count("33 % likely to be this axis") == 2
+    assert "compare" not in axis_conditions(state)[0].check
+    assert (
+        todo(standing(state), standing(state)["axes"][0], zone_of(None))["sure"] == "99\u00a0% likely to be this axis"
+    )
+    assert sure_words(0.999) == ">\u00a099\u00a0% likely to be this axis"
+    assert sure_words(None) == ""
+
+
+def test_a_value_that_is_not_known_says_why(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    (told,) = axis_summary(state, 5)["unknown"]
+    assert told.endswith("not judged in the last day: at rest, or too slow to show friction")
+    hidden = with_estimates(state, coulomb_percent=np.nan)
+    hidden.estimates["coulomb_percent"][0][:30] = 0.0
+    assert axis_summary(hidden, 0)["unknown"] == [f"Coulomb friction: {UNKNOWN['coulomb_percent']}"]
+    assert not axis_summary(state, 0)["unknown"]
+    assert "Not known (–):" in (folder / "monitor.html").read_text()
+
+
+def test_share_of_the_temperature():
+    random = np.random.default_rng(2)
+    temperature = np.linspace(20, 40, 60) + random.standard_normal(60)
+    std = np.full(60, 0.1)
+    noise = 0.1 * random.standard_normal(60)
+    warm = temperature_share(5 - 0.05 * temperature + noise, std, temperature)
+    assert warm.slope == pytest.approx(-0.05, abs=4 * warm.slope_std)
+    assert warm.explained > 0.8
+    assert warm.with_time > 0.9
+    assert temperature_share(5 + noise, std, temperature).explained < 0.1
+    assert temperature_share(5 + noise, std, np.full(60, 30.0)) is None
+    assert temperature_share(5 + noise, std, np.full(60, np.nan)) is None

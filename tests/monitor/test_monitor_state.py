@@ -1,0 +1,103 @@
+"""From windows to the state: friction of every window, the baseline, logs without dates, what is refused."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray
+from monitor_logs import ROBOT, model
+from monitor_states import EVIL, HOURS, WORN
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.assembly import Piece, assemble
+from jointwear.monitor.baseline import choose_baseline
+from jointwear.monitor.friction import window_friction
+from jointwear.monitor.judge import CHANGED, UNJUDGED, judge
+from jointwear.monitor.judge_settings import settings_of
+from jointwear.monitor.page import write_page
+from jointwear.monitor.stages import judge_windows
+from jointwear.monitor.state import read_state, write_state
+from jointwear.monitor.window_files import read_statistics
+
+
+def test_friction_of_every_window(monitored):
+    _, windows, _ = monitored
+    found = window_friction(read_statistics(windows[0]), model().robot, 36)
+    robot, speed = model().robot, found.speed
+    truth = (robot.coulomb_positive - robot.coulomb_negative) / 2 + robot.viscous * speed
+    error = (found.value[:40, :5] - truth[:5]) / found.std[:40, :5]
+    assert 0.5 < np.sqrt(np.mean(error**2)) < 1.5
+    assert np.isnan(found.value[:, 5]).all()
+    assert (found.value[50:, WORN] > truth[WORN] + 0.4).all()
+
+
+def test_baselines(monitored):
+    _, windows, _ = monitored
+    statistics = read_statistics(windows[0])
+    assert choose_baseline(statistics, {"windows": 20}).count == 20
+    assert choose_baseline(statistics, {"windows": 200}).count == HOURS
+    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00Z"}).count == 24
+    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00"}).count == 24
+    short = choose_baseline(statistics, {"until": "2026-01-01T02:30:00Z"})
+    assert short.count > 8
+    assert "too few to know what is normal; it goes on until 2026-01-01T" in short.words
+    waiting = choose_baseline(statistics, {"windows": 200})
+    assert not waiting.complete
+    assert "nothing is judged until 140 more have come" in waiting.words
+    day = choose_baseline(statistics.part(np.arange(HOURS) < 7), {"until": "2026-01-02T00:00:00Z"})
+    assert not day.complete
+    future = choose_baseline(statistics, {"until": "2027-01-01T00:00:00Z"})
+    assert not future.complete
+    assert "baseline ends at 2027-01-01T00:00Z, not before the newest window does" in future.words
+    assert "nothing is judged until a window has come from after its end" in future.words
+    assert "holds 7 windows in 1 shift; 8 windows with motion in 3 shifts are needed" in day.words
+    assert choose_baseline(statistics, {"from": "2026-01-01T10:00:00Z", "windows": 20}).mask.nonzero()[0][0] == 10
+    with pytest.raises(InputError, match="the logs have no dates"):
+        choose_baseline(replace(statistics, dated=False), {"until": "2026-01-02"})
+
+
+def test_logs_without_dates_that_start_anew_are_laid_end_to_end(monitored):
+    _, windows, _ = monitored
+    statistics = read_statistics(windows[0]).part(slice(0, 3))
+    undated = replace(statistics, start=np.arange(3) * 3600.0, end=np.arange(1, 4) * 3600.0, dated=False)
+    pieces = [Piece(name, undated, 0.0, 7212.0) for name in "ab"]
+    history = assemble(pieces)
+    assert history.shifted
+    assert history.statistics.start.tolist() == [3600.0 * k for k in range(6)]
+    following = assemble([pieces[0], replace(pieces[1], first=7300.0, last=15000.0)])
+    assert not following.shifted
+    assert following.statistics.windows == 3
+    assert (following.statistics.count == 2 * undated.count).all()
+
+
+def test_no_usable_log_ends_in_one_line(tmp_path, monitored):
+    _, windows, entry = monitored
+    with pytest.raises(InputError, match=r"no log could be used: .*truncated"):
+        judge_windows([windows[1]], ROBOT, entry, tmp_path / "s.nc", tmp_path / "a.csv", tmp_path / "r.json")
+
+
+def test_the_state_opens_with_xarray(monitored):
+    folder, _, _ = monitored
+    with xarray.open_dataset(folder / "state.nc") as state:
+        assert set(state.status.dims) == {"window", "axis"}
+        assert set(np.unique(state.status)) <= {"healthy", "changed", "cannot be judged"}
+        assert (state.status[:, 5] == UNJUDGED).all()
+        assert (state.status[-1, WORN] == CHANGED).all()
+        assert state.sizes["window"] == HOURS
+        assert str(state.start.values[0]).startswith("2026-01-01")
+        assert np.isfinite(state.coulomb_std[:, 0]).all()
+
+
+def test_refusals_are_kept_in_the_state(tmp_path, monitored):
+    _, windows, entry = monitored
+    statistics = read_statistics(windows[0])
+    history = assemble([Piece("a.csv", statistics, 0.0, 1.0, (EVIL,))])
+    robot = model().robot
+    judgement = judge(statistics, 36, settings_of(robot, entry))
+    write_state(tmp_path / "state.nc", judgement, history, 36, robot, entry, EVIL)
+    state = read_state(tmp_path / "state.nc")
+    assert state.refused == (EVIL,)
+    assert state.entry == json.loads(json.dumps(entry))
+    write_page(read_state(tmp_path / "state.nc"), tmp_path / "p.html", tmp_path / "figures")
+    assert EVIL not in (tmp_path / "p.html").read_text()
