@@ -190,7 +190,7 @@ TASK = {"name": "T9", "unit": "deg", "waypoints": [[0.0] * 6, [10.0] * 6], "dura
     [
         ("waypoints.1.0", 170.0, ["'waypoints[1][0]' is 170 deg", "-160 to 160 deg", "nearest valid value is 160"]),
         ("waypoints.1", [0.0] * 5, ["'waypoints[1]' has 5 positions", "6 joints"]),
-        ("durations", [30], ["'durations' has 1 entries"]),
+        ("durations", [30], ["'durations' has 1 entry"]),
         ("durations", [30, 31], ["whole number of cycles", "nearest valid value"]),
         ("durations", [30, -30], ["'durations[1]'", ">= 0.001"]),
         ("phase", 60, ["'phase' is 60", "below the cycle"]),

@@ -98,7 +98,7 @@ def test_no_number_of_a_task_may_be_infinite(tmp_path, root, path, number):
 
 def test_waypoints_of_different_length_are_refused_without_a_robot_too(tmp_path):
     (tmp_path / "T9.yaml").write_text("name: T9\nwaypoints: [[0, 0], [1]]\ndurations: [30, 30]\n")
-    with pytest.raises(InputError, match=r"'waypoints\[1\]' has 1 positions"):
+    with pytest.raises(InputError, match=r"'waypoints\[1\]' has 1 position,"):
         load_task(tmp_path / "T9.yaml")
 
 

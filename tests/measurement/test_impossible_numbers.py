@@ -160,7 +160,7 @@ def test_a_list_names_one_column_for_each_axis(tmp_path, table):
     np.testing.assert_allclose(found.torque[:, 0], table["torque_6"])
     with pytest.raises(InputError, match="has no column 'moment' for torque"):
         load_recording({**entry, "variables": {"torque": ["moment"] * 6}})
-    with pytest.raises(InputError, match="has 1 columns of torque, the position has 6 joints"):
+    with pytest.raises(InputError, match="has 1 column of torque, the position has 6 joints"):
         load_recording({**entry, "variables": {"torque": ["torque_1"]}})
 
 

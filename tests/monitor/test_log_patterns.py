@@ -72,5 +72,5 @@ def test_a_window_is_a_number_and_a_unit(text):
 def test_a_list_has_one_number_for_each_joint(root, key):
     entry = {"logs": ["x"], "robot": str(root / "config/robots/puma560.yaml"), "baseline": {"windows": 8}}
     check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 6}}}})
-    with pytest.raises(InputError, match=f"'monitor.robots.arm.{key}' has 7 numbers, robot 'puma560' has 6 joints"):
+    with pytest.raises(InputError, match=f"'monitor.robots.arm.{key}' has 7 values, robot 'puma560' has 6 joints"):
         check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 7}}}})

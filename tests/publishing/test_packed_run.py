@@ -96,7 +96,7 @@ def test_foreign_code_runs_only_with_consent(crate, own, name, monkeypatch):
     sign(crate)
     ran = []
     monkeypatch.setattr(recomputation, "recompute", lambda source, folder, cores: ran.append(source))
-    with pytest.raises(InputError, match=f"1 files differ, as {name}.*trust=true"):
+    with pytest.raises(InputError, match=f"1 file differs, as {name}.*trust=true"):
         verify(crate, 1, own=own)
     assert not ran
     assert not verify(crate, 1, trust=True, own=own)  # nothing was made, so nothing is equal
@@ -110,7 +110,7 @@ def test_code_beside_the_listed_code_is_foreign_too(crate, own):
         check_trust(crate, own)
     (crate / "workflow/jointwear/reading.py").unlink()
     (own / "workflow/rules/b.smk").write_text("")
-    with pytest.raises(InputError, match=r"1 files differ, as workflow/rules/b\.smk"):
+    with pytest.raises(InputError, match=r"1 file differs, as workflow/rules/b\.smk"):
         check_trust(crate, own)
 
 

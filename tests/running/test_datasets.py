@@ -77,8 +77,8 @@ def test_data_sets_do_not_wait_for_each_other(root):
             "'discover.datasets.arm.variables' has the role 'positon'; did you mean 'position'",
         ),
         ({"units": {"torque": "Nn"}}, "'discover.datasets.arm.units.torque' is 'Nn'"),
-        ({"scale": [1.0, 2.0]}, "'discover.datasets.arm.scale' has 2 numbers, robot 'puma560' has 6 joints"),
-        ({"joints": ["one"]}, "'discover.datasets.arm.joints' names 1 joints"),
+        ({"scale": [1.0, 2.0]}, "'discover.datasets.arm.scale' has 2 values, robot 'puma560' has 6 joints"),
+        ({"joints": ["one"]}, "'discover.datasets.arm.joints' names 1 joint"),
     ],
 )
 def test_what_an_entry_tells_of_its_data_is_checked_before_any_job(root, entry, words):

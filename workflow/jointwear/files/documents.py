@@ -17,6 +17,7 @@ import yaml
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.numbers import check_numbers
 from jointwear.files.regular_files import read_text
+from jointwear.files.wording import count as counted
 
 SCHEMAS = Path(__file__).resolve().parents[2] / "schemas"
 #: Largest YAML file. Bytes; a robot file has a thousandth of it.
@@ -233,7 +234,7 @@ def _describe(error) -> str:
         twice = next(v for i, v in enumerate(value) if v in value[:i])
         return f"'{where}' holds {shown(twice)} twice"
     if rule in ("minItems", "maxItems"):
-        return f"'{where}' has {len(value)} entries, {_words(rule)} {error.validator_value}"
+        return f"'{where}' has {counted(len(value), 'entry', 'entries')}, {_words(rule)} {error.validator_value}"
     if rule == "oneOf":
         layouts = error.schema.get("description", "the schema")
         return f"'{where}' must hold exactly one of the layouts described in {layouts}"

@@ -16,6 +16,6 @@ def name_axes(axes: Sequence[int]) -> str:
     return numbered("axis", axes, "axes") if axes else ""
 
 
-def count(many: int, noun: str) -> str:
-    """Return a count with its noun in singular or plural."""
-    return f"{many} {noun}" if many == 1 else f"{many} {noun}s"
+def count(many: int, noun: str, plural: str = "") -> str:
+    """Return a count with its noun in singular or plural; `plural` of a noun that does not take an s."""
+    return f"{many} {noun}" if many == 1 else f"{many} {plural or noun + 's'}"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.files.wording import count
 from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, readings
 from jointwear.measurement.motion import Measured, runs
 from jointwear.measurement.recording import Recording
@@ -84,12 +85,12 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
     name = recording.name
     if recording.joints != robot.joints:
         raise Refused(
-            f"data set '{name}': has {recording.joints} joints, robot '{robot.name}' has {robot.joints}",
+            f"data set '{name}': has {count(recording.joints, 'joint')}, robot '{robot.name}' has {robot.joints}",
             "name the robot file of this arm, or map the right columns",
         )
     if len(recording.time) < FEWEST:
         raise Refused(
-            f"data set '{name}': has {len(recording.time)} samples; at least {FEWEST} are needed",
+            f"data set '{name}': has {count(len(recording.time), 'sample')}; at least {FEWEST} are needed",
             "record longer",
         )
     _check_labels(recording)
@@ -109,7 +110,7 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
     if good.mean() < 1.0:
         restrictions.append(f"{100 * (1 - good.mean()):.2g} % of the samples are {_lost(recording)} and were left out")
     if len(recording.time) < 400:
-        restrictions.append(f"only {len(recording.time)} samples: weak effects cannot be seen")
+        restrictions.append(f"only {count(len(recording.time), 'sample')}: weak effects cannot be seen")
     return restrictions
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from jointwear.files.errors import InputError
 from jointwear.files.registered import REGISTRY, read_registry
 from jointwear.files.storage import read_variables
+from jointwear.files.wording import count
 
 #: Largest relative difference of a root mean square: the registry gives six digits.
 DIGITS = 1e-5
@@ -71,7 +72,9 @@ def _check(name: str, path: Path, expected: Mapping[str, Any]) -> None:
     for variable, given in (expected.get("rms") or {}).items():
         (values,) = read_variables(path, variable)
         if len(values) != expected["samples"]:
-            raise InputError(f"registry: {name}: {path.name} has {len(values)} samples, not {expected['samples']}")
+            raise InputError(
+                f"registry: {name}: {path.name} has {count(len(values), 'sample')}, not {expected['samples']}"
+            )
         found = np.sqrt(np.nanmean(values.astype(float) ** 2, axis=0))
         if not np.allclose(found, given, rtol=DIGITS, atol=0):
             raise InputError(f"registry: {name}: '{variable}' of {path.name} does not hold the registered numbers")

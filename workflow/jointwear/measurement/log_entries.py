@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from jointwear.files.errors import InputError, nearest, shown
+from jointwear.files.wording import count
 from jointwear.measurement.units import CURRENTS, ROLES, SHARES, SPELLINGS, UNITS
 
 #: Keys that may hold one number for each joint.
@@ -34,13 +35,14 @@ def check_log_entry(
     named = entry.get("joints")
     if named is not None and len(named) != len(joints):
         raise InputError(
-            f"config: '{where}.joints' names {len(named)} joints, robot '{robot['name']}' has {len(joints)}"
+            f"config: '{where}.joints' names {count(len(named), 'joint')}, robot '{robot['name']}' has {len(joints)}"
         )
     for key in per_joint:
         given = entry.get(key)
         if isinstance(given, (list, tuple)) and len(given) != len(joints):
             raise InputError(
-                f"config: '{where}.{key}' has {len(given)} numbers, robot '{robot['name']}' has {len(joints)} joints"
+                f"config: '{where}.{key}' has {count(len(given), 'value')}, robot '{robot['name']}' has "
+                f"{count(len(joints), 'joint')}"
             )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.files.wording import count
 from jointwear.reproduction.grid import Cell
 from jointwear.reproduction.simulation import simulate_run, unworn_levels
 from jointwear.reproduction.wear import Wear
@@ -59,7 +60,7 @@ def simulate_worn_run(
     def levels(dynamics: Dynamics, hours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         n = dynamics.robot.joints
         if not 1 <= cell.axis <= n:
-            raise InputError(f"{robot}: the robot has {n} axes; axis {cell.axis} cannot wear")
+            raise InputError(f"{robot}: the robot has {count(n, 'axis', 'axes')}; axis {cell.axis} cannot wear")
         return coulomb_levels(dynamics, hours, cell.axis, wear)
 
     simulate_run(

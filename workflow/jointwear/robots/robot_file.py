@@ -13,6 +13,7 @@ from typing import Any
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.registered import path_in, will_be_fetched
+from jointwear.files.wording import count as counted
 from jointwear.robots.rigid_body import has_no_negative_moment
 from jointwear.robots.urdf_file import read_urdf_joints
 
@@ -78,7 +79,7 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
             if key not in data:
                 raise InputError(f"{path}: '{key}' is missing; a robot given by 'dh' needs one entry for each row")
             if len(data[key]) != count:
-                raise InputError(f"{path}: '{key}' has {len(data[key])} entries, 'dh' has {count}")
+                raise InputError(f"{path}: '{key}' has {counted(len(data[key]), 'entry', 'entries')}, 'dh' has {count}")
     data["joints"] = [_complete(path, i, joint) for i, joint in enumerate(data["joints"])]
     names = [j["name"] for j in data["joints"]]
     for i, name in enumerate(names):
@@ -88,8 +89,9 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
         for key in ("axis", "source_axis"):
             if entry.get(key) is not None and entry[key] > len(names):
                 raise InputError(
-                    f"{path}: 'effects[{i}].{key}' is {entry[key]}; the robot has {len(names)} axes "
-                    f"(allowed: 1 to {len(names)}); the nearest valid value is {len(names)}"
+                    f"{path}: 'effects[{i}].{key}' is {entry[key]}; the robot has "
+                    f"{counted(len(names), 'axis', 'axes')} (allowed: 1 to {len(names)}); "
+                    f"the nearest valid value is {len(names)}"
                 )
     return data
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError
+from jointwear.files.wording import count
 
 HOUR = 3600.0
 
@@ -33,8 +34,8 @@ def read_task_file(path: str | Path, robot: dict[str, Any] | None = None) -> dic
         raise InputError(f"{path}: 'name' is '{data['name']}', must be '{path.stem}' like the file")
     if len(data["durations"]) != len(data["waypoints"]):
         raise InputError(
-            f"{path}: 'durations' has {len(data['durations'])} entries, must have {len(data['waypoints'])}: "
-            "one for each waypoint, the last for the way back to the first"
+            f"{path}: 'durations' has {count(len(data['durations']), 'entry', 'entries')}, must have "
+            f"{len(data['waypoints'])}: one for each waypoint, the last for the way back to the first"
         )
     cycle = sum(data["durations"])
     if cycle > HOUR * (1 + 1e-9) or abs(HOUR / cycle - round(HOUR / cycle)) > 1e-9:
@@ -54,7 +55,8 @@ def read_task_file(path: str | Path, robot: dict[str, Any] | None = None) -> dic
     for i, pose in enumerate(data["waypoints"]):
         if len(pose) != len(data["waypoints"][0]):
             raise InputError(
-                f"{path}: 'waypoints[{i}]' has {len(pose)} positions, 'waypoints[0]' has {len(data['waypoints'][0])}"
+                f"{path}: 'waypoints[{i}]' has {count(len(pose), 'position')}, 'waypoints[0]' has "
+                f"{len(data['waypoints'][0])}"
             )
     return data
 
@@ -65,7 +67,8 @@ def _check_limits(path: Path, waypoints: list[list[float]], robot: dict[str, Any
     for i, pose in enumerate(waypoints):
         if len(pose) != len(joints):
             raise InputError(
-                f"{path}: 'waypoints[{i}]' has {len(pose)} positions, robot '{robot['name']}' has {len(joints)} joints"
+                f"{path}: 'waypoints[{i}]' has {count(len(pose), 'position')}, robot '{robot['name']}' has "
+                f"{count(len(joints), 'joint')}"
             )
         for j, (x, joint) in enumerate(zip(pose, joints, strict=True)):
             lower, upper = joint["limits"]

@@ -14,6 +14,7 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.wording import count
 from jointwear.measurement.formats.chunk import Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
 
@@ -106,7 +107,10 @@ def _samples(path: Path, reader: Reader, connections, layout: Layout, rows: int)
             if len(values) == 0:
                 buffer[role].append(np.full(layout.axes, np.nan))
             elif len(values) <= order.max():
-                raise InputError(f"{path}: a message names {len(names)} joints and has {len(values)} values of {role}")
+                raise InputError(
+                    f"{path}: a message names {count(len(names), 'joint')} and has "
+                    f"{count(len(values), 'value')} of {role}"
+                )
             else:
                 buffer[role].append(values[order])
         buffer["time"].append(time)

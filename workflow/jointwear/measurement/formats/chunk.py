@@ -125,7 +125,9 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
     for role, names in found.items():
         if role in JOINT_ROLES and len(names) != axes and not (role == "temperature" and len(names) == 1):
             whose = "the robot" if layout.axes else "the position"
-            raise InputError(f"{path}: has {len(names)} columns of {role}, {whose} has {axes} joints")
+            raise InputError(
+                f"{path}: has {counted(len(names), 'column')} of {role}, {whose} has {counted(axes, 'joint')}"
+            )
     return found
 
 
@@ -154,7 +156,7 @@ def make_chunk(
     for key in ("torque_constant", "scale", "sign"):
         given = getattr(layout, key)
         if given is not None and len(given) not in (1, axes):
-            raise InputError(f"{path}: '{key}' has {len(given)} numbers; there are {axes} joints")
+            raise InputError(f"{path}: '{key}' has {counted(len(given), 'value')} for {counted(axes, 'joint')}")
     found: dict[str, np.ndarray] = {}
     stated: dict[str, str] = {}
     missing: dict[str, tuple[float, ...]] = {}
@@ -201,7 +203,8 @@ def make_chunk(
             )
         else:
             raise InputError(
-                f"{path}: {role} has shape {array.shape}; {len(time)} samples of {axes} joints are expected"
+                f"{path}: {role} has shape {array.shape}; {counted(len(time), 'sample')} of "
+                f"{counted(axes, 'joint')} are expected"
             )
         if layout.sign is not None and role in _SIGNED:
             array = array * np.array(layout.sign)

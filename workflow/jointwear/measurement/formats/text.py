@@ -15,6 +15,7 @@ import pyarrow as pa
 from pyarrow import csv as arrow_csv
 
 from jointwear.files.errors import InputError, shown
+from jointwear.files.wording import count
 from jointwear.measurement.formats.arrow import chunk_of, stamps
 from jointwear.measurement.formats.cells import Cells
 from jointwear.measurement.formats.chunk import Chunk, check_count, find_columns
@@ -139,7 +140,8 @@ class _TornRow:
             return "skip"
         number = "a row" if row.number is None else f"row {row.number}"
         self.fault = self.fault or (
-            f"{self._path}: {number} has {row.actual_columns} cells, the header names {row.expected_columns} columns: "
+            f"{self._path}: {number} has {count(row.actual_columns, 'cell')}, the header names "
+            f"{count(row.expected_columns, 'column')}: "
             f"{shown(row.text)}"
         )
         return "error"
@@ -181,8 +183,9 @@ def _head(path: Path, layout: Layout) -> Head:
     comma = any(re.fullmatch(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", c, re.IGNORECASE) for r in rows for c in r)
     if delimiter == "," and rows and len(rows[0]) > len(names):
         raise InputError(
-            f"{path}: the header names {len(names)} columns, the first row has {len(rows[0])} cells: are its decimals "
-            "commas? Write them with points, or separate the columns by semicolons"
+            f"{path}: the header names {count(len(names), 'column')}, the first row has "
+            f"{count(len(rows[0]), 'cell')}: are its decimals commas? "
+            "Write them with points, or separate the columns by semicolons"
         )
     return Head(names, skip, rows[0] if rows else [], delimiter, "," if comma else ".", encoding, units)
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError, printable
+from jointwear.files.wording import count
 from jointwear.publishing.crate.layout import COMMIT, CONFIG, PROJECT, PROJECT_FILES, STAMP
 from jointwear.publishing.crate.software import software
 from jointwear.publishing.verification.comparison import CLOSE, EQUAL, TOLERANCE, Outcome, compare_files
@@ -68,8 +69,8 @@ def describe(outcomes: dict[str, Outcome]) -> str:
         for name, o in outcomes.items()
     ]
     counts = Counter(o.verdict for o in outcomes.values())
-    summary = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items()))
-    return "\n".join([*lines, f"verify: {len(outcomes)} files: {summary}"])
+    summary = ", ".join(f"{many} {verdict}" for verdict, many in sorted(counts.items()))
+    return "\n".join([*lines, f"verify: {count(len(outcomes), 'file')}: {summary}"])
 
 
 def changed_versions(crate: Path, now: dict[str, str]) -> list[str]:
@@ -88,7 +89,8 @@ def check_trust(crate: Path, own: Path) -> None:
     differing = foreign_code(crate, own)
     if differing:
         raise InputError(
-            f"crate {crate}: its workflow is not this one: {len(differing)} files differ, as {differing[0]}. It would "
+            f"crate {crate}: its workflow is not this one: {count(len(differing), 'file')} "
+            f"{'differs' if len(differing) == 1 else 'differ'}, as {differing[0]}. It would "
             "run with your rights: look at it, then add --config trust=true, or verify with the version of jointwear "
             "that wrote it"
         )

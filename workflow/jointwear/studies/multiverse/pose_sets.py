@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.files.storage import open_dataset, read_variable
+from jointwear.files.wording import count
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link, Robot, load_robot
 from jointwear.robots.trajectory import Task, load_task
@@ -73,7 +74,7 @@ def ensemble_pose_sets(path: str | Path, unloaded: str | Path, chosen: Sequence[
     if any(name not in names for name in wanted):
         raise InputError(f"{path}: its solutions have {', '.join(names)}; pose sets need {', '.join(wanted)}")
     if max(chosen, default=-1) >= len(values["start"]):
-        raise InputError(f"{path}: has {len(values['start'])} solutions, {max(chosen) + 1} are asked for")
+        raise InputError(f"{path}: has {count(len(values['start']), 'solution')}, {max(chosen) + 1} are asked for")
     robot = load_robot(unloaded)
     result = []
     for k in chosen:

@@ -12,6 +12,7 @@ from jointwear.files import provenance
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_variable, write_dataset
 from jointwear.files.text_files import replace_text
+from jointwear.files.wording import count as counted
 from jointwear.reproduction.published import load_published
 from jointwear.studies.multiverse import choice, records
 from jointwear.studies.multiverse.design import DesignPoint, read_design, write_design
@@ -126,8 +127,8 @@ def evaluate_pose_sets(
     count = min(settings["pose_sets"], ensemble_size(ensemble))
     if count < settings["pose_parts"]:
         raise InputError(
-            f"{ensemble}: has {count} solutions, the multiverse needs at least {settings['pose_parts']}; raise "
-            "recover.solutions"
+            f"{ensemble}: has {counted(count, 'solution')}, the multiverse needs at least "
+            f"{settings['pose_parts']}; raise recover.solutions"
         )
     points = read_design(best)
     readings = [p.reading for p in points]

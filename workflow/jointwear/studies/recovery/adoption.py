@@ -13,6 +13,7 @@ import yaml
 
 from jointwear.files.errors import InputError
 from jointwear.files.text_files import replace_text
+from jointwear.files.wording import count
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
 from jointwear.studies.recovery.export import write_yaml
@@ -122,6 +123,6 @@ def compare_copies(
         first = wrong[0]
         raise InputError(
             f"{first['file']}: {first['key']} is {first['copy']}, recovered {first['recovered']}; "
-            f"{len(wrong)} of {len(rows)} values differ by more than {tolerance:g}; "
+            f"{len(wrong)} of {count(len(rows), 'value')} differ by more than {tolerance:g}; "
             "`snakemake adopt_recovered` renews the copies"
         )
