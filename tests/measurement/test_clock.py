@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from monitor_logs import START
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.clock import Clock
+from jointwear.measurement.clock import Clock, join
 from jointwear.measurement.flags import Flag
-from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.formats.chunk import Chunk, joined
 
 
 def chunk(time, dated=False, trajectory=None, first=0):
@@ -151,3 +151,21 @@ def test_whatever_the_stamps_time_rises_within_a_stretch(steps, cut, dated):
         assert (np.diff(found) > 0).all()
     if len(found) < len(time) and len(found) and len(sizes) == 1:
         assert flags.any()
+
+
+def test_a_role_that_some_chunks_lack_is_filled_for_a_stream_and_left_out_of_a_recording():
+    def chunk(start, **more):
+        time = start + np.arange(3) * 0.1
+        return Chunk(time, np.zeros((3, 2)), np.zeros((3, 2)), missing={"torque": (start,)}, **more)
+
+    parts = [chunk(0.0, velocity=np.ones((3, 2)), temperature=np.full(3, 20.0)), chunk(0.3)]
+    clock = Clock(3600.0, "log")
+    stream = join([clock.order(part) for part in parts]).chunk
+    assert np.isnan(stream.velocity[3:]).all()
+    assert stream.velocity[:3].tolist() == np.ones((3, 2)).tolist()
+    assert np.isfinite(stream.temperature).tolist() == [True] * 3 + [False] * 3
+    whole = joined(parts)
+    assert whole.velocity is None
+    assert whole.temperature is None
+    assert whole.missing == {"torque": (0.0, 0.3)}
+    assert len(whole.time) == 6

@@ -20,7 +20,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import Flag
-from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.formats.chunk import Chunk, joined
 
 GAP = 5.0
 LATE = 3
@@ -205,20 +205,10 @@ _ARRAYS = ("time", "position", "torque", "velocity", "acceleration", "temperatur
 
 
 def join(parts: list[Ordered]) -> Ordered:
-    """Return parts of one log that follow each other as one."""
+    """Return parts of one log that follow each other as one; a bag may carry velocity in some of them only."""
     if len(parts) == 1:
         return parts[0]
-    chunks = [p.chunk for p in parts]
-    arrays = {}
-    for name in _ARRAYS:
-        values = [getattr(c, name) for c in chunks]
-        if all(v is None for v in values):
-            arrays[name] = None
-        else:
-            # A bag may carry velocity in some chunks only.
-            blank = [np.full_like(c.position, np.nan) if v is None else v for v, c in zip(values, chunks, strict=True)]
-            arrays[name] = np.concatenate(blank)
-    chunk = Chunk(**arrays, dated=all(c.dated for c in chunks), units=chunks[0].units)
+    chunk = joined([p.chunk for p in parts], fill=True)
     return Ordered(chunk, np.concatenate([p.stretch for p in parts]), np.concatenate([p.flags for p in parts]))
 
 

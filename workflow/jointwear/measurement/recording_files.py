@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,8 @@ import numpy as np
 from jointwear.files import provenance
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
-from jointwear.measurement.formats import Chunk, layout_of, read_log
-from jointwear.measurement.formats.chunk import JOINT_ROLES, UNLABELLED, unread_in_words
+from jointwear.measurement.formats import layout_of, read_log
+from jointwear.measurement.formats.chunk import JOINT_ROLES, UNLABELLED, joined, unread_in_words
 from jointwear.measurement.formats.netcdf import floats
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.possible import LARGEST_LABEL, check_clock
@@ -42,7 +41,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     if log_format(path) == "bag":
         joints = entry.get("joints") or [j["name"] for j in read_robot_file(Path(root) / entry["robot"])["joints"]]
     chunks = list(read_log(path, layout_of(entry, joints)))
-    whole = _joined(chunks)
+    whole = joined(chunks)
     for role in JOINT_ROLES:
         values = getattr(whole, role)
         if values is not None and not np.isfinite(values).any():
@@ -97,21 +96,6 @@ def _check_rises(path: Path, time: np.ndarray, trajectory: np.ndarray) -> None:
     )
 
 
-def _joined(chunks: Sequence[Chunk]) -> Chunk:
-    """Return all samples of a log; a role that a part of it lacks, as messages of a bag may, is left out."""
-
-    def whole(role: str) -> np.ndarray | None:
-        parts = [getattr(chunk, role) for chunk in chunks]
-        return None if any(part is None for part in parts) else np.concatenate(parts)
-
-    roles = [field.name for field in fields(Chunk) if field.name not in ("dated", "units", "missing", "unread")]
-    missing = {
-        role: tuple(sorted({x for chunk in chunks for x in chunk.missing.get(role, ())}))
-        for role in dict.fromkeys(role for chunk in chunks for role in chunk.missing)
-    }
-    return Chunk(**{role: whole(role) for role in roles}, dated=chunks[0].dated, units=chunks[0].units, missing=missing)
-
-
 def write_recording(recording: Recording, path: str | Path, settings: Mapping[str, Any]) -> None:
     """Keep a recording under native names; train and test labels become attributes."""
     count, n = recording.position.shape
@@ -136,7 +120,12 @@ def write_recording(recording: Recording, path: str | Path, settings: Mapping[st
 
 
 def read_recording(path: str | Path) -> Recording:
-    """Read what :func:`write_recording` wrote."""
+    """Read what :func:`write_recording` wrote.
+
+    Raises
+    ------
+    InputError : if the file is none of these, or was changed or damaged since.
+    """
     with open_dataset(path) as dataset:
         name = str(read_attribute(dataset, path, "dataset"))
         labels = [np.atleast_1d(read_attribute(dataset, path, k)) for k in ("train", "test")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
 #: In place of a label that is none: no whole number, or one that cannot be stored.
 UNLABELLED = -LARGEST_LABEL - 1
-#: Numbers of time between these count as seconds since 1970 UTC: 2001 to 2286.
+#: Times between these count as seconds since 1970 UTC: 2001 to 2286.
 UNIX_TIMES = (1e9, 1e10)
 _EPOCHS = (1e3, 1e6, 1e9)
 
@@ -34,7 +34,7 @@ class Chunk:
     `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label,
     :data:`UNLABELLED` where there is none, or None; `program` (m,) text, empty where unknown, or None. `units`: role ->
     unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it. `missing`: role ->
-    numbers that were read as missing. `unread`: how many rows held a cell that cannot be read, which was left out, and
+    values that were read as missing. `unread`: how many rows held a cell that cannot be read, which was left out, and
     the first of them in words.
     """
 
@@ -50,6 +50,34 @@ class Chunk:
     units: Mapping[str, str] = field(default_factory=dict)
     missing: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     unread: tuple[int, str] = (0, "")
+
+
+def joined(chunks: Sequence[Chunk], fill: bool = False) -> Chunk:
+    """Return the chunks of one log that follow each other as one; `unread` is not kept.
+
+    Parameters
+    ----------
+    fill : NaN stands where some chunks lack a joint role, as messages of a bag may; else such a role is left out, so
+        that it is derived throughout.
+    """
+
+    def whole(role: str) -> np.ndarray | None:
+        parts = [getattr(chunk, role) for chunk in chunks]
+        given = [part for part in parts if part is not None]
+        if not given or (len(given) < len(parts) and not (fill and role in JOINT_ROLES)):
+            return None
+        shape = given[0].shape[1:]
+        return np.concatenate(
+            [np.full((len(c.time), *shape), np.nan) if p is None else p for p, c in zip(parts, chunks, strict=True)]
+        )
+
+    roles = [f.name for f in fields(Chunk) if f.name not in ("dated", "units", "missing", "unread")]
+    missing = {
+        role: tuple(sorted({x for chunk in chunks for x in chunk.missing.get(role, ())}))
+        for role in dict.fromkeys(role for chunk in chunks for role in chunk.missing)
+    }
+    dated = all(chunk.dated for chunk in chunks)
+    return Chunk(**{role: whole(role) for role in roles}, dated=dated, units=chunks[0].units, missing=missing)
 
 
 def unread_in_words(told: Iterable[tuple[int, str]]) -> str:
@@ -151,6 +179,10 @@ def make_chunk(
     values : role -> array; joint roles (m, n), temperature also (m,).
     units : role -> unit as the log says; the config goes before it.
     dated : whether time is already in seconds since 1970 UTC.
+
+    Raises
+    ------
+    InputError : if an array has not the shape of its role, or the layout another count of joints.
     """
     axes = layout.axes or int(np.prod(np.shape(values["position"])[1:]))
     for key in ("torque_constant", "scale", "sign"):
