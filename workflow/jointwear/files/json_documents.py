@@ -62,7 +62,12 @@ def read_json(path: str | Path, kind: type = dict) -> Any:
 
 
 def parse_json(text: str, name: object, kind: type = dict) -> Any:
-    """Read JSON text as :func:`read_json` reads a file; `name` is what a message calls it."""
+    """Read JSON text as :func:`read_json` reads a file; `name` is what a message calls it.
+
+    Raises
+    ------
+    InputError : if the text is no JSON, or holds another `kind` than is asked for.
+    """
     try:
         data = json.loads(text, parse_constant=_refuse, parse_float=_finite, object_pairs_hook=_mapping)
     except RecursionError:

@@ -255,7 +255,12 @@ def read_variables(path: str | Path, *names: str) -> list[np.ndarray]:
 
 
 def read_variable(dataset: netCDF4.Dataset, path: str | Path, name: str, part: Any = ...) -> np.ndarray:
-    """Read one variable (or a part of it) of an open file; errors name the file."""
+    """Read one variable (or a part of it) of an open file.
+
+    Raises
+    ------
+    InputError : naming the file, if it lacks the variable or is damaged.
+    """
     if name not in dataset.variables:
         raise InputError(f"{path}: has no variable '{name}' (it has: {', '.join(dataset.variables)})")
     variable = dataset.variables[name]

@@ -78,6 +78,7 @@ class _Fit:
         self.size = size
 
     def derivative(self, time: np.ndarray, order: int, column: int) -> np.ndarray:
+        """Return a derivative of one column of the values at `time` (m,) [s], (m,)."""
         return BSpline(self.knots, self.coefficients[:, column], DEGREE)(time, order)
 
 

@@ -24,7 +24,12 @@ class Joint:
 
 
 def name_of(path: Path, element: ElementTree.Element) -> str:
-    """Return the name of a link or joint."""
+    """Return the name of a link or joint.
+
+    Raises
+    ------
+    InputError : if it has none.
+    """
     name = element.get("name")
     if not name or not name.strip():
         raise InputError(f"{path}: a <{element.tag}> has no name")
@@ -47,7 +52,12 @@ def welded(link: str, joints: Iterable[Joint]) -> set[str]:
 
 
 def read_joints(path: Path, root: ElementTree.Element, links: Container[str]) -> list[Joint]:
-    """Return the joints of a URDF; each must tie two of the links."""
+    """Return the joints of a URDF.
+
+    Raises
+    ------
+    InputError : if two have one name, or one does not tie two of the links.
+    """
     found: dict[str, Joint] = {}
     for element in root.findall("joint"):
         name = name_of(path, element)
@@ -66,7 +76,12 @@ def read_joints(path: Path, root: ElementTree.Element, links: Container[str]) ->
 
 
 def chain_of(path: Path, links: Iterable[str], joints: list[Joint]) -> list[Joint]:
-    """Return the moving joints from the base to the tip; every link must hang on the base by one path."""
+    """Return the moving joints from the base to the tip.
+
+    Raises
+    ------
+    InputError : if a link does not hang on the base by one path.
+    """
     by_child: dict[str, Joint] = {}
     for joint in joints:
         other = by_child.setdefault(joint.child, joint)

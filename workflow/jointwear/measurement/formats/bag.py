@@ -31,6 +31,10 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
 
     Messages that do not hold all joints (a gripper on the same topic) are left out. The time is that of the header,
     or of reception where the header has none.
+
+    Raises
+    ------
+    InputError : if the file cannot be read, or lacks what the layout asks for.
     """
     if path.is_file() and path.stat().st_size == 0:
         raise InputError(f"{path}: is empty")

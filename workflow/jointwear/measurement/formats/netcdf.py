@@ -19,7 +19,12 @@ CALENDARS = ("standard", "gregorian", "proleptic_gregorian")
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
-    """Yield the samples of a netCDF file; see :func:`jointwear.measurement.formats.read_log`."""
+    """Yield the samples of a netCDF file; see :func:`jointwear.measurement.formats.read_log`.
+
+    Raises
+    ------
+    InputError : if the file cannot be read, or lacks what the layout asks for.
+    """
     with open_dataset(path) as dataset:
         there = dataset.variables
         names = {}

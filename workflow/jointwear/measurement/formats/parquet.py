@@ -15,7 +15,12 @@ from jointwear.measurement.formats.layout import Layout
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
-    """Yield the samples of a Parquet file; see :func:`jointwear.measurement.formats.read_log`."""
+    """Yield the samples of a Parquet file; see :func:`jointwear.measurement.formats.read_log`.
+
+    Raises
+    ------
+    InputError : if the file cannot be read, or lacks what the layout asks for.
+    """
     try:
         with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20) as file:
             columns = find_columns(path, file.schema_arrow.names, layout)

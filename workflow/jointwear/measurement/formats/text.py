@@ -51,7 +51,12 @@ class Head:
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
-    """Yield the samples of a CSV file; see :func:`jointwear.measurement.formats.read_log`."""
+    """Yield the samples of a CSV file; see :func:`jointwear.measurement.formats.read_log`.
+
+    Raises
+    ------
+    InputError : if the file cannot be read, or lacks what the layout asks for.
+    """
     head = _head(path, layout)
     columns = find_columns(path, head.names, layout)
     wanted = list(dict.fromkeys(c for group in columns.values() for c in group))

@@ -92,6 +92,7 @@ def write_example(robot: str | Path, outputs: Sequence[str | Path]) -> None:
 
 
 def write_netcdf(path: Path, time: np.ndarray, position: np.ndarray, torque: np.ndarray) -> None:
+    """Write a log: `time` (m,) [s since 1970 UTC], `position` [rad] and `torque` [N m], each (m, n)."""
     pair = ("time", "joint")
     variables = {
         "joint": Variable(("joint",), np.arange(1, position.shape[1] + 1), "number of the joint", "1"),

@@ -198,7 +198,12 @@ def draw(
     lags: str | Path,
     output: str | Path,
 ) -> None:
-    """Draw the figure named `picture`: readings, influence, cells or lag_rule."""
+    """Draw the figure named `picture`: readings, influence, cells or lag_rule.
+
+    Raises
+    ------
+    ValueError : for another name.
+    """
     if picture == "readings":
         draw_readings(scored, output)
     elif picture == "influence":

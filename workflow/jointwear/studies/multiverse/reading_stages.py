@@ -92,7 +92,13 @@ def score_readings(
 
     Parameters
     ----------
+    design, parts : the readings, and files of their outcomes. published : file of the published values.
+    output, table, best, start : files to write.
     settings : of :func:`analysis_of`; `best` and `start`, how many readings.
+
+    Raises
+    ------
+    InputError : if the parts do not hold the readings of the design.
     """
     points = read_design(design)
     loaded = [records.read_outcomes(path) for path in parts]

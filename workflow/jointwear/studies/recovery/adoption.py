@@ -54,7 +54,12 @@ def adopt_task(recovered: str | Path, copy: str | Path) -> None:
 
 
 def adopt_wear_shape(recovered: str | Path, config: str | Path) -> None:
-    """Put the recovered wear shape into the configuration file."""
+    """Put the recovered wear shape into the configuration file.
+
+    Raises
+    ------
+    InputError : if the configuration has no wear shape.
+    """
     shape = yaml.safe_load(Path(recovered).read_text(encoding="utf-8"))["wear"]["shape"]
     text, replaced = re.subn(
         r"(?m)^(wear:\n(?:  .*\n)*?  shape: ).*$", rf"\g<1>{shape}", Path(config).read_text(encoding="utf-8")

@@ -152,9 +152,11 @@ class _JobLoads:
     square: np.ndarray
 
     def unit(self, rows: np.ndarray) -> np.ndarray:
+        """See :class:`jointwear.monitor.carried.UnitTorques`."""
         return self._parts(rows).sum(axis=0)
 
     def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
+        """See :class:`jointwear.monitor.carried.UnitTorques`."""
         return np.einsum("smkn,mk->smn", self._parts(rows), moments)
 
     def _parts(self, rows: np.ndarray) -> np.ndarray:

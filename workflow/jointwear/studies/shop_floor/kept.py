@@ -34,7 +34,12 @@ def simulate_robots(seed_set: str, indices: Iterable[int], folder: str | Path) -
 
 
 def survey_cell(cell: Cell) -> tuple[Survey, str]:
-    """Return the survey of the first log, and why the product refused it (empty if it did not)."""
+    """Return the survey of the first log, and why the product refused it (empty if it did not).
+
+    Raises
+    ------
+    InputError : if it is refused even with the torque of the robot file.
+    """
     reason = ""
     for left in LEFT:
         try:
