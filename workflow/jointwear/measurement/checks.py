@@ -9,7 +9,8 @@ import numpy as np
 from jointwear.files.errors import InputError
 from jointwear.files.wording import count
 from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, readings
-from jointwear.measurement.motion import Measured, runs
+from jointwear.measurement.even_steps import runs
+from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS, sizes_of

@@ -27,14 +27,19 @@ CLEARER = 0.5
 SHORTEST = 24
 
 
+def runs(labels: np.ndarray) -> list[slice]:
+    """Return one slice for each run of equal `labels` (m,)."""
+    edges = np.flatnonzero(np.diff(labels)) + 1
+    return [slice(a, b) for a, b in zip([0, *edges], [*edges, len(labels)], strict=True) if b > a]
+
+
 def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
     """Return the uninterrupted pieces of a log: runs of one label, cut where more than `GAP` steps are missing."""
-    edges = np.flatnonzero(np.diff(trajectory)) + 1
     result = []
-    for a, b in zip([0, *edges], [*edges, len(time)], strict=True):
-        steps = np.diff(time[a:b])
-        cuts = np.flatnonzero(steps > GAP * np.median(steps)) + a + 1 if len(steps) else []
-        result += [slice(c, d) for c, d in zip([a, *cuts], [*cuts, b], strict=True) if d > c]
+    for run in runs(trajectory):
+        steps = np.diff(time[run])
+        cuts = np.flatnonzero(steps > GAP * np.median(steps)) + run.start + 1 if len(steps) else []
+        result += [slice(a, b) for a, b in zip([run.start, *cuts], [*cuts, run.stop], strict=True)]
     return result
 
 

@@ -18,9 +18,11 @@ import numpy as np
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.even_steps import evenly, pieces_of
+from jointwear.measurement.even_steps import runs as runs
 from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
 from jointwear.measurement.jumps import without_jumps
+from jointwear.measurement.missing_samples import bridge, long_gaps
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import END, smooth, widest_band
 from jointwear.measurement.velocity_lag import put_in_time
@@ -33,8 +35,6 @@ SLOW_SHARE, SLOW = 0.02, 0.02
 TRANSIENT = 3.0
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
 RESOLVED = 0.155
-#: Samples in a row of a position, velocity or acceleration that may be missing and are bridged.
-LONGEST_BRIDGE = 2
 #: Accelerations keep what lies below this [Hz]: friction that jumps at reversals shakes an arm up to there.
 LOWEST_CUTOFF = 20.0
 
@@ -93,12 +93,6 @@ class Measured:
         return None if self.noise is None or not np.isfinite(self.noise.band).any() else self.noise.passed
 
 
-def runs(trajectory: np.ndarray) -> list[slice]:
-    """Return one slice for each run of equal labels."""
-    edges = np.flatnonzero(np.diff(trajectory)) + 1
-    return [slice(a, b) for a, b in zip([0, *edges], [*edges, len(trajectory)], strict=True) if b > a]
-
-
 def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
     """Return noise density [unit^2/Hz] of signals (k,) and the frequency [Hz] where the signal ends.
 
@@ -130,11 +124,11 @@ def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float
 def measure(recording: Recording) -> Measured:
     """Derive what was not measured, reduce high rates, and mark the samples that can be judged.
 
-    A sample that is missing of one joint makes that joint unusable there. Where more than :data:`LONGEST_BRIDGE`
-    samples in a row are missing of the motion of a joint, no joint is used: every torque depends on every position.
-    What is missing is bridged by straight lines for the filter only; positions that jump away and come back are missing
-    (:mod:`jointwear.measurement.jumps`). Samples that are not evenly spaced are put on an
-    even grid first: see :mod:`jointwear.measurement.even_steps`.
+    A sample that is missing of one joint makes that joint unusable there. Where more of the motion
+    of a joint are missing in a row than are bridged (:mod:`jointwear.measurement.missing_samples`), no joint is used:
+    every torque depends on every position. What is missing is bridged for the filter only; positions that jump away and
+    come back are missing (:mod:`jointwear.measurement.jumps`). Samples that are not evenly spaced are put on an even
+    grid first: see :mod:`jointwear.measurement.even_steps`.
     """
     raw = _raw(recording)
     n, rate = raw.position.shape[1], raw.rate
@@ -240,9 +234,9 @@ def _raw(recording: Recording) -> _Raw:
         temperature[:] = given[:, None] if given.ndim == 1 else given
     motion = [x for x in (recording.position, recording.velocity, recording.acceleration) if x is not None]
     finite = np.all([np.isfinite(x) for x in (*motion, recording.torque)], axis=0)
-    finite[np.any([_long_gaps(x, pieces) for x in motion], axis=0)] = False
-    position = _bridge(recording.position, pieces)
-    velocity = None if recording.velocity is None else _bridge(recording.velocity, pieces)
+    finite[np.any([long_gaps(x, pieces) for x in motion], axis=0)] = False
+    position = bridge(recording.position, pieces)
+    velocity = None if recording.velocity is None else bridge(recording.velocity, pieces)
     reach = np.array([spectral_floor([x[p] for p in pieces], rate)[1] for x in position.T])
     lag = None
     if velocity is not None:
@@ -254,8 +248,8 @@ def _raw(recording: Recording) -> _Raw:
         rate=rate,
         position=position,
         velocity=velocity,
-        acceleration=None if recording.acceleration is None else _bridge(recording.acceleration, pieces),
-        torque=_bridge(recording.torque, pieces),
+        acceleration=None if recording.acceleration is None else bridge(recording.acceleration, pieces),
+        torque=bridge(recording.torque, pieces),
         temperature=temperature,
         finite=finite,
         reach=reach,
@@ -367,33 +361,6 @@ def _fitted(time, pieces: list[slice], position, velocity, rate: float):
         if order == 1:
             noise = np.where(better, noise, two.derivative_noise(0, rate))
     return q, v, a, cutoff, noise
-
-
-def _long_gaps(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
-    """Return the samples (m,) at which more values (m, n) of some joint are missing in a row than are bridged."""
-    result = np.zeros(len(values), bool)
-    missing = ~np.isfinite(values)
-    for j in np.flatnonzero(missing.any(axis=0)):
-        for p in pieces:
-            for run in runs(missing[p, j]):
-                if run.stop - run.start > LONGEST_BRIDGE:
-                    result[p][run] |= missing[p, j][run]
-    return result
-
-
-def _bridge(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
-    if np.isfinite(values).all():
-        return np.asarray(values, dtype=float)
-    result = np.array(values, dtype=float)
-    for p in pieces:
-        for j in range(result.shape[1]):
-            x = result[p, j]
-            good = np.isfinite(x)
-            if good.any() and not good.all():
-                x[~good] = np.interp(np.flatnonzero(~good), np.flatnonzero(good), x[good])
-            elif not good.any():
-                x[:] = 0.0
-    return result
 
 
 def _moving(velocity: np.ndarray, trajectory: np.ndarray, floor: np.ndarray, guard: int) -> np.ndarray:
