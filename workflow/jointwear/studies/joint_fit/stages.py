@@ -141,7 +141,7 @@ def confirm_joint_fit(
 def trade_joint_aims(
     robot: str | Path, published: str | Path, confirmed: str | Path, output: str | Path, settings: dict
 ) -> None:
-    """Search the nearest experiments on under other weights, and run what comes out on new random numbers.
+    """Search the nearest experiments on under other weights, and run the results on new random numbers.
 
     Parameters
     ----------

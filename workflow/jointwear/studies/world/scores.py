@@ -32,7 +32,7 @@ UPPER = {"false_names", "worse", "worse_than_truth", "refused", "calibration_err
 
 WORDS = {name: words for name, (_, _, words) in QUESTIONS.items()} | {
     "identifiable": "identifiable share, single effects",
-    "false_names": "names where nothing is hidden",
+    "false_names": "false names where nothing is hidden",
     "worse": "augmented worse than given on an axis by > 5 %, held-out measurement",
     "worse_than_truth": "the same against the torque without noise",
     "refused": "data set refused",
