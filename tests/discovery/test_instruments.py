@@ -127,6 +127,18 @@ def test_cutoff_falls_with_the_noise_and_vanishes_without():
     assert cutoff_of(model, noise, frequency, RATE, 0, 1e4) > cutoff_of(model, noise, frequency, RATE, 0)
 
 
+def test_columns_of_torque_end_by_what_they_hold_themselves(rough):
+    """The last joint moves its motor, and hardly any load: the motor's noise is not in columns of the load."""
+    problem, axis = rough.problem, 5
+    motor, load = problem.robot.armature[axis], np.sqrt(problem.load_squares[axis, axis])
+    assert np.sqrt(problem.mass_squares[axis, axis]) == pytest.approx(motor + load, rel=0.01)
+    assert load < 0.01 * motor
+    # A column that ends within the motion is another motion, which a torque constant explains.
+    moved = problem.train_state.acceleration[:, [axis]]
+    ended = limit(moved, np.asarray(problem.train_state.record), rough.cutoffs[axis].torque, RATE)
+    assert np.std(ended - moved) < 0.01 * np.std(moved)
+
+
 def test_a_given_step_counts_where_the_positions_were_smoothed(robot):
     recording = split(coarse(robot, step=1e-9))
     told = replace(recording, encoder_step=1e-4)

@@ -70,18 +70,14 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
         return Cutoffs()
     frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
     density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
-    rate, load = measured.rate, problem.train_state.load[:, axis]
+    rate = measured.rate
     whole = white.density(frequency, rate)
     judged = _judged(density / whole, frequency)
     # Noise that moves the arm is in torques and their rates as that of derived accelerations is.
-    density = np.maximum(density, problem.shaken[axis] * whole)
+    shaken = problem.shaken[axis] * whole
+    derived, density = density, np.maximum(density, shaken)
     structure = cutoff_of(white, density, frequency, rate, 0)
-    energy = float(np.mean(white(load) ** 2))
-    if problem.shaken[axis]:
-        # Of the load most is weight; what noise shares a column with is inertia alone.
-        limited = limited_state(problem, axis, structure).acceleration[:, axis]
-        energy = min(energy, float(problem.mass_squares[axis, axis] * np.mean(white(limited) ** 2)))
-    torque = cutoff_of(white, density, frequency, rate, 0, energy)
+    torque = _of_torque(problem, axis, white, np.stack([derived, shaken]), structure, frequency)
     # What is motion in a column of timing is seen where noise alone could do no harm.
     timing = cutoff_of(white, density, frequency, rate)
     if np.isfinite(timing):
@@ -89,6 +85,34 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     share = density / whole
     late = _late(problem, axis, white, timing, share / max(1.0, float(np.max(share))), frequency)
     return Cutoffs(timing, torque, judged, structure, SWING * timing, late)
+
+
+def _of_torque(
+    problem: Problem, axis: int, white: Whitener, noise: np.ndarray, structure: float, frequency: np.ndarray
+) -> float:
+    """Return the cut-off [Hz] of columns of torque, of accelerations and of load.
+
+    Motion and noise of a column are asked of the same inertia. That of a motor behind a high gear moves far more torque
+    than a light last link does, and its noise is in the residual and in columns of the torque, but not in the load.
+
+    Parameters
+    ----------
+    noise : (2, k) density [(N m)^2/Hz] of the noise of derived accelerations and of that which moves the arm.
+    structure : cut-off [Hz] below which hardly anything is noise.
+    """
+    measured, state = problem.measured, limited_state(problem, axis, structure)
+    rate, whole = measured.rate, white.density(frequency, measured.rate)
+    rigid = state.load[:, axis] + state.drive.armature[axis] * state.acceleration[:, axis]
+    energy, weight = (float(np.mean(white(x) ** 2)) for x in (rigid, problem.train_state.load[:, axis]))
+    own, light = problem.mass_squares[axis, axis], problem.load_squares[axis, axis]
+    if problem.shaken[axis]:
+        # Of the load most is weight; what noise shares a column with is inertia alone.
+        motion = float(np.mean(white(state.acceleration[:, axis]) ** 2))
+        energy, weight = min(energy, own * motion), min(weight, light * motion)
+    of_load = torque_noise(measured.noise, problem.load_squares, frequency)[axis]
+    every, of_load = np.maximum(*noise), np.maximum(of_load, light / own * noise[1])
+    columns = ((np.stack([every, every]), energy), (np.stack([np.sqrt(every * of_load), of_load]), weight))
+    return min(_highest(white, shared / whole, frequency, rate, e) for shared, e in columns)
 
 
 def _late(

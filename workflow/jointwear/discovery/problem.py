@@ -126,8 +126,18 @@ class Problem:
     @cached_property
     def mass_squares(self) -> np.ndarray:
         """(n, n) mean square over the training poses of the derivative of torque j by acceleration k [kg2 m4]."""
+        return np.mean(self._mass_matrices**2, axis=0)
+
+    @cached_property
+    def load_squares(self) -> np.ndarray:
+        """(n, n) mean square over the training poses of the derivative of load j by acceleration k [kg2 m4]."""
+        return np.mean((self._mass_matrices - np.diag(self.robot.armature)) ** 2, axis=0)
+
+    @cached_property
+    def _mass_matrices(self) -> np.ndarray:
+        """(k, n, n) mass matrices, motor inertia included, over the training poses [kg m2]."""
         poses = self.state.position[self.train]
-        return np.mean(self.dynamics.mass_matrix(poses[:: max(1, len(poses) // POSES)]) ** 2, axis=0)
+        return self.dynamics.mass_matrix(poses[:: max(1, len(poses) // POSES)])
 
     @cached_property
     def shaken(self) -> np.ndarray:
