@@ -7,6 +7,7 @@ from pyarrow import parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of, read_log
+from jointwear.measurement.formats.text import MOST_TORN
 
 HEADER = ["time", "position_1", "torque_1"]
 
@@ -106,9 +107,36 @@ def test_a_row_cut_while_it_was_written_is_left_out(tmp_path):
     assert one(path).time.tolist() == [0.0, 1.0]
 
 
-@pytest.mark.parametrize("rows", ["0,0.1,1\n1,0.2\n2,0.3,3", "0,0.1,1\n1,0.2\n", "0,0.1,1\n1,0.2,3,4"])
-def test_any_other_row_of_a_wrong_length_is_named(tmp_path, rows):
-    path = tmp_path / "a.csv"
+@pytest.mark.parametrize(
+    ("rows", "times"),
+    [
+        ("0,0.1,1\n1,0.2\n2,0.3,3", [0, 2]),
+        ("0,0.1,1\n1,0.2\n", [0]),
+        ("0,0.1,1\n1,0.2,3,4", [0]),
+        # What is read again as text, for the sake of one cell, tells of it too.
+        ("0,0.1,1\n1,0.2\n2,0.3,3\n3,x,3" + "\n4,0.2,3" * 9, [0, 2, 3, *[4] * 9]),
+    ],
+)
+def test_any_other_row_of_a_wrong_length_is_named_once_the_others_have_been_read(tmp_path, rows, times):
+    path, found = tmp_path / "a.csv", []
     path.write_text(",".join(HEADER) + "\n" + rows)
+
+    def read():
+        for chunk in read_log(path, layout_of({}, ["joint_1"])):
+            found.extend(chunk.time.tolist())
+
     with pytest.raises(InputError, match=r"a\.csv: row 3 has [24] cells, the header names 3 columns: '1,0\.2"):
+        read()
+    assert found == times
+
+
+def test_a_cell_behind_a_row_of_a_wrong_length_is_told_with_its_row_in_the_file(tmp_path):
+    path = write(tmp_path / "a.csv", [",".join(HEADER), "0,0.1,1", "1,0.2", *["2,0.3,3"] * 20, "3,x,3", "4,1,1"])
+    chunks = read_log(path, layout_of({}, ["joint_1"]))
+    assert next(chunks).unread == (1, "row 24 has 'x' in column 'position_1'")
+
+
+def test_many_rows_of_a_wrong_length_are_another_layout(tmp_path):
+    path = write(tmp_path / "a.csv", [",".join(HEADER), *["0,0.1"] * (MOST_TORN + 1), "1,0.1,2"])
+    with pytest.raises(InputError, match=r"row 2 has 2 cells"):
         one(path)

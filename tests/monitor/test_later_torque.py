@@ -35,6 +35,16 @@ def test_a_later_torque_in_another_unit_is_refused(tmp_path, good, kind):
     assert (found.statistics.count == 0).all()
 
 
+def test_a_flipped_axis_is_told_though_the_model_fits_the_others_better_than_in_the_first_log(tmp_path):
+    first, rng = make_log(48.0, seed=11), np.random.default_rng(2)
+    first.torque[:, [0, 2, 3, 4, 5]] *= 1 + 0.5 * rng.standard_normal((len(first.time), 5))
+    first = write_parquet(tmp_path / "first.parquet", columns(first))
+    log = make_log(48.0, seed=12)
+    log.torque[:, 1] *= -1
+    (refused,) = read(write_parquet(tmp_path / "log.parquet", columns(log)), first).refused
+    assert "the sign of the torque of joint 2 looks flipped" in refused
+
+
 @pytest.mark.parametrize("axes", [slice(2, 3), slice(None)])
 @pytest.mark.parametrize("factor", [0.74, 1.05, 1.15, 1.3])
 def test_a_gain_is_no_other_unit(tmp_path, good, axes, factor):

@@ -356,24 +356,27 @@ def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_
     shift = np.repeat(np.arange(10), 8)
     wear = quantity({2: 0.06}, {2: 50})
     none = np.zeros(80, dtype=bool)
-    assert scale_steps(wear, quantity({}, {}), shift, none) == []
-    (step,) = scale_steps(wear, quantity({2: 0.06}, {}), shift, none)
+    assert scale_steps(wear, wear, quantity({}, {}), shift, none) == []
+    (step,) = scale_steps(wear, wear, quantity({2: 0.06}, {}), shift, none)
     assert (step.axis, step.window, step.factor) == (2, 40, pytest.approx(np.exp(0.06)))
     # A few windows of like conditions before the alarm, in which the scale looks changed and then does not: wear.
     passing = quantity({2: 0.06}, {})
     passing.residual[48:] = 0.0
     late = quantity({2: 0.06}, {2: 45})
-    assert scale_steps(late, passing, shift, none) == []
-    assert [s.axis for s in scale_steps(late, quantity({2: 0.06}, {}), shift, none)] == [2]
+    assert scale_steps(late, late, passing, shift, none) == []
+    assert [s.axis for s in scale_steps(late, late, quantity({2: 0.06}, {}), shift, none)] == [2]
     # A cabinet scales all axes; the last two hardly move a body.
     level = quantity(dict.fromkeys(range(6), 0.06), {0: 50, 4: 50, 5: 55})
     scale = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5))
-    assert {s.axis for s in scale_steps(level, scale, shift, none)} == set(range(6))
+    assert {s.axis for s in scale_steps(level, level, scale, shift, none)} == set(range(6))
     # It is found where no axis has alarmed, at the window at which it came.
     quiet = quantity(dict.fromkeys(range(6), 0.06), {}, begin=43)
-    steps = scale_steps(quiet, quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5), begin=43), shift, none)
+    steps = scale_steps(quiet, quiet, quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5), begin=43), shift, none)
     assert {s.axis for s in steps} == set(range(6))
     assert {s.window for s in steps} == {43}
+    # A load or a program moves the bodies of all axes, and not their friction: no gain.
+    loaded = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5), begin=43)
+    assert scale_steps(quantity({}, {}), quantity({}, {}), loaded, shift, none) == []
 
 
 def test_a_gain_of_all_axes_is_told_though_a_load_takes_part_of_it_away_and_the_weather_is_none():

@@ -60,6 +60,20 @@ def test_the_first_window_of_a_program_does_not_set_its_level():
     assert (judgement.status[-5:] == HEALTHY).all()
 
 
+@pytest.mark.parametrize("grown", [0.0, 0.3])
+def test_a_new_program_hides_no_wear_that_was_there_before(grown):
+    names = ["weld"] * 120 + ["pick"] * 60
+    growth = np.zeros((180, 3))
+    # The new program has a level of its own, 0.2 above the other, on every axis.
+    growth[120:] = np.log(1.2)
+    growth[90:, 1] += np.log1p(grown) * np.minimum((np.arange(90, 180) - 90) / 24.0, 1.0)
+    judgement = judge(labelled(np.expm1(growth), names), 72, SETTINGS)
+    assert {a["axis"] for a in judgement.alarms} == ({2} if grown else set())
+    told = judgement.estimates["coulomb_percent"][-24:]
+    assert np.median(told[:, 1]) == pytest.approx(100 * grown, abs=6.0)
+    assert np.abs(np.median(told[:, [0, 2]], axis=0)).max() < 4.0
+
+
 def test_windows_that_mix_programs_are_a_program_of_their_own():
     total = np.full(2, "", dtype=object)
     add_labels(total, [0, 0, 1], [label_text(np.array(["a"] * 30)), label_text(np.array(["b"] * 30)), ""])

@@ -189,7 +189,7 @@ def _watch_level(
         scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
         plain = _watched(normal["level"], seen, LEVEL_SHARE * scale_rate, found, recall, **alone)
         changed = gain_of_all(plain, scaled, seen.shift, seen.baseline)
-        changed = changed or scale_steps(level, scaled, seen.shift, seen.baseline)
+        changed = changed or scale_steps(level, plain, scaled, seen.shift, seen.baseline)
         told = {(s.axis, s.window) for s in steps}
         fresh = [s for s in changed if (s.axis, s.window) not in told]
         if not fresh:

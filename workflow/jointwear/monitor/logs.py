@@ -13,7 +13,7 @@ from jointwear.measurement.clipped_torque import at_limit
 from jointwear.measurement.clock import Clock, Ordered, join, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
-from jointwear.measurement.formats.chunk import unread_in_words
+from jointwear.measurement.formats.chunk import Chunk, unread_in_words
 from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
@@ -90,11 +90,17 @@ def log_statistics(
 def _blocks(
     path: str, layout: Layout, length: float, block: int, unread: list[tuple[int, str]]
 ) -> Iterator[tuple[Ordered, slice]]:
-    """Yield blocks with what is around them, and which of their samples count; `unread` is filled as of chunks."""
+    """Yield blocks with what is around them, and which of their samples count; `unread` is filled as of chunks.
+
+    Raises
+    ------
+    InputError : where a log breaks off, after what was read before has been yielded.
+    """
     clock = Clock(length, path)
     waiting: list[Ordered] = []
     size = before = 0
-    for chunk in read_log(path, layout, block):
+    broken: list[InputError] = []
+    for chunk in _until_broken(read_log(path, layout, block), broken):
         unread.append(chunk.unread)
         waiting.append(clock.order(chunk))
         size += len(waiting[-1].stretch)
@@ -105,9 +111,18 @@ def _blocks(
             rest = max(stop - HALO, 0)
             waiting = [part_of(joined, slice(rest, None))]
             size, before = len(waiting[0].stretch), stop - rest
-    joined = join(waiting)
     if size > before:
-        yield joined, slice(before, size)
+        yield join(waiting), slice(before, size)
+    if broken:
+        raise broken[0]
+
+
+def _until_broken(chunks: Iterator[Chunk], broken: list[InputError]) -> Iterator[Chunk]:
+    """Yield chunks until reading fails; the error goes into `broken`."""
+    try:
+        yield from chunks
+    except InputError as error:
+        broken.append(error)
 
 
 def _block_statistics(

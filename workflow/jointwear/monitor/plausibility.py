@@ -140,7 +140,8 @@ class LaterCheck:
         plain = float(np.nansum(self._last))
         if self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
             raise self._refusal
-        if plain < WORSE:
+        # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
+        if float(np.nansum(np.maximum(self._last, 0.0))) < WORSE:
             return nothing
         if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
             return self._marks()

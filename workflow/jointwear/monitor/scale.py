@@ -21,6 +21,8 @@ from jointwear.monitor.watching import Watch
 CLEAR, LEAST, ALIKE, AGAINST = 1.0, 0.01, 0.5, 2.5
 #: A step of all scales together needs so many standard errors in two shifts in a row, and at least so many axes.
 TOGETHER, FEWEST_TOGETHER = 4.0, 3
+#: Share of the axes whose friction must step with it: a load or a program moves the bodies of all axes alone.
+MOST = 0.5
 _GRAVITY, _INERTIAL = COLUMNS.index("gravity"), COLUMNS.index("inertial")
 #: Standard deviation of a window's scale above which it shows nothing.
 COARSEST = 0.25
@@ -57,7 +59,7 @@ def scale_series(sums: Sums, pooled: np.ndarray) -> Series:
     return Series(logs, spread, np.ones(n), np.ones(n))
 
 
-def scale_steps(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
+def scale_steps(level: Watch, plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
     """Return the first alarm or proposed service of each axis that a step of its scale explains.
 
     Where the scale of two axes steps at once, or the friction of another axis by as much, a common cause (unit, supply,
@@ -65,7 +67,8 @@ def scale_steps(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
 
     Parameters
     ----------
-    level, scale : what was watched. shift : (w,) labels. baseline : (w,) bool.
+    level, scale : what was watched. plain : the level with what all axes have in common, no service assumed.
+    shift : (w,) labels. baseline : (w,) bool.
     """
     found = []
     for j, axis in enumerate(level.axes):
@@ -81,21 +84,24 @@ def scale_steps(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
             if np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR:
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
-    return _common(level, scale, shift, baseline) or found + _joined(found, level, scale, shift)
+    return _common(plain, scale, shift, baseline) or found + _joined(found, level, scale, shift)
 
 
-def _common(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
+def _common(plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
     """Return a step that the scales of all axes show together, whether any of them has alarmed or not: a supply, a
-    cabinet or a unit. Two shifts in a row must show it; every axis whose own scale does not contradict it has it."""
-    n = len(level.axes)
+    cabinet or a unit. Two shifts in a row must show it, and the friction of most axes; every axis whose own scale does
+    not contradict it has it."""
+    n = len(plain.axes)
     named = [j for j in range(n) if scale.axes[j] is not None]
     if len(named) < FEWEST_TOGETHER:
         return []
     names = np.unique(shift[~baseline])
     means = np.full((len(names), len(named), 2), np.nan)
+    friction = np.full((len(names), n), np.nan)
     for a, s in enumerate(names):
         rows = (shift == s) & ~baseline
         means[a] = [mean_residual(scale, rows, j, shift) for j in named]
+        friction[a] = [np.nan if plain.axes[j] is None else mean_residual(plain, rows, j, shift)[0] for j in range(n)]
     with np.errstate(invalid="ignore"):
         weight = np.where(np.isfinite(means[..., 0]), means[..., 1] ** -2.0, 0.0)
         total = weight.sum(axis=1)
@@ -103,7 +109,9 @@ def _common(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
         clear = (np.abs(size) * np.sqrt(total) > TOGETHER) & (np.abs(size) > LEAST)
         clear &= (weight > 0).sum(axis=1) >= FEWEST_TOGETHER
         apart = np.abs(means[..., 0] - size[:, None]) > AGAINST * means[..., 1]
+        alike = np.abs(friction - size[:, None]) < ALIKE * np.abs(size)[:, None]
     clear &= (apart & (weight > 0)).sum(axis=1) <= len(named) // 3
+    clear &= alike.sum(axis=1) > MOST * np.isfinite(friction).sum(axis=1)
     pairs = clear[1:] & clear[:-1] & (np.sign(size[1:]) == np.sign(size[:-1]))
     if not pairs.any():
         return []
@@ -114,7 +122,7 @@ def _common(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
     begin = int(part[cut_of(value, variance, float(size[a + 1]))])
     factor = float(np.exp(size[a + 1]))
     against = {j for k, j in enumerate(named) if apart[a : a + 2, k].all()}
-    return [ScaleStep(j, begin, factor) for j in range(n) if level.axes[j] is not None and j not in against]
+    return [ScaleStep(j, begin, factor) for j in range(n) if plain.axes[j] is not None and j not in against]
 
 
 def _evidence(step: float, size: float, error: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from jointwear.monitor.conditions import Conditions, Design
 from jointwear.monitor.decision import Evidence, shift_evidence
 from jointwear.monitor.dispersion import inflated, updated_between
+from jointwear.monitor.growth_so_far import growth_so_far
 from jointwear.monitor.learning import AxisNormal, enough, relearnt, widened
 from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
@@ -234,7 +235,11 @@ class _Axis:
                 new = new[~told[new]]
                 told[new] = True
                 between = normal.dispersion.between**2
-                posterior = introduced(posterior, matrix[new], normal.series_value[new], variance[new], between)
+                # What the axis has grown by runs in the new program too: its level is learnt without it.
+                known = self._known(a, rows[-1] + 1, np.union1d(new, waiting))
+                grown, doubt = growth_so_far(normal, self.residual, self.predicted, shift, known)
+                value = normal.series_value[new] - grown
+                posterior = introduced(posterior, matrix[new], value, variance[new], between + doubt)
                 posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], variance[fresh])
             self.segments.append(part)
         # In the baseline a window is held against what the other shifts predict for it.
@@ -247,6 +252,12 @@ class _Axis:
         hidden = self.unseen | self.learning
         self.residual[hidden] = np.nan
         self.judged = np.isfinite(self.residual) & ~baseline
+
+    def _known(self, a: int, b: int, strange: np.ndarray) -> np.ndarray:
+        """Return the windows from `a` to before `b` that are held against a known normal state; none of `strange`."""
+        place = np.arange(a, b)
+        told = np.isfinite(self.residual[place]) & (self.predicted[place] <= UNSEEN**2)
+        return np.setdiff1d(place[told], strange)
 
     @property
     def total_variance(self) -> np.ndarray:

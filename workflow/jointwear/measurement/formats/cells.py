@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +21,8 @@ _NUMBER = r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$|^[-+]?(?i:nan|inf|infinity)$
 @dataclass
 class Cells:
     """Reads batches of text of one log at `path` as numbers; `decimal` sign, `time`: its column, `stamped` where it
-    holds times of day, `text`: columns of text. `rows` read so far, `line` of the file before the first of them."""
+    holds times of day, `text`: columns of text. `rows` read so far, `line` of the file before the first of them,
+    `left_out`: rows of the file that the batches lack, in order."""
 
     path: Path
     decimal: str
@@ -29,6 +31,7 @@ class Cells:
     text: tuple[str, ...]
     rows: int
     line: int
+    left_out: Sequence[int] = ()
     unread: int = 0
 
     def numbers(self, batch: pa.RecordBatch) -> tuple[pa.Table, tuple[int, str]]:
@@ -56,9 +59,7 @@ class Cells:
         first = min(concerned)
         column = next(name for name, mask in wrong.items() if mask[first].as_py())
         self.unread += len(set(concerned))
-        told = (
-            f"row {self.line + begin + first + 1} has {shown(batch.column(column)[first].as_py())} in column '{column}'"
-        )
+        told = f"row {self._row(begin + first)} has {shown(batch.column(column)[first].as_py())} in column '{column}'"
         if self.unread > MOST * self.rows:
             kind = "a time" if self._is_time(column) else "a number"
             raise InputError(
@@ -67,6 +68,13 @@ class Cells:
             )
         table = pa.table(columns)
         return table.filter(compute.invert(wrong[self.time])), (len(set(concerned)), told)
+
+    def _row(self, index: int) -> int:
+        """Return the row of the file, from 1, of the row `index` of all batches."""
+        row = self.line + index + 1
+        for gone in self.left_out:
+            row += gone <= row
+        return row
 
     def _is_time(self, name: str) -> bool:
         return self.stamped and name == self.time
@@ -88,7 +96,7 @@ class Cells:
             known = compute.if_else(sound, given, pa.scalar(None, pa.string()))
             odd = first_of_other_zone(known)
             if odd is not None:
-                words = mixed_zones(known, odd, self.line + self.rows + odd + 1)
+                words = mixed_zones(known, odd, self._row(self.rows + odd))
                 raise InputError(f"{self.path}: {words}")
             return sound
         sound = compute.match_substring_regex(self._plain(name, given), _NUMBER)

@@ -34,6 +34,8 @@ _CONVERSION = "conversion error"
 _LOOK = 60
 #: Bytes at the end of a log in which a row that was cut is looked for.
 _LAST = 1 << 16
+#: Rows of a wrong length up to which the others are still read: each is a write that was cut, many are another layout.
+MOST_TORN = 10
 
 
 @dataclass(frozen=True)
@@ -76,20 +78,23 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
                 chunk = chunk_of(path, batch, columns, layout, head.units)
                 done += batch.num_rows
                 yield chunk
-            return
         except pa.ArrowInvalid as error:
             if _CONVERSION not in str(error):
                 raise
         except InputError:
             if types[time] != pa.string():
                 raise
+        else:
+            torn.check()
+            return
         # A cell holds something else than its column: what was not read yet is read as text, which takes longer.
-        cells = Cells(
-            path, head.decimal, time, types[time] == pa.string(), tuple(columns.get("program", ())), done, head.skip
-        )
+        torn, stamped = _TornRow(path, head.encoding), types[time] == pa.string()
+        words = tuple(columns.get("program", ()))
+        cells = Cells(path, head.decimal, time, stamped, words, done, head.skip, torn.rows)
         for batch in _rest(_batches(path, head, dict.fromkeys(types, pa.string()), rows, torn), done):
             table, unread = cells.numbers(batch)
             yield replace(chunk_of(path, table, columns, layout, head.units), unread=unread)
+        torn.check()
     except (pa.ArrowException, OSError) as error:
         if torn.fault:
             raise InputError(torn.fault) from None
@@ -134,10 +139,17 @@ def _rest(batches: Iterator[pa.RecordBatch], done: int) -> Iterator[pa.RecordBat
 
 
 class _TornRow:
-    """Leaves out a last row that was cut while it was written; any other row of a wrong length is a `fault`."""
+    """Leaves out `rows` of a wrong length. Any but a last row that was cut while it was written is a `fault`, which is
+    raised once the others have been read; more than :data:`MOST_TORN` end the reading."""
 
     def __init__(self, path: Path, encoding: str) -> None:
         self._path, self._encoding, self.fault = path, encoding, ""
+        self.rows: list[int] = []
+
+    def check(self) -> None:
+        """Raise an InputError that tells of the first row that was left out, if any was."""
+        if self.fault:
+            raise InputError(self.fault)
 
     def __call__(self, row: arrow_csv.InvalidRow) -> str:
         """Return what pyarrow is to do with a row; an error raised here would be lost."""
@@ -149,7 +161,8 @@ class _TornRow:
             f"{count(row.expected_columns, 'column')}: "
             f"{shown(row.text)}"
         )
-        return "error"
+        self.rows.append(row.number or 0)
+        return "skip" if len(self.rows) <= MOST_TORN else "error"
 
     def _unfinished(self) -> str | None:
         """Return the last line where no line end follows it."""
