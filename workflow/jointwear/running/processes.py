@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -13,6 +14,19 @@ Result = TypeVar("Result")
 
 #: Parts that each process gets its share in: things differ in size.
 PARTS = 4
+#: Environment variables that say how many threads linear algebra starts.
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def single_threaded(processes: int) -> ProcessPoolExecutor:
+    """Return a pool whose processes compute with one thread each.
+
+    Linear algebra starts a thread for every core in every process, which then wait for each other: small problems
+    take ten times as long. The variables are read when a library is loaded, so the processes are not forked.
+    """
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
+    return ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
 
 
 def in_processes(work: Callable[[Thing], Result], things: Sequence[Thing], processes: int) -> list[Result]:

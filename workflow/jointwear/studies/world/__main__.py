@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.errors import InputError
+from jointwear.running.processes import single_threaded
 from jointwear.studies.world.plan import KINDS, SETS, Case, cases
 from jointwear.studies.world.scores import WORDS, score
-from jointwear.studies.world.stages import solve_case
+from jointwear.studies.world.stages import solve_if_possible
 
 #: The field of a row that says whether the answer is right.
 ANSWERS = {"single": "exact_set", "two": "two_exact", "retuned": "retuned", "outside": "unknown_only"}
@@ -54,13 +54,13 @@ def line(row: dict[str, Any]) -> str:
     )
 
 
-def _solved(case: Case) -> list[dict[str, Any]]:
-    """Return the judged row of a case, or nothing where its plant cannot be integrated."""
-    try:
-        return [solve_case(case)]
-    except ArithmeticError as error:
-        print(f"   {case.name} is no case: {error}", file=sys.stderr)
+def _told(case: Case, row: dict[str, Any] | None) -> list[dict[str, Any]]:
+    """Print the row of a case, or that it has none, and return it."""
+    if row is None:
+        print(f"   {case.name} is no case: its plant cannot be integrated with its step", file=sys.stderr)
         return []
+    print(line(row), flush=True)
+    return [row]
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -85,15 +85,12 @@ def main(arguments: list[str] | None = None) -> int:
     rows = []
     try:
         if given.jobs > 1:
-            with ProcessPoolExecutor(given.jobs) as pool:
-                for row in pool.map(_solved, chosen):
-                    rows += row
-                    print(*map(line, row), sep="\n", end="\n" if row else "", flush=True)
+            with single_threaded(given.jobs) as pool:
+                for case, row in zip(chosen, pool.map(solve_if_possible, chosen), strict=True):
+                    rows += _told(case, row)
         else:
             for case in chosen:
-                row = _solved(case)
-                rows += row
-                print(*map(line, row), sep="\n", end="\n" if row else "", flush=True)
+                rows += _told(case, solve_if_possible(case))
     except InputError as error:
         print(error, file=sys.stderr)
         return 1

@@ -10,7 +10,6 @@ import argparse
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -26,6 +25,7 @@ from jointwear.discovery.whitening import White, whiten
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.measurement.recording import split
+from jointwear.running.processes import single_threaded
 from jointwear.studies.challenge.judge import judge
 from jointwear.studies.challenge.solve import with_words
 from jointwear.studies.world.answers import TOLERATED
@@ -228,7 +228,7 @@ def main(arguments: list[str] | None = None) -> int:
     one = partial(answers, wanted=variants(Settings(inertial_prior=INERTIAL_PRIOR)))
     try:
         if given.jobs > 1:
-            with ProcessPoolExecutor(given.jobs) as pool:
+            with single_threaded(given.jobs) as pool:
                 rows = list(pool.map(one, chosen))
         else:
             rows = [one(case) for case in chosen]

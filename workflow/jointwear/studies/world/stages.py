@@ -33,6 +33,14 @@ def solve_case(case: Case) -> dict[str, Any]:
         return answer(generate(case, folder))
 
 
+def solve_if_possible(case: Case) -> dict[str, Any] | None:
+    """Return the judged row of a case, None where its plant cannot be integrated with its time step."""
+    try:
+        return solve_case(case)
+    except ArithmeticError:
+        return None
+
+
 def answer_batch(seed_set: str, index: int, output: str | Path) -> None:
     """Make the cases of a batch, give them to discovery, and write the judged rows as JSON.
 
@@ -44,10 +52,11 @@ def answer_batch(seed_set: str, index: int, output: str | Path) -> None:
     """
     rows, left_out = [], []
     for case in batches(seed_set)[index]:
-        try:
-            rows.append(solve_case(case))
-        except ArithmeticError:
+        row = solve_if_possible(case)
+        if row is None:
             left_out.append(case.name)
+        else:
+            rows.append(row)
     write_json(output, {"sources": sources_digest(), "cases": rows, "left_out": left_out})
 
 
