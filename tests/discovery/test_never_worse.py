@@ -41,7 +41,7 @@ def found(robot):
     return discover(make_case(robot, 22, root), robot, Settings())
 
 
-def test_a_number_may_go_to_zero_where_an_effect_takes_its_place(found, robot):
+def test_a_parameter_may_go_to_zero_where_an_effect_takes_its_place(found, robot):
     assert [(e["effect"], e["axis"]) for e in found.effects] == [("nonlinear_viscous_friction", 3)]
     assert found.augmented_robot["joints"][2]["viscous"] < 0.25 * robot.viscous[2] / robot.gear_ratio[2] ** 2
     held = found.problem.measured.usable[:, 2] & found.problem.test
@@ -149,7 +149,7 @@ def test_an_effect_that_one_record_alone_tells_of_is_asked_by_halves_of_records(
     targets[axis] += 30.0 * last
     trial = replace(white, problem=odd, targets=targets)
     term = Term("step", {axis: last[:, None]}, np.array([100.0]), {axis: sigma * last[:, None]})
-    # As a number of the model it has to extrapolate to a record that it knows nothing of.
+    # As a parameter of the model it has to extrapolate to a record that it knows nothing of.
     assert left_out_ratio(trial, [term], each=False)[axis] > 0.95
     assert left_out_ratio(trial, [replace(term, effect=True)], each=False)[axis] < 0.5
     everywhere = replace(term, blocks={axis: np.ones((len(last), 1))}, raw={axis: sigma * np.ones((len(last), 1))})
@@ -172,7 +172,7 @@ def test_evidence_is_asked_without_the_block_of_time_that_gives_most_of_it(found
 
 
 @pytest.mark.parametrize("dragging", [0.5, 1.0])
-def test_friction_of_half_of_the_time_is_no_number_of_a_drive(found, dragging):
+def test_friction_of_half_of_the_time_is_no_drive_parameter(found, dragging):
     """What a brake adds now and then is a mean of two states, right in neither: its next share of the time is open."""
     white = found.final.outcome.white
     axis = 0
