@@ -72,7 +72,7 @@ def test_revolutions_in_the_first_log_are_named(tmp_path):
 
 
 @pytest.mark.parametrize("kind", WRONG)
-def test_wrong_numbers_in_the_first_log_are_named(tmp_path, kind):
+def test_wrong_values_in_the_first_log_are_named(tmp_path, kind):
     path = write_parquet(tmp_path / "log.parquet", columns(broken(make_log(48.0), kind)))
     with pytest.raises(InputError) as error:
         read(path)
@@ -81,7 +81,7 @@ def test_wrong_numbers_in_the_first_log_are_named(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", WRONG)
-def test_wrong_numbers_in_a_later_log_refuse_its_windows(tmp_path, good, kind):
+def test_wrong_values_in_a_later_log_refuse_its_windows(tmp_path, good, kind):
     path = write_parquet(tmp_path / "log.parquet", columns(broken(make_log(48.0, seed=2), kind)))
     found = read(path, good)
     assert len(found.refused) == 1
@@ -90,7 +90,7 @@ def test_wrong_numbers_in_a_later_log_refuse_its_windows(tmp_path, good, kind):
     assert not found.statistics.judgeable.any()
 
 
-def test_wrong_numbers_from_the_middle_of_a_log_on(tmp_path, good):
+def test_wrong_values_from_the_middle_of_a_log_on(tmp_path, good):
     log, bad = make_log(96.0, seed=3), broken(make_log(96.0, seed=3), "sign")
     half = np.arange(len(log.time))[:, None] >= len(log.time) // 2
     both = {name: np.where(half, getattr(bad, name), getattr(log, name)) for name in ("position", "torque")}

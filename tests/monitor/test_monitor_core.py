@@ -395,7 +395,7 @@ def test_all_axes_at_once_are_a_finding_and_no_wear():
     assert (np.abs(result.value[:120]) < 1e-6).all()
 
 
-def test_a_robot_without_friction_numbers_grows_from_its_own_baseline():
+def test_a_robot_without_friction_parameters_grows_from_its_own_baseline():
     growth = np.ones((200, 3))
     growth[120:, 1] = 1.2
     none = JudgeSettings(coulomb=np.zeros((3, 2)), viscous=np.zeros(3))
@@ -470,7 +470,7 @@ def test_a_condition_that_lasts_a_shift_is_no_change_of_the_torque_pattern():
     assert not (runs > raised_limit(crossed, 1e-3, mixed=True)).any()
 
 
-def test_viscous_wear_is_told_as_such_in_numbers_and_alarms():
+def test_viscous_wear_is_told_as_such_in_estimates_and_alarms():
     growth = np.zeros(220)
     growth[120:] = 0.8 * np.arange(100) / 100
     extra = growth[:, None, None] * VISCOUS * motion()[..., 2] * np.array([1.0, 0.0, 0.0])
