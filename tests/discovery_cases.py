@@ -49,3 +49,10 @@ def make_case(robot: Robot, seed: int, hidden=None, noise: float = 0.01) -> Reco
         temperature=temperature,
         name=f"case_{seed}",
     )
+
+
+def wave(q, v, *_):
+    """Friction that varies over the travel of joint 3."""
+    full = np.zeros_like(q)
+    full[:, 2] = 0.8 * np.sin(3 * q[:, 2] + 1) * np.sign(v[:, 2])
+    return full

@@ -13,8 +13,15 @@ from jointwear.robots.robot import load_robot
 
 
 @pytest.fixture(scope="module")
-def white():
+def bare():
+    """The problem, and the noise of its axes."""
     robot = load_robot("config/robots/puma560.yaml")
     recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
     problem = build_problem(recording, robot, Settings())
-    return whiten(problem, estimate_noise(problem))
+    return problem, estimate_noise(problem)
+
+
+@pytest.fixture(scope="module")
+def white(bare):
+    """The problem with the noise of its axes whitened."""
+    return whiten(*bare)

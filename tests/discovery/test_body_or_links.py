@@ -4,32 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from discovery_cases import make_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery import Settings
 from jointwear.discovery.acceptance import refusals
 from jointwear.discovery.candidates import build_dictionary, raw_blocks
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import get_effect
-from jointwear.measurement.recording import split
 from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body
 from jointwear.robots.robot import load_robot
 
 OVER_LINKS = "nats over links that are known less"
-
-
-@pytest.fixture(scope="module")
-def bare():
-    robot = load_robot("config/robots/puma560.yaml")
-    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
-    problem = build_problem(recording, robot, Settings())
-    return problem, estimate_noise(problem)
 
 
 def gates(bare, torque):

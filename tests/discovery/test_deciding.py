@@ -1,50 +1,36 @@
 """How discovery decides: gates in N m, groups of recordings, models put back, what a failed search leaves."""
 
-import copy
 import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from discovery_cases import make_case
-from hypothesis import given
-from hypothesis import strategies as st
+from discovery_cases import make_case, wave
 
 from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
 from jointwear.discovery.acceptance import explained, missed, predictive
 from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks, scan
-from jointwear.discovery.crossval import CrossValidated, cross_validate, lowered, positive
+from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.findings import _above_the_noise
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.page import body_in_words, heading, joint_table, lead, put_back_in_words, write_page
-from jointwear.discovery.preflight import check_data, write_check
-from jointwear.discovery.retuned import ended_on_bounds, stands_in, unlikely_masses
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
-from jointwear.discovery.verdict import Gap, Retuned
+from jointwear.discovery.verdict import Gap
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import get_effect
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import write_recording
-from jointwear.robots.robot import load_robot, robot_from_data
-from jointwear.robots.robot_file import read_robot_file
+from jointwear.robots.robot import load_robot
 
 
 @pytest.fixture(scope="module")
 def robot():
     return load_robot("config/robots/puma560.yaml")
-
-
-def wave(q, v, *_):
-    """Friction that varies over the travel of joint 3."""
-    full = np.zeros_like(q)
-    full[:, 2] = 0.8 * np.sin(3 * q[:, 2] + 1) * np.sign(v[:, 2])
-    return full
 
 
 @pytest.fixture(scope="module")
@@ -56,40 +42,6 @@ def case(robot):
 def found(case, robot):
     groups = (("monday", (0,)), ("tuesday", (1, 2)))
     return discover(case, robot, Settings(groups=groups))
-
-
-@given(st.lists(st.floats(-10, 10), min_size=1, max_size=40))
-def test_signed_ranks_are_symmetric_and_free_of_scale(values):
-    values = np.array(values) + 1e-3 * np.arange(1, len(values) + 1)
-    values = values[values != 0]
-    if not len(values) or len(np.unique(np.abs(values))) < len(values):
-        return
-    assert positive(values) == pytest.approx(1 - positive(-values))
-    assert positive(3.0 * values) == pytest.approx(positive(values))
-
-
-def test_signed_ranks_see_what_is_strong_in_few_blocks():
-    rng = np.random.default_rng(3)
-    blocks = rng.normal(0.05, 0.05, 40)
-    blocks[:3] = 50.0
-    assert positive(blocks) > 0.99
-    assert positive(rng.normal(0.0, 1.0, 40)) < 0.99
-
-
-def test_what_acts_in_few_blocks_is_asked_by_its_drop_for_each_change():
-    """Five reversals that gain as much as they change, among fifty blocks in which nothing happens."""
-    rng = np.random.default_rng(3)
-    changes = rng.uniform(0.0, 1.0, 55)
-    drops = 2.0 * rng.standard_normal(55) * np.sqrt(changes) - changes
-    drops[:5], changes[:5] = (60.0, 300.0, 196.0, 260.0, 222.0), (240.0, 150.0, 145.0, 124.0, 123.0)
-    assert positive(drops) < 0.99
-    assert lowered(drops, changes) > 0.99
-    assert lowered(3.0 * drops, 3.0 * changes) == pytest.approx(lowered(drops, changes))
-    # One of them that loses is doubt enough, and a single block is no proof.
-    drops[1] = -300.0
-    assert lowered(drops, changes) < 0.99
-    assert lowered(drops[:1], changes[:1]) < 0.99
-    assert lowered(np.zeros(0), np.zeros(0)) == 0.5
 
 
 def test_a_name_says_how_sure_it_is(found):
@@ -200,50 +152,6 @@ def test_what_a_bend_takes_up_is_the_effects_own(found, monkeypatch):
     assert explained(white, [], late, plain) == 0.6
 
 
-@pytest.mark.parametrize(
-    ("value", "words"), [(3.0, "a body of 1 kg that moves with it"), (1.2, "0.8 kg that the robot file")]
-)
-def test_an_unlikely_mass_is_told_as_a_body_that_may_exist(value, words):
-    one = Retuned("link_mass", 2, 2.0, value, 0.01, "kg")
-    (told,) = unlikely_masses([one], Settings())
-    assert words in told
-    assert "-" not in told
-    assert not unlikely_masses([replace(one, value=2.1)], Settings())
-
-
-def test_parameters_of_a_joint_that_stays_unexplained_stand_in_for_it():
-    found = [
-        Retuned(name, axis, 1.0, 1.2, 0.1, "") for name, axis in (("viscous", 4), ("link_mass", 2), ("viscous", 1))
-    ]
-    (told,) = stands_in(found, {1, 3})
-    assert told.startswith("joint 4: retuned friction")
-    assert not stands_in(found, {1})
-
-
-def test_a_parameter_that_the_data_would_have_below_zero_is_told():
-    ended = Retuned("motor_inertia", 3, 2e-4, 0.0, 1e-5, "kg m2")
-    (told,) = ended_on_bounds([ended, replace(ended, value=1e-5)])
-    assert told.startswith("the fit of motor_inertia of joint 3 ended on its bound")
-
-
-def test_parameters_of_a_verdict_are_those_of_the_file(robot):
-    content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
-    for joint in content["joints"]:
-        joint |= {"motor_inertia": 0.6 * joint["motor_inertia"], "viscous": 0.7 * joint["viscous"]}
-        joint["coulomb"] = {side: 0.8 * level for side, level in joint["coulomb"].items()}
-    found = discover(make_case(robot, 5), robot_from_data(content))
-    joints = found.files["retuned"].data["joints"]
-    kinds = set()
-    for one in found.data["retuned"]:
-        entry = joints[one["axis"] - 1]
-        name, _, side = one["parameter"].partition("coulomb_")
-        written = entry["coulomb"][side] if side else entry.get(name)
-        if written is not None:
-            kinds.add(one["parameter"])
-            assert one["value"] == pytest.approx(written, rel=1e-5)
-    assert kinds == {"motor_inertia", "viscous", "coulomb_positive", "coulomb_negative"}
-
-
 def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):
     content = {**found.data, "to_the_noise": False}
     content["above_the_noise"] = [{"axis": 1, "ratio": 2.0}]
@@ -294,32 +202,6 @@ def test_a_failed_search_leaves_a_verdict_and_a_page(case, tmp_path, monkeypatch
     assert '<ol class="wraps">' in pages[-1].read_text()
     assert "a calculation went wrong" in pages[-1].read_text().lower()
     assert "No effect of the library is needed" not in pages[-1].read_text()
-
-
-def test_the_check_says_what_the_motion_shows(case, robot, tmp_path):
-    check = check_data(replace(case, temperature=None), robot)
-    assert check.rate_hz == pytest.approx(100.0)
-    assert [t.role for t in check.trajectories] == ["train"] * 3 + ["test"]
-    assert check.joints[0].encoder_step == pytest.approx(2e-6, rel=0.01)
-    assert ("position_dependent_friction", 3) in {(s.effect, s.axis) for s in check.shown}
-    reasons = {(s.effect, s.axis): s.reason for s in check.not_shown}
-    assert "temperature" in reasons["torque_constant_temperature", None]
-    assert any("temperature" in line for line in check.advice)
-    still = case.position.copy()
-    still[:, 5] = still[0, 5]
-    assert any("Move joint 6" in line for line in check_data(replace(case, position=still), robot).advice)
-
-
-def test_the_check_of_a_wrong_recording_says_so_and_stops_nothing(case, robot, tmp_path):
-    wrong = replace(split(case), position=np.degrees(case.position))
-    with pytest.raises(Refused):
-        check_data(wrong, robot)
-    write_recording(wrong, tmp_path / "case.nc", {"dataset": "case"})
-    entry = {"measured": str(tmp_path / "case.nc")}
-    outputs = tmp_path / "check.json", tmp_path / "check.html"
-    write_check("case", entry, "config/robots/puma560.yaml", Settings(), *outputs)
-    assert "look like degrees" in json.loads(outputs[0].read_text())["refused"]
-    assert "look like degrees" in outputs[1].read_text()
 
 
 def test_a_load_is_given_as_a_body():

@@ -34,7 +34,7 @@ def test_nothing_hidden_names_nothing(robot):
     assert not verdict.data["retuned"]
 
 
-def test_one_wrong_number_is_retuned(robot):
+def test_one_wrong_parameter_is_retuned(robot):
     recording = make_case(robot, 2)
     viscous = robot.viscous * np.array([1, 1, 1.3, 1, 1, 1])
     verdict = discover(recording, replace(robot, viscous=viscous))

@@ -3,29 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from discovery_cases import make_case
 
-from jointwear.discovery import Settings
 from jointwear.discovery.candidates import build_dictionary
 from jointwear.discovery.decide import search
 from jointwear.discovery.outside_force import force_beside, force_in_words, outside_force
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.whitening import whiten
-from jointwear.measurement.recording import split
 from jointwear.robots.inertia import gravity_regressor
-from jointwear.robots.robot import Link, load_robot
+from jointwear.robots.robot import Link
 
 FORCE = np.array([9.0, -4.0, 3.0])
-
-
-@pytest.fixture(scope="module")
-def bare():
-    robot = load_robot("config/robots/puma560.yaml")
-    recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
-    problem = build_problem(recording, robot, Settings())
-    return problem, estimate_noise(problem)
 
 
 def white_with(bare, torque):

@@ -8,8 +8,9 @@ import pytest
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.fast_waves import draw_unfiltered, lost_to_speed
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.peak_torque import DRAWS, draw_beyond, zeros_of
+from jointwear.discovery.peak_torque import DRAWS, draw_beyond, draw_form_errors, zeros_of
 from jointwear.discovery.settings import Settings
+from jointwear.effects import get_effect
 
 
 def test_torque_may_vanish_between_the_temperatures_of_recordings_and_beyond_them():
@@ -92,3 +93,14 @@ def test_a_wave_may_be_higher_than_filters_leave_it_and_is_not_lower():
     )
     assert draws.min() >= 1.0
     assert 1.9 < draws.max() <= 2.0
+
+
+def test_a_peak_beside_reversals_may_be_higher_not_lower():
+    settings, rng = Settings(), np.random.default_rng(4)
+    sharp = draw_form_errors(get_effect("presliding_hysteresis"), settings, rng)
+    plain = draw_form_errors(get_effect("joint_spring"), settings, rng)
+    either = draw_form_errors(get_effect("actuation_delay"), settings, rng)
+    assert np.quantile(either, 0.025) < 0.5 < 2.0 < np.quantile(either, 0.975)
+    assert np.quantile(sharp, 0.975) > 2.0
+    assert np.quantile(sharp, 0.025) > 0.8
+    assert abs(np.median(plain) - 1.0) < 0.02

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_monitor_core import SETTINGS, residuals, statistics_of
+from monitor_windows import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.backlash import BACKLASH, FEWEST_TURNS, backlash_series, hidden_because

@@ -2,6 +2,7 @@
 
 import os
 import time
+from pathlib import Path
 
 import pytest
 
@@ -74,3 +75,24 @@ def test_a_list_has_one_number_for_each_joint(root, key):
     check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 6}}}})
     with pytest.raises(InputError, match=f"'monitor.robots.arm.{key}' has 7 values, robot 'puma560' has 6 joints"):
         check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 7}}}})
+
+
+def test_links_do_not_lead_out_of_the_folder(tmp_path, good):
+    inside = tmp_path / "logs"
+    inside.mkdir()
+    (inside / "a.parquet").write_bytes(good.read_bytes())
+    assert find_logs([f"{inside}/*.parquet"]) == [f"{inside}/a.parquet"]
+    (inside / "b.parquet").symlink_to(good)
+    with pytest.raises(InputError, match=r"b\.parquet' leads outside the folder"):
+        find_logs([f"{inside}/*.parquet"])
+    with pytest.raises(InputError, match="matches no file"):
+        find_logs([f"{inside}/*.csv"])
+    (inside / "notes.txt").write_text("x")
+    with pytest.raises(InputError, match="no kind of log"):
+        find_logs([f"{inside}/*.txt"])
+
+
+def test_logs_come_in_the_order_of_their_numbers(tmp_path):
+    for k in (1, 2, 10):
+        (tmp_path / f"log_{k}.csv").write_text("x")
+    assert [Path(p).name for p in find_logs([f"{tmp_path}/*.csv"])] == ["log_1.csv", "log_2.csv", "log_10.csv"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_monitor_core import SETTINGS, residuals, statistics_of
+from monitor_windows import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.conditions import Conditions, design_of
 from jointwear.monitor.judge import HEALTHY, UNJUDGED, judge

@@ -13,19 +13,25 @@ def names(root, script):
     return {p.relative_to(LIBRARY).as_posix() for p in imported_by(root / f"workflow/scripts/{script}.py")}
 
 
+def printed_by(root, code):
+    """What the code prints in a Python of its own, which has loaded nothing yet."""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(root / "workflow")},
+    )
+    return done.stdout
+
+
 def test_modules_are_those_that_python_loads(root):
     for script in ("simulate_wear", "compute_features", "diagnose_run", "fit_normal_model"):
         source = (root / f"workflow/scripts/{script}.py").read_text().split("if __name__")[0]
         listing = "(m.__file__ for n, m in sys.modules.items() if n.startswith('jointwear'))"
         code = f"{source}\nimport sys\nprint('\\n'.join({listing}))"
-        done = subprocess.run(
-            [sys.executable, "-c", code],
-            capture_output=True,
-            text=True,
-            check=True,
-            env={**os.environ, "PYTHONPATH": str(root / "workflow")},
-        )
-        loaded = {os.path.relpath(line, LIBRARY) for line in done.stdout.split()}
+        printed = printed_by(root, code)
+        loaded = {os.path.relpath(line, LIBRARY) for line in printed.split()}
         assert loaded <= names(root, script), script
 
 
@@ -65,14 +71,7 @@ def test_scoring_a_cell_imports_neither_scikit_learn_nor_pinocchio(root):
     heavy = ("sklearn", "pinocchio", "xarray", "pandas", "matplotlib", "scipy")
     modules = "jointwear.reproduction.detection, jointwear.reproduction.location"
     code = f"import sys, {modules}; print([m for m in {heavy} if m in sys.modules])"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={**os.environ, "PYTHONPATH": str(root / "workflow")},
-    )
-    assert done.stdout.strip() == "[]"
+    assert printed_by(root, code).strip() == "[]"
 
 
 def lock(root):

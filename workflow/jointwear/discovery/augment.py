@@ -1,4 +1,4 @@
-"""The augmented robot file: the nominal robot with retuned numbers and the effects that were found."""
+"""The augmented robot file: the nominal robot with retuned parameters and the effects that were found."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def augmented_robot(final: Final, urdf_name: str | None = None, with_effects: bo
         **robot.provenance,
         "note": (
             robot.provenance.get("note", "")
-            + " Numbers retuned"
+            + " Parameters retuned"
             + (" and effects added" if with_effects else "")
             + " by discovery."
         ).strip(),

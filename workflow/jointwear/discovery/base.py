@@ -1,9 +1,9 @@
 """How wrong the nominal parameters are: corrections of friction, motor inertia and links, with a likely size.
 
-The search leaves the numbers of the drives free. The model that is written asks how far numbers of this model
+The search leaves the drive parameters free. The model that is written asks how far the parameters of this model
 usually are from the truth: one relative error for all of them, chosen by the evidence of the data (empirical Bayes),
-and numbers that stand out are set free one by one. Where the nominal model is right the corrections vanish, so that
-they cannot take a part of an effect; where all its numbers are somewhat wrong each is moved as far as the data ask.
+and parameters that stand out are set free one by one. Where the nominal model is right the corrections vanish, so that
+they cannot take a part of an effect; where all its parameters are somewhat wrong each is moved as far as the data ask.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from scipy.special import softmax
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.whitening import INERTIAL, White
 
-#: Relative errors of the numbers of the drives that are weighed against each other; the last leaves them free. The
+#: Relative errors of the drive parameters that are weighed against each other; the last leaves them free. The
 #: first stands for none: 1e-4 of the Coulomb friction of a large axis is already more than all of a small effect.
 DRIVE_ERRORS = (1e-6, 0.01, 0.03, 0.1, 0.3, np.inf)
 #: The same for the inertial parameters, in units of their prior.
 INERTIAL_ERRORS = (1e-5, 0.3, 1.0)
-#: How many numbers may be set free one by one: a bound on time, each has to be worth it.
+#: How many parameters may be set free one by one: a bound on time, each has to be worth it.
 MOST_FREE = 6
-#: Width of the prior of a number that is left as it is, and halvings of an interval of widths: of rounding only.
+#: Width of the prior of a parameter that is left as it is, and halvings of an interval of widths: of rounding only.
 NOTHING, HALVINGS = 1e-12, 40
 
 
 def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
-    """Return the base terms, one a number of the drives, with the prior under which the data are most likely.
+    """Return the base terms, one a drive parameter, with the prior under which the data are most likely.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
 
     Returns
     -------
-    the terms, and the relative error of the numbers of the drives, one of :data:`DRIVE_ERRORS`.
+    the terms, and the relative error of the drive parameters, one of :data:`DRIVE_ERRORS`.
     """
     robot = white.problem.robot
     nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
@@ -65,7 +65,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
             std = fit.std.copy()
             if inertial is not None:
                 std[inertial] *= restraint
-            # A number that the model gives as zero has no relative error: it is free.
+            # A parameter that the model gives as zero has no relative error: it is free.
             std[drives] = np.where(size > 0, np.minimum(wide, error * np.maximum(size, 1e-12)), wide)
             value, theta, factor = weigh(std)
             for _ in range(MOST_FREE if np.isfinite(error) else 0):
@@ -85,7 +85,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
                 best = (value, std, error)
     std = best[1].copy()
     sign = np.array([-1.0 if k == 1 else 1.0 for _, k in places])
-    # A number that would have to be negative goes to zero if the data ask for that, else it is not what is wrong.
+    # A parameter that would have to be negative goes to zero if the data ask for that, else it is not what is wrong.
     for _ in range(4):
         theta = weigh(std)[1]
         negative = np.flatnonzero((sign * theta[drives] < -1.001 * size) & (std[drives] > NOTHING))
@@ -143,7 +143,7 @@ def _under_priors(fit: Fit) -> Callable[[np.ndarray], tuple[float, np.ndarray, t
 
 
 def _to_zero(weigh: Callable, std: np.ndarray, place: int, size: float) -> float:
-    """Return the width of the prior of one number under which its correction is no larger than the number."""
+    """Return the width of the prior of one parameter under which its correction is no larger than the parameter."""
     low, high = np.log(NOTHING), np.log(std[place])
     for _ in range(HALVINGS):
         trial = std.copy()
@@ -156,7 +156,7 @@ def _to_zero(weigh: Callable, std: np.ndarray, place: int, size: float) -> float
 
 
 def pinned(white: White, base: list[Term], axis: int, error: float) -> list[Term]:
-    """Return `base` with the numbers of one drive known to a relative `error`."""
+    """Return `base` with the parameters of one drive known to a relative `error`."""
     robot = white.problem.robot
     nominal = (robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature)
     result = []

@@ -28,8 +28,8 @@ def carrying(outcome: Outcome) -> Problem | None:
     """Return the problem with the body that was named in its load, or None where that would say nothing new.
 
     Something is to be learnt where the body is no small share (`usual`) of the torque of an axis and not all is
-    explained by it, because other names stand beside it or structure is left; or where one of its numbers lies further
-    (`mass_sigmas`) from nothing than its prior has it.
+    explained by it, because other names stand beside it or structure is left; or where one of its parameters lies
+    further (`mass_sigmas`) from nothing than its prior has it.
     """
     problem, fit = outcome.problem, outcome.fit
     state, settings = problem.state, problem.settings

@@ -32,7 +32,7 @@ def write_chapter(
     output: str | Path,
     figures: Mapping[str, str | Path],
 ) -> None:
-    """Write the numbers of the chapter and draw its figures.
+    """Write the results of the chapter and draw its figures.
 
     Parameters
     ----------

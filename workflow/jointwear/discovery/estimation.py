@@ -1,4 +1,4 @@
-"""From the effects that were found to numbers: refined parameters, uncertainties, torques on held-out motion."""
+"""From the effects that were found to estimates: refined parameters, uncertainties, torques on held-out motion."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jointwear.discovery.candidates import (
     fitted_torque,
 )
 from jointwear.discovery.crossval import cross_validate
-from jointwear.discovery.effect_numbers import Estimate, estimate_effect, misfits
+from jointwear.discovery.effect_estimates import Estimate, estimate_effect, misfits
 from jointwear.discovery.fallback import DRIVE, EVERYTHING, OF_LINKS, OWN, Step, put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
@@ -35,8 +35,8 @@ from jointwear.robots.inertia import mass_direction
 
 #: First word of a step that gives up an effect.
 WITHOUT = "without"
-#: Up to this relative error of the numbers of the drives they are taken as right.
-RIGHT_NUMBERS = 0.03
+#: Up to this relative error of the drive parameters they are taken as right.
+RIGHT_PARAMETERS = 0.03
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ def _whole_model(white, refined, forms, mass_terms):
     """Return the base with its likely errors, and the effects with their references placed."""
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base, error = likely_base(white, terms)
-    if error <= RIGHT_NUMBERS and any(f is None and reference_of(r[1]) for f, r in zip(forms, refined, strict=True)):
+    if error <= RIGHT_PARAMETERS and any(f is None and reference_of(r[1]) for f, r in zip(forms, refined, strict=True)):
         others = mass_terms + [f[1] for f in forms if f is not None]
         refined = with_references(white, base, refined, forms, others, error)
         base, error = likely_base(white, [t for _, _, t in refined] + others)
@@ -229,7 +229,7 @@ def _fitted(
     forms,
     masses: list[Named],
 ) -> Final:
-    """Fit a model as it will be written, and give every effect its numbers.
+    """Fit a model as it will be written, and give every effect its estimate.
 
     What is known of them is said by the axes for as much as their `misfit` leaves, beside the `doubt` by which those of
     `white` have been divided already.

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate
-from jointwear.discovery.effect_numbers import Estimate
+from jointwear.discovery.effect_estimates import Estimate
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.noise_floor import floor_with_names
@@ -32,6 +32,7 @@ from jointwear.discovery.verdict import (
 )
 from jointwear.effects import State, get_effect, library
 from jointwear.files.json_values import six_digits
+from jointwear.files.wording import count
 
 #: Entries of lists that a reader looks through: unexplained structure, candidates that came close.
 LONGEST_LIST = 12
@@ -123,8 +124,8 @@ def _alike_in_time(final: Final) -> Iterable[str]:
     late = {c.axis for c in found if c.axis is not None and get_effect(c.effect).shifts(c.nonlinear)}
     if len(late) >= max(FEWEST_ALIKE, MOST_ALIKE * len(final.outcome.problem.judged)):
         yield (
-            f"the torques of {len(late)} joints belong to another time than the motion: one clock of the log, that of "
-            "positions or of torques, does that as well as a delay of every drive"
+            f"the torques of {count(len(late), 'joint')} belong to another time than the motion: one clock of the log, "
+            "that of positions or of torques, does that as well as a delay of every drive"
         )
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jointwear.discovery.instruments import FREQUENCIES
-from jointwear.measurement.motion import runs
+from jointwear.measurement.even_steps import runs
 
 if TYPE_CHECKING:
     from jointwear.discovery.noise import Whitener

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.decide import settle
-from jointwear.discovery.effect_numbers import Estimate
+from jointwear.discovery.effect_estimates import Estimate
 from jointwear.discovery.estimation import finalise
 from jointwear.discovery.outcome import Named, Outcome, Refusal
 from jointwear.effects import get_effect

@@ -1,7 +1,7 @@
 """How much less is known where the model misses more than noise: what an axis says is divided by its misfit.
 
 The fit takes a residual for noise of known colour. Where structure without a name is left, a wall, a gust or a form
-that is off, that noise is far too small, and the numbers that come out are far too certain. The scatter of the whitened
+that is off, that noise is far too small, and the estimates are far too certain. The scatter of the whitened
 residual over blocks of time tells by how much: standard deviations grow with it, as in generalised estimating equations
 (Liang and Zeger 1986) with one scale an axis. The fit itself keeps its weights.
 """

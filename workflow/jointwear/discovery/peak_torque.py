@@ -1,9 +1,9 @@
 """The 95 % interval of the largest torque of an effect on the held-out motion: a posterior over everything open.
 
-An effect is a number times a form. The number is confounded with numbers of the drive, the form is known by its
+An effect is a coefficient times a form. The coefficient is confounded with drive parameters, the form is known by its
 textbook curve only, and curves that the recordings do not tell apart differ on other motion. So the torque is drawn
 from the posterior of a mixture: nonlinear parameters over the range that the data leave, each with the evidence that
-it has; the bends of the form, where it may bend; the coefficients jointly with the numbers of the nominal model,
+it has; the bends of the form, where it may bend; the coefficients jointly with the parameters of the nominal model,
 under the likely errors of those (:mod:`jointwear.discovery.base`).
 """
 
@@ -54,9 +54,9 @@ class Shape:
     ----------
     zero : value of each column, over its carrier, where the effect vanishes, or None where its form says so.
     drive : of a drive that turns with two axes: "" for the columns of a robot file, in which what depends on the
-        motion of the axis alone is a part of its own numbers; "other" for the whole friction and inertia of the drive
-        of the other axis, which this axis drags along; "own" for what turning with the other axis changes in the
-        friction of the drive of this axis.
+        motion of the axis alone is a part of its own parameters; "other" for the whole friction and inertia of the
+        drive of the other axis, which this axis drags along; "own" for what turning with the other axis changes in
+        the friction of the drive of this axis.
     """
 
     candidate: Candidate
@@ -84,7 +84,7 @@ def zeros_of(state: State, candidate: Candidate, used: np.ndarray) -> list[np.nd
     """Return the columns over their carrier at each argument at which the effect may vanish.
 
     A torque over position, time or temperature is told from friction but for a constant, which is a correction of
-    the friction (of one direction against the other for a spring): where the numbers of the nominal model hold is
+    the friction (of one direction against the other for a spring): where the parameters of the nominal model hold is
     not known, but for lying within the data.
     """
     effect = get_effect(candidate.effect)

@@ -117,7 +117,7 @@ class Discovery:
 
     @cached_property
     def experiment(self) -> Experiment | None:
-        """The motion that separates what this one leaves together, None where nothing does."""
+        """The motion that tells apart what this one cannot, None where no motion does."""
         return propose(self.final.outcome) if self.final.outcome.named else None
 
     @cached_property

@@ -209,7 +209,7 @@ def _joints(recording: Recording, problem: Problem, noise: list[float | None]) -
 
 
 def _visible(problem: Problem, seen: list[Visible]) -> tuple[list[Shown], list[Shown], list[Shown]]:
-    """Return the effects that the motion shows, those that it does not, and the pairs that it leaves together."""
+    """Return the effects that the motion shows, those that it does not, and the pairs that it cannot tell apart."""
     needed = problem.settings.visible
     best: dict[tuple, Visible] = {}
     for v in seen:

@@ -19,7 +19,7 @@ from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
 from jointwear.effects.order import earlier_sense, level_between
 from jointwear.effects.state import State
-from jointwear.measurement.motion import runs
+from jointwear.measurement.even_steps import runs
 
 #: Samples by which a record is continued, turned about its ends, before it is shifted.
 CONTINUED = 64

@@ -1,4 +1,4 @@
-"""Where the torque of an effect vanishes: the reference temperature where numbers of the drives need no correction."""
+"""Where the torque of an effect vanishes: the reference temperature where drive parameters need no correction."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def reference_of(candidate: Candidate) -> str:
 
 
 def with_references(white, base, refined, forms, others, error):
-    """Place the reference temperatures where the numbers of the drives, known to be right, need no correction."""
+    """Place the reference temperatures where the drive parameters, known to be right, need no correction."""
     result = list(refined)
     for i, (one, candidate, term) in enumerate(refined):
         name = reference_of(candidate)

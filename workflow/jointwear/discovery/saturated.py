@@ -15,8 +15,8 @@ from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import axis_bases
 from jointwear.effects import State, library
+from jointwear.measurement.even_steps import runs
 from jointwear.measurement.filtering import low_pass
-from jointwear.measurement.motion import runs
 
 #: Samples for each column of the saturated fit from which it may hold still more columns.
 ROOM = 15

@@ -3,7 +3,7 @@
 Motor 6 of many wrists turns with q5 + q6. Where that sum stands still for an instant its friction is anything up to
 Coulomb friction, on both joints. A few such samples in a hundred are enough to make the noise look many times larger.
 They are left out where the data show a shared drive: friction that jumps with the sum explains much of what is missing
-elsewhere, and what it leaves near the jump is far larger than elsewhere.
+away from the jump, and what it leaves near the jump is far larger.
 """
 
 from __future__ import annotations

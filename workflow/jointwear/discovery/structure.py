@@ -41,8 +41,8 @@ def time_bins(state: State, width: float) -> np.ndarray:
     _, record = np.unique(np.asarray(state.record), return_inverse=True)
     start = np.full(record.max() + 1, np.inf)
     np.minimum.at(start, record, state.time)
-    number = np.floor((state.time - start[record]) / width).astype(int)
-    _, index = np.unique(record * (number.max() + 1) + number, return_inverse=True)
+    bin_of = np.floor((state.time - start[record]) / width).astype(int)
+    _, index = np.unique(record * (bin_of.max() + 1) + bin_of, return_inverse=True)
     columns = np.zeros((len(index), index.max() + 1))
     columns[np.arange(len(index)), index] = 1.0
     return columns

@@ -1,4 +1,4 @@
-"""Why nothing could be decided of a recording that was not refused: numbers that the library cannot work with."""
+"""Why nothing could be decided of a recording that was not refused: values that the library cannot work with."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-#: What numerical code raises for such numbers.
+#: What numerical code raises for such values.
 NUMERICAL = (np.linalg.LinAlgError, ArithmeticError, ValueError, LookupError)
 #: The library.
 _LIBRARY = Path(__file__).resolve().parents[1]

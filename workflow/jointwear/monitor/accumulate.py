@@ -119,9 +119,9 @@ def window_statistics(
         total.flags[row] |= np.bitwise_or.reduce(flags[piece], axis=0)
         if temperature is not None:
             known = np.isfinite(temperature[piece])
-            number = known.sum(axis=0)
+            finite = known.sum(axis=0)
             before = np.nan_to_num(total.temperature[row]) * total.temperature_count[row]
-            total.temperature_count[row] += number
+            total.temperature_count[row] += finite
             sums = before + np.where(known, temperature[piece], 0.0).sum(axis=0)
             with np.errstate(invalid="ignore", divide="ignore"):
                 total.temperature[row] = np.where(

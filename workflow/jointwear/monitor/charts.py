@@ -91,8 +91,8 @@ def run_chart(
     np.cumsum(w, axis=-2, out=weights[..., 1:, :])
     dense = bool(good.all())
     if not dense:
-        # Windows that are passed over leave no gap: sums are kept by number of judged windows.
-        summed, weights = _by_number(summed, good), _by_number(weights, good)
+        # Windows that are passed over leave no gap: sums are kept by count of judged windows.
+        summed, weights = _by_judged(summed, good), _by_judged(weights, good)
     reset = np.zeros((*lead, n), dtype=np.int64)
     base = mean_variance(normal)
     with np.errstate(invalid="ignore"):
@@ -101,7 +101,7 @@ def run_chart(
     trace = Trace(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=bool))
     factors = [inflation(m, normal.memory, normal.slow) for m in lengths]
     for t in range(count):
-        number = order[..., t, :]
+        judged = order[..., t, :]
         best, which = np.zeros((*lead, n)), np.zeros((*lead, n), dtype=np.int64)
         for m, factor in zip(lengths, factors, strict=True):
             if m > t + 1:
@@ -109,9 +109,9 @@ def run_chart(
             if dense:
                 s, v = (a[..., t + 1, :] - a[..., t + 1 - m, :] for a in (summed, weights))
             else:
-                rows = np.stack([number, np.maximum(number - m, 0)], axis=-2)
+                rows = np.stack([judged, np.maximum(judged - m, 0)], axis=-2)
                 s, v = (-np.diff(np.take_along_axis(a, rows, -2), axis=-2)[..., 0, :] for a in (summed, weights))
-            known = (v > 0) & (number - reset >= m)
+            known = (v > 0) & (judged - reset >= m)
             v = np.where(known, v, 1.0)
             z = np.where(known, s / v / np.sqrt(factor / v + base), 0.0)
             z = np.maximum(z, -falling * z)
@@ -122,19 +122,19 @@ def run_chart(
         trace.statistic[..., t, :] = np.where(here, best, np.nan)
         trace.length[..., t, :] = which
         trace.alarm[..., t, :] = alarm
-        reset = np.where(alarm, number, reset)
+        reset = np.where(alarm, judged, reset)
     return trace
 
 
-def _by_number(total: np.ndarray, good: np.ndarray) -> np.ndarray:
+def _by_judged(total: np.ndarray, good: np.ndarray) -> np.ndarray:
     """Return running sums (..., w + 1, n) in order of judged windows instead of all windows."""
     result = np.repeat(total[..., -1:, :], total.shape[-2], axis=-2)
     result[..., 0, :] = 0.0
-    number = np.cumsum(good, axis=-2)
+    judged = np.cumsum(good, axis=-2)
     flat_t, flat_r = np.moveaxis(total, -2, 0), np.moveaxis(result, -2, 0)
-    flat_n, flat_g = np.moveaxis(number, -2, 0), np.moveaxis(good, -2, 0)
+    flat_j, flat_g = np.moveaxis(judged, -2, 0), np.moveaxis(good, -2, 0)
     index = np.nonzero(flat_g)
-    flat_r[(flat_n[index], *index[1:])] = flat_t[(index[0] + 1, *index[1:])]
+    flat_r[(flat_j[index], *index[1:])] = flat_t[(index[0] + 1, *index[1:])]
     return result
 
 

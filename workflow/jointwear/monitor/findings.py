@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects import get_effect
-from jointwear.files.wording import name_axes
+from jointwear.files.wording import count, name_axes
+from jointwear.measurement.even_steps import runs
 from jointwear.measurement.flags import Flag
-from jointwear.measurement.motion import runs
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.local_time import duration
@@ -322,7 +322,7 @@ def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict
     if not axes:
         return []
     found = lacking[:, sorted(axes)].any(axis=1)
-    where = "" if found.all() else f" in {int(found.sum())} of {statistics.windows} windows"
+    where = "" if found.all() else f" in {int(found.sum())} of {count(statistics.windows, 'window')}"
     numbers = [j + 1 for j in sorted(axes)]
     words = (
         f"The robot file has {' and '.join(names)}, but the logs hold no temperature of {_axes_words(numbers)}{where}: "

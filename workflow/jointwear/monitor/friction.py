@@ -1,4 +1,4 @@
-"""Friction of every axis in every window at its usual speed: a number that needs no normal period.
+"""Friction of every axis in every window at its usual speed: a value that needs no normal period.
 
 Coulomb and viscous friction are hard to tell apart in a short window; their sum at the speed at which the axis usually
 moves is not. The regression of :mod:`.windows` is solved with weak priors that hold what the motion does not show:

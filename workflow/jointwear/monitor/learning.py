@@ -120,10 +120,10 @@ class _Chosen:
 
     @property
     def row(self) -> list[float | None]:
-        """It as numbers."""
+        """The choice as a row of values."""
         d = self.dispersion
-        numbers = (self.series, d.extra, d.memory, d.between, d.spread, self.tau, self.power)
-        return [None if x is None else float(x) for x in numbers]
+        values = (self.series, d.extra, d.memory, d.between, d.spread, self.tau, self.power)
+        return [None if x is None else float(x) for x in values]
 
     @classmethod
     def of(cls, row: list[float | None]) -> _Chosen | None:

@@ -85,7 +85,7 @@ def _or_a_load(scale: WrongScale, measured: Measured, robot: Robot) -> WrongScal
 
 
 def _read_as_rad(measured: Measured, robot: Robot) -> tuple[str, float] | None:
-    """Return the unit that positions read as rad look like, and what it leaves of the torque; None where rad fits."""
+    """Return the unit that positions read as rad seem to have, and what it leaves of the torque; None if rad fits."""
     degrees, turns = left_in_degrees(measured, robot), left_in_turns(measured, robot)
     if degrees is not None:
         return "deg", degrees

@@ -1,7 +1,7 @@
 """Load at the flange as the gravity torques show it, window by window: a condition of operation, no wear.
 
 The regression of a window finds by which share g its gravity torque differs from the model's. A load moves that of
-several axes at once; their mean by weight of evidence is one number of the robot, and together with the model's torque
+several axes at once; their mean by weight of evidence is one value of the robot, and together with the model's torque
 it tells the load on each axis.
 """
 

@@ -41,7 +41,12 @@ _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 
 def window_seconds(text: str | float) -> float:
-    """Return the length of a window [s] from `1h`, `30min`, `600s`, `1d` or a number of seconds."""
+    """Return the length of a window [s] from `1h`, `30min`, `600s`, `1d` or a number of seconds.
+
+    Raises
+    ------
+    InputError : if the text is no length of time, or the length is out of range.
+    """
     if isinstance(text, (int, float)):
         length = float(text)
     else:

@@ -56,7 +56,7 @@ ALIKE = 0.7
 #: Share of the squared torque of an axis that the model leaves where it no longer explains it, and growth of its log
 #: since the first log: friction may be any size in that share, and twice the torque leaves a tenth of it.
 HARDLY, FAR_WORSE = 0.3, 1.5
-#: Multiple of the limits up to which a joint that turns on and on is believed: beyond lies a number gone wrong.
+#: Multiple of the limits up to which a joint that turns on and on is believed: beyond lies a value gone wrong.
 TURNS = 4.0
 #: Share of the axes that move from which on none is judged.
 MOST_LOST = 0.5

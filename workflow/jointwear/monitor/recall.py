@@ -18,21 +18,21 @@ from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 
-_NUMBERS = {"type": "array", "items": {"type": ["number", "null"]}}
-#: Layout of the file: entries are rows of numbers.
+_ROW = {"type": "array", "items": {"type": ["number", "null"]}}
+#: Layout of the file: entries are lists of rows.
 _RECORD = {
     "type": "object",
     "required": ["made_with", "entries"],
     "properties": {
         "made_with": {"type": "string"},
-        "entries": {"type": "object", "additionalProperties": {"type": "array", "items": _NUMBERS}},
+        "entries": {"type": "object", "additionalProperties": {"type": "array", "items": _ROW}},
     },
 }
 Rows = list[list[float | None]]
 
 
 class Recall:
-    """Rows of numbers by digest; `used`: the entries that were asked for, which are all that is worth keeping."""
+    """Rows of values by digest; `used`: the entries that were asked for, which are all that is worth keeping."""
 
     def __init__(self, known: Mapping[str, Rows] | None = None) -> None:
         self._known = known or {}

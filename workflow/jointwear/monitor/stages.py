@@ -76,6 +76,10 @@ def judge_pieces(
     ----------
     recall : of what the baseline told before, :mod:`.recall`. survey : as of :func:`judge_windows`.
     told : what a user must know of these logs as a whole, in words.
+
+    Raises
+    ------
+    InputError : if no log could be used.
     """
     arm = load_robot(robot)
     whole = assemble(pieces)

@@ -47,7 +47,7 @@ def stamp(seconds: float, dated: bool) -> str:
 
 
 def write_alarms(path: str | Path, alarms: Iterable[Mapping[str, Any]], dated: bool) -> None:
-    """Write alarms (`time` in seconds) as CSV, in order of time; unknown numbers stay empty."""
+    """Write alarms (`time` in seconds) as CSV, in order of time; unknown values stay empty."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(ALARM_COLUMNS)

@@ -38,7 +38,7 @@ COLUMNS = {
 }
 #: Why an estimate of an axis that is judged is not known, in words.
 UNKNOWN = {
-    "coulomb_percent": "viscous friction grew, and what it adds to this number is not known",
+    "coulomb_percent": "viscous friction grew, and what it adds to this value is not known",
     "viscous_percent": "the motion of the last day does not tell it from Coulomb friction",
     "friction": "the windows of the last day are too few, or too loud against it",
 }

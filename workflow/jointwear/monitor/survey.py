@@ -13,8 +13,10 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
+from jointwear.files.wording import count
 from jointwear.measurement.clock import Clock, Ordered
 from jointwear.measurement.formats import Chunk, Layout, read_log
+from jointwear.measurement.formats.chunk import joined
 from jointwear.measurement.motion import spectral_floor
 from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.accumulate import moving
@@ -44,7 +46,7 @@ BLOCK_TIMES, FEWEST_BLOCKS = 5.0, 30
 
 @dataclass(frozen=True)
 class Survey:
-    """What the first log tells. Lists have one number an axis.
+    """What the first log tells. Lists have one value an axis.
 
     `cutoff` [Hz] of the filter for what is derived; `dead_band` [rad/s]; `torque_reference` [N m]; `rate` [Hz];
     `dated`; `measured`: roles that the log has; `left`: share of the squared torque that the model leaves, or None;
@@ -74,7 +76,12 @@ def guard_of(rate: float) -> int:
 
 
 def read_survey(path: str | Path) -> Survey:
-    """Read what :meth:`Survey.write` wrote."""
+    """Read what :meth:`Survey.write` wrote.
+
+    Raises
+    ------
+    InputError : naming the file, if it is missing, damaged, or no survey.
+    """
     try:
         return Survey(**read_json(path))
     except TypeError as error:
@@ -96,16 +103,16 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     robot = model.robot
     clock = Clock(length, path)
     parts: list[Ordered] = []
-    count = 0
+    seen = 0
     for chunk in read_log(path, layout, 50_000):
         parts.append(clock.order(chunk))
-        count += len(parts[-1].stretch)
-        if count >= LOOK:
+        seen += len(parts[-1].stretch)
+        if seen >= LOOK:
             break
-    chunk = _joined([p.chunk for p in parts])
+    chunk = joined([p.chunk for p in parts])
     stretch = np.concatenate([p.stretch for p in parts])
     if len(stretch) < 2:
-        raise InputError(f"{path}: holds {len(stretch)} samples; that is too short for a survey")
+        raise InputError(f"{path}: holds {count(len(stretch), 'sample')}; that is too short for a survey")
     dead = np.flatnonzero(~np.isfinite(chunk.position).any(axis=0))
     if len(dead):
         raise InputError(
@@ -139,15 +146,6 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         log=str(path),
         noisy=noisy.tolist(),
     )
-
-
-def _joined(chunks: list[Chunk]) -> Chunk:
-    def all_of(name: str) -> np.ndarray | None:
-        values = [getattr(c, name) for c in chunks]
-        return None if any(v is None for v in values) else np.concatenate(values)
-
-    names = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory")
-    return Chunk(**{name: all_of(name) for name in names}, dated=all(c.dated for c in chunks), units=chunks[0].units)
 
 
 def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -257,10 +255,10 @@ def _memory(error: np.ndarray, used: np.ndarray, stretch: np.ndarray, longest: i
         return total
     for lag in range(1, min(longest, len(error) - 1)):
         pair = used[lag:] & used[:-lag] & (stretch[lag:] == stretch[:-lag])
-        count = int(pair.sum())
-        if count < 20:
+        pairs = int(pair.sum())
+        if pairs < 20:
             break
-        rho = float(np.sum(error[lag:] * error[:-lag] * pair)) / count / power
+        rho = float(np.sum(error[lag:] * error[:-lag] * pair)) / pairs / power
         if rho < 0.05:
             break
         total += 2 * rho

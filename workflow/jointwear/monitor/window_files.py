@@ -38,7 +38,7 @@ _LAYOUT: dict[str, tuple[tuple[str, ...], str, str | None]] = {
     "temperature": (_WA, "mean temperature, NaN where unknown", "degC"),
     "temperature_count": (_WA, "samples of the mean temperature", "1"),
     "torque_histogram": ((*_WA, "bin"), "samples of torque in equal bins", "1"),
-    "pulse_near": (_WA, "sum of squares of the quick part of what it leaves, near reversals of the load", "N2 m2"),
+    "pulse_near": (_WA, "sum of squares of the quick part of the residual, near reversals of the load", "N2 m2"),
     "pulse_far": (_WA, "the same away from them", "N2 m2"),
     "near_count": (_WA, "samples in pulse_near", "1"),
     "far_count": (_WA, "samples in pulse_far", "1"),
@@ -93,7 +93,12 @@ def read_statistics(path: str | Path) -> WindowStatistics:
 
 
 def statistics_in(dataset: netCDF4.Dataset, path: str | Path) -> WindowStatistics:
-    """Return the statistics of an open file; see :func:`read_statistics`."""
+    """Return the statistics of an open file.
+
+    Raises
+    ------
+    InputError : as :func:`read_statistics`.
+    """
     whole = {"regressor", *PER_WINDOW} <= set(dataset.variables)
     if not whole or tuple(read_variable(dataset, path, "regressor")) != REGRESSORS:
         raise InputError(f"{path}: holds no window statistics of this version; delete it and run again")

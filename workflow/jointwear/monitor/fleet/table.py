@@ -23,7 +23,7 @@ COLUMNS = (
 
 
 def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the cells of one robot; an empty cell is a number that is not known, or a limit that may never come."""
+    """Return the cells of one robot; an empty cell is a value that is not known, or a limit that may never come."""
     first = next((axis for axis in row["axes"] if axis["check"]), None)
     hours = (first and first["hours"]) or [None] * 3
 

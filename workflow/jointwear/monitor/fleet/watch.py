@@ -121,6 +121,8 @@ def watch_robot(
 ) -> dict[str, Any]:
     """Read what is new of one robot and judge it; files go to `folder`/`name`.
 
+    An error refuses this robot, with its reason in the row, and is not raised: the other robots are still judged.
+
     Parameters
     ----------
     logs : that can be reached now, in order. unreachable : why some cannot; what was read of them before counts.

@@ -1,4 +1,4 @@
-"""The numbers of one named effect: parameters with standard deviations, and its largest torque on held-out motion."""
+"""Estimates for one named effect: parameters with standard deviations, its largest torque on held-out motion."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ON_BOUND = 1e-6
 
 @dataclass(frozen=True)
 class Estimate:
-    """One named effect with numbers.
+    """One named effect with its estimates.
 
     Attributes
     ----------
@@ -166,9 +166,9 @@ def _in_the_bend(
 
 
 def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
-    """Numbers of one effect: parameters by the delta method, the peak torque by drawing from the posterior.
+    """Estimate one effect: parameters by the delta method, the peak torque by drawing from the posterior.
 
-    `base` are the terms of the numbers of the nominal model, `others` those of the other effects.
+    `base` are the terms of the parameters of the nominal model, `others` those of the other effects.
     """
     named = replace(one, candidate=candidate)
     effect = get_effect(candidate.effect)

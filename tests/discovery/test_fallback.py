@@ -1,0 +1,86 @@
+"""What a model gives up for the sake of an axis that it would make worse."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jointwear.discovery.estimation import _of_effects
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, OF_LINKS, Step, best_step
+from jointwear.discovery.linear import Term
+from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import INERTIAL
+
+
+def test_links_are_given_up_by_halves_and_never_widened():
+    links = Term(INERTIAL, {0: np.ones((4, 2)), 1: np.ones((3, 2))}, np.array([1.0, 0.1]))
+    kept, own = [links], Term("friction 0", {0: np.ones((4, 1))}, np.ones(1), drive=(0, 0))
+    widths = []
+    for step in OF_LINKS:
+        assert step.touches(kept)
+        assert not step.touches([own])
+        kept = step.taken_off(kept)
+        assert not step.touches(kept)
+        widths.append([t.std.tolist() for t in kept])
+    assert widths[0] == [[0.5, 0.1]]
+    assert widths[-2] == [[HALVINGS[-1]] * 2]
+    assert widths[-1] == []
+    (deaf,) = Step(DRIVE, (own,), deaf=1).taken_off([links, own])
+    assert 1 not in deaf.blocks
+    assert deaf.blocks[0].all()
+    assert links.blocks[1].all()
+
+
+def term(label):
+    return Term(label, {0: np.ones((3, 1))}, np.ones(1))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "after", "given_up"),
+    [
+        (1.2, {"a": (1.1, 0.5), "b": (1.02, 0.4)}, "b"),  # the first that mends
+        (1.2, {"a": (1.0, 1.7), "b": (1.1, 0.4)}, "b"),  # better by a little and no harm than mended at a price
+        (1.2, {"a": (1.0, 1.7), "b": (1.3, 0.5), "ab": (1.0, 1.0)}, None),  # what mends costs the other axis more
+        (1.2, {"a": (1.0, 1.1), "b": (1.3, 1.0), "ab": (1.0, 1.0)}, "a"),  # at a price that is worth it
+        (1.04, {"a": (1.0, 1.7), "b": (1.04, 0.4)}, None),  # hardly worse, and no way out that harms none
+        (1.2, {"a": (1.3, 0.5), "b": (1.25, 0.5), "ab": (1.0, 0.4)}, EVERYTHING),
+    ],
+)
+def test_what_mends_one_axis_and_harms_another_comes_last(ratio, after, given_up):
+    terms = [term("a"), term("b"), term("c")]
+    steps = [Step(t.label, (t,)) for t in terms[:2]]
+    before = np.array([ratio, 1.05 if given_up == "a" else 0.4])
+
+    def ask(kept):
+        gone = sorted({"a", "b", "c"} - {t.label for t in kept})
+        return SimpleNamespace(surely=np.array(after["".join(gone)]))
+
+    step = best_step(ask, terms, steps, 0, before, 1.03)
+    assert (step.words if step else None) == given_up
+
+
+def test_an_effect_of_the_whole_arm_is_not_given_up_for_one_axis_where_others_gain_by_it():
+    """As on a heavy arm with a load: one axis at 1.29, and five from a tenth to a half that would be above one."""
+    body = Term("payload", {j: np.ones((3, 1)) for j in range(6)}, np.ones(1))
+    own = Term("own", {1: np.ones((3, 1))}, np.ones(1))
+    steps = [Step("friction", (own,)), Step("without payload", (body,))]
+    before = np.array([0.11, 1.29, 0.3, 0.52, 0.2, 0.4])
+    with_it, without = before.copy(), np.array([1.0, 1.0, 1.01, 1.0, 1.02, 1.0])
+    with_it[1] = 1.2
+
+    def ask(kept):
+        return SimpleNamespace(surely=with_it if any(t is body for t in kept) else without)
+
+    step = best_step(ask, [body, own], steps, 1, before, 1.03)
+    assert step.words == "friction"
+    assert best_step(ask, [body], steps, 1, with_it, 1.03) is None
+
+
+def test_an_effect_of_the_whole_arm_that_is_not_written_is_told():
+    body = SimpleNamespace(axis=None, effect="payload")
+    step = FallBack("augmented", 2, 1.29, EVERYTHING)
+    assert [f.step for f in _of_effects((step,), [body])] == ["without payload"]
+
+
+def test_an_axis_without_anything_to_give_up_is_left():
+    assert best_step(None, [term("c")], [Step("a", (term("a"),))], 0, np.array([1.2]), 1.03) is None

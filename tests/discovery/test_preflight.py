@@ -1,0 +1,51 @@
+"""The check of a recording before discovery: what its motion shows, and what is wrong with it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case, wave
+
+from jointwear.discovery import Settings
+from jointwear.discovery.preflight import check_data, write_check
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.recording import split
+from jointwear.measurement.recording_files import write_recording
+from jointwear.robots.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.fixture(scope="module")
+def case(robot):
+    return make_case(robot, 21, wave)
+
+
+def test_the_check_says_what_the_motion_shows(case, robot, tmp_path):
+    check = check_data(replace(case, temperature=None), robot)
+    assert check.rate_hz == pytest.approx(100.0)
+    assert [t.role for t in check.trajectories] == ["train"] * 3 + ["test"]
+    assert check.joints[0].encoder_step == pytest.approx(2e-6, rel=0.01)
+    assert ("position_dependent_friction", 3) in {(s.effect, s.axis) for s in check.shown}
+    reasons = {(s.effect, s.axis): s.reason for s in check.not_shown}
+    assert "temperature" in reasons["torque_constant_temperature", None]
+    assert any("temperature" in line for line in check.advice)
+    still = case.position.copy()
+    still[:, 5] = still[0, 5]
+    assert any("Move joint 6" in line for line in check_data(replace(case, position=still), robot).advice)
+
+
+def test_the_check_of_a_wrong_recording_says_so_and_stops_nothing(case, robot, tmp_path):
+    wrong = replace(split(case), position=np.degrees(case.position))
+    with pytest.raises(Refused):
+        check_data(wrong, robot)
+    write_recording(wrong, tmp_path / "case.nc", {"dataset": "case"})
+    entry = {"measured": str(tmp_path / "case.nc")}
+    outputs = tmp_path / "check.json", tmp_path / "check.html"
+    write_check("case", entry, "config/robots/puma560.yaml", Settings(), *outputs)
+    assert "look like degrees" in json.loads(outputs[0].read_text())["refused"]
+    assert "look like degrees" in outputs[1].read_text()

@@ -1,0 +1,62 @@
+"""Retuned parameters: as the robot file has them, and those that stand in for something else."""
+
+import copy
+from dataclasses import replace
+
+import pytest
+from discovery_cases import make_case
+
+from jointwear.discovery import Settings, discover
+from jointwear.discovery.retuned import ended_on_bounds, stands_in, unlikely_masses
+from jointwear.discovery.verdict import Retuned
+from jointwear.robots.robot import load_robot, robot_from_data
+from jointwear.robots.robot_file import read_robot_file
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.mark.parametrize(
+    ("value", "words"), [(3.0, "a body of 1 kg that moves with it"), (1.2, "0.8 kg that the robot file")]
+)
+def test_an_unlikely_mass_is_told_as_a_body_that_may_exist(value, words):
+    one = Retuned("link_mass", 2, 2.0, value, 0.01, "kg")
+    (told,) = unlikely_masses([one], Settings())
+    assert words in told
+    assert "-" not in told
+    assert not unlikely_masses([replace(one, value=2.1)], Settings())
+
+
+def test_parameters_of_a_joint_that_stays_unexplained_stand_in_for_it():
+    found = [
+        Retuned(name, axis, 1.0, 1.2, 0.1, "") for name, axis in (("viscous", 4), ("link_mass", 2), ("viscous", 1))
+    ]
+    (told,) = stands_in(found, {1, 3})
+    assert told.startswith("joint 4: retuned friction")
+    assert not stands_in(found, {1})
+
+
+def test_a_parameter_that_the_data_would_have_below_zero_is_told():
+    ended = Retuned("motor_inertia", 3, 2e-4, 0.0, 1e-5, "kg m2")
+    (told,) = ended_on_bounds([ended, replace(ended, value=1e-5)])
+    assert told.startswith("the fit of motor_inertia of joint 3 ended on its bound")
+
+
+def test_parameters_of_a_verdict_are_those_of_the_file(robot):
+    content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
+    for joint in content["joints"]:
+        joint |= {"motor_inertia": 0.6 * joint["motor_inertia"], "viscous": 0.7 * joint["viscous"]}
+        joint["coulomb"] = {side: 0.8 * level for side, level in joint["coulomb"].items()}
+    found = discover(make_case(robot, 5), robot_from_data(content))
+    joints = found.files["retuned"].data["joints"]
+    kinds = set()
+    for one in found.data["retuned"]:
+        entry = joints[one["axis"] - 1]
+        name, _, side = one["parameter"].partition("coulomb_")
+        written = entry["coulomb"][side] if side else entry.get(name)
+        if written is not None:
+            kinds.add(one["parameter"])
+            assert one["value"] == pytest.approx(written, rel=1e-5)
+    assert kinds == {"motor_inertia", "viscous", "coulomb_positive", "coulomb_negative"}

@@ -1,0 +1,163 @@
+"""Judgement of the monitor: which axes have changed, which are healthy, and which it cannot judge."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from monitor_windows import SETTINGS, VISCOUS, motion, residuals, statistics_of
+
+from jointwear.measurement.flags import Flag
+from jointwear.monitor import judge as judge_module
+from jointwear.monitor.events import Event
+from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, judge
+from jointwear.monitor.judge_settings import JudgeSettings
+from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
+from jointwear.monitor.shared_error import shared_error
+from jointwear.monitor.watching import watch
+
+
+def test_judgement_names_the_worn_axis_and_says_what_it_cannot_judge():
+    growth = np.zeros((200, 3))
+    growth[120:, 0] = 0.15 * (np.arange(80) / 80) ** 2
+    result = judge(statistics_of(residuals(200, growth, 13), still=2), 120, SETTINGS)
+    mine = [a for a in result.alarms if a["detector"] == "model"]
+    assert mine
+    assert {a["axis"] for a in mine} == {1}
+    first = mine[0]
+    assert first["probability_axis"] > 0.95
+    assert first["change_low"] <= first["change"] <= first["change_high"]
+    assert first["unit"] == "N m"
+    assert first["hours_to_limit_low"] <= first["hours_to_limit"]
+    assert set(result.status[:, 2]) == {UNJUDGED}
+    assert set(result.status[:, 1]) == {HEALTHY}
+    assert result.status[-1, 0] == CHANGED
+    assert result.status[100, 0] == HEALTHY
+    assert result.estimates["coulomb_percent"][-1, 0] == pytest.approx(15, abs=2)
+    assert result.estimates["coulomb"][-1, 0] == pytest.approx(0.15 * 8, abs=0.2)
+    for name, values in result.estimates.items():
+        assert values.shape == result.std[name].shape == result.status.shape
+        assert name in result.units
+    # A repeat a day later brings a new forecast; not more often.
+    times = [a["time"] for a in mine]
+    assert np.all(np.diff(times) >= 24 * 3600)
+
+
+def test_two_axes_at_once_are_both_named():
+    growth = np.zeros((220, 3))
+    growth[120:, 0] = 0.1 * (np.arange(100) / 100)
+    growth[120:, 2] = 0.2 * (np.arange(100) / 100)
+    result = judge(statistics_of(residuals(220, growth, 14)), 120, SETTINGS)
+    assert {a["axis"] for a in result.alarms if a["detector"] == "model"} == {1, 3}
+
+
+def test_an_axis_too_coarse_for_its_limit_says_so_and_still_alarms_for_a_large_change():
+    # Friction of the second axis differs from shift to shift.
+    growth = np.zeros((300, 3))
+    growth[:, 1] = np.repeat(0.17 * np.random.default_rng(3).uniform(-1, 1, 38), 8)[:300]
+    quiet = judge(statistics_of(residuals(300, growth, 15)), 120, SETTINGS)
+    (told,) = [f for f in quiet.findings if f["kind"] == "coarse"]
+    assert told["axes"] == [2]
+    assert told["least"] > 0.2
+    assert f"{100 * told['least']:.0f} %" in told["words"]
+    assert set(quiet.status[120:, 1]) == {HEALTHY}
+    assert not [a for a in quiet.alarms if a["detector"] == "model"]
+    growth[200:, 1] += 1.5 * told["least"]
+    worn = judge(statistics_of(residuals(300, growth, 15)), 120, SETTINGS)
+    assert {a["axis"] for a in worn.alarms if a["detector"] == "model"} == {2}
+    assert worn.status[-1, 1] == CHANGED
+
+
+def test_friction_that_drowns_is_not_called_healthy():
+    loud = residuals(150, np.zeros((150, 3)), 15)
+    loud[..., 1] *= 400
+    result = judge(statistics_of(loud), 120, SETTINGS)
+    assert set(result.status[:, 1]) == {UNJUDGED}
+    assert set(result.status[:, 0]) == {HEALTHY}
+
+
+def test_refused_and_empty_windows_are_not_judged():
+    s = statistics_of(residuals(150, np.zeros((150, 3)), 16))
+    flags = s.flags.copy()
+    flags[130:140, 0] = int(Flag.REFUSED)
+    result = judge(replace(s, flags=flags), 120, SETTINGS)
+    assert set(result.status[130:140, 0]) == {UNJUDGED}
+    assert np.isnan(result.estimates["coulomb"][130:140, 0]).all()
+
+
+def test_an_axis_that_was_mended_is_healthy_again_once_somebody_says_so():
+    growth = np.zeros((260, 3))
+    growth[120:180, 1] = 0.1
+    statistics = statistics_of(residuals(260, growth, 17))
+    unsaid = judge(statistics, 120, SETTINGS)
+    assert unsaid.status[170, 1] == CHANGED
+    # Friction that fell back alone closes nothing: a service is proposed, the alarm stays open.
+    assert unsaid.status[-1, 1] == CHANGED
+    assert [f["axes"] for f in unsaid.findings if f["kind"] == "proposed_service"] == [[2]]
+    said = judge(statistics, 120, replace(SETTINGS, events=(Event(180 * 3600.0, (1,), "service"),)))
+    assert said.status[170, 1] == CHANGED
+    assert said.status[-1, 1] == HEALTHY
+    assert said.status[181, 1] == UNJUDGED
+    assert (said.status[121:, 0] == HEALTHY).all()
+
+
+def test_a_service_that_is_told_raises_no_alarm_and_wear_after_it_does():
+    growth = np.zeros((420, 3))
+    growth[200:, 0] = -0.15
+    growth[320:, 0] += 0.15 * np.arange(100) / 100
+    statistics = statistics_of(residuals(420, growth, 21))
+    told = judge(statistics, 120, replace(SETTINGS, events=(Event(200 * 3600.0, (), "service"),)))
+    alarms = [a for a in told.alarms if a["detector"] == "model"]
+    assert {a["axis"] for a in alarms} == {1}
+    assert alarms[0]["time"] > 320 * 3600
+
+
+def test_a_fall_of_friction_starts_the_viscous_part_anew_too(monkeypatch):
+    watched = []
+    monkeypatch.setattr(judge_module, "watch", lambda *a, **k: watched.append(watch(*a, **k)) or watched[-1])
+    growth = np.zeros((320, 3))
+    growth[200:, 1] = -0.3
+    judge(statistics_of(residuals(320, growth, 22)), 120, SETTINGS)
+    viscous = watched[-1]
+    assert [s.window for s in viscous.starts[1]] == [200]
+    assert viscous.learning[200:210, 1].all()
+    assert not viscous.learning[:, [0, 2]].any()
+
+
+def test_all_axes_at_once_are_a_finding_and_no_wear():
+    growth = np.zeros((240, 6))
+    growth[160:] = 0.08
+    result = shared_error(growth, np.full((240, 6), 1e-4), np.arange(240) < 120, np.arange(240) // 24)
+    assert np.allclose(result.value[200:], 0.08, atol=0.02)
+    assert (np.abs(result.value[:120]) < 1e-6).all()
+
+
+def test_a_robot_without_friction_parameters_grows_from_its_own_baseline():
+    growth = np.ones((200, 3))
+    growth[120:, 1] = 1.2
+    none = JudgeSettings(coulomb=np.zeros((3, 2)), viscous=np.zeros(3))
+    result = judge(statistics_of(residuals(200, growth, 18)), 120, none)
+    assert result.estimates["coulomb_percent"][-40:, 1].mean() == pytest.approx(20, abs=3)
+    assert {a["axis"] for a in result.alarms if a["detector"] == "model"} == {2}
+    assert result.estimates["coulomb"][-40:, 1].mean() == pytest.approx(0.4, abs=0.05)
+
+
+def test_no_baseline_yet_is_no_judgement():
+    statistics = statistics_of(residuals(40, np.zeros((40, 3)), 19))
+    result = judge(statistics, np.zeros(40, dtype=bool), SETTINGS)
+    assert not result.alarms
+    assert (result.status == UNJUDGED).all()
+
+
+def test_viscous_wear_is_told_as_such_in_estimates_and_alarms():
+    growth = np.zeros(220)
+    growth[120:] = 0.8 * np.arange(100) / 100
+    extra = growth[:, None, None] * VISCOUS * motion()[..., 2] * np.array([1.0, 0.0, 0.0])
+    result = judge(statistics_of(residuals(220, np.zeros((220, 3)), 23, extra)), 120, SETTINGS)
+    mine = [a for a in result.alarms if a["detector"] == "model"]
+    assert {(a["axis"], a["quantity"]) for a in mine} == {(1, VISCOUS_FRICTION)}
+    # The level leaves viscous friction out as it was: what it takes of this growth is not known.
+    assert np.isnan(result.estimates["coulomb_percent"][-24:, 0]).all()
+    assert np.isfinite(result.estimates["coulomb_percent"][-24:, 1]).all()
+    assert result.limited_by[0] == VISCOUS_FRICTION
