@@ -13,9 +13,14 @@ from jointwear.robots.robot import load_robot
 
 
 @pytest.fixture(scope="module")
-def bare():
+def robot():
+    """The robot itself."""
+    return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.fixture(scope="module")
+def bare(robot):
     """The problem, and the noise of its axes."""
-    robot = load_robot("config/robots/puma560.yaml")
     recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
     problem = build_problem(recording, robot, Settings())
     return problem, estimate_noise(problem)

@@ -25,12 +25,6 @@ from jointwear.effects import get_effect
 from jointwear.files.errors import InputError
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import write_recording
-from jointwear.robots.robot import load_robot
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,7 @@ from discovery_cases import make_case
 
 from jointwear.discovery import Discovery, discover
 from jointwear.measurement.checks import Refused
-from jointwear.robots.robot import load_robot, robot_from_data
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
+from jointwear.robots.robot import robot_from_data
 
 
 def only(axis, torque):

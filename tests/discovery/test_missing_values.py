@@ -12,15 +12,10 @@ from jointwear.measurement import checked
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import measure
 from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.robot import load_robot, robot_from_data
+from jointwear.robots.robot import robot_from_data
 from jointwear.robots.robot_file import read_robot_file
 
 HOLES = (slice(200, 500), slice(1300, 1600))
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -9,14 +9,8 @@ from jointwear.discovery.saturated import axis_noise
 from jointwear.discovery.settings import Settings
 from jointwear.effects import get_effect, make_state
 from jointwear.measurement.recording import split
-from jointwear.robots.robot import load_robot
 
 AXIS = 2
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 def cogging(robot, size):

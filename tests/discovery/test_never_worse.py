@@ -15,12 +15,6 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Unexplained
 from jointwear.discovery.whitening import INERTIAL
-from jointwear.robots.robot import load_robot
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 @pytest.fixture(scope="module")

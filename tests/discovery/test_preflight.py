@@ -12,12 +12,6 @@ from jointwear.discovery.preflight import check_data, write_check
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import write_recording
-from jointwear.robots.robot import load_robot
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 @pytest.fixture(scope="module")

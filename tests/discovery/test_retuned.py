@@ -9,13 +9,8 @@ from discovery_cases import make_case
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.retuned import ended_on_bounds, stands_in, unlikely_masses
 from jointwear.discovery.verdict import Retuned
-from jointwear.robots.robot import load_robot, robot_from_data
+from jointwear.robots.robot import robot_from_data
 from jointwear.robots.robot_file import read_robot_file
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 @pytest.mark.parametrize(

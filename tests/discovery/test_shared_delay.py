@@ -23,13 +23,8 @@ from jointwear.discovery.shared_delay import (
 )
 from jointwear.effects import get_effect
 from jointwear.measurement.recording import Recording, split
-from jointwear.robots.robot import load_robot, robot_from_data
+from jointwear.robots.robot import robot_from_data
 from jointwear.robots.robot_file import read_robot_file
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -15,12 +15,6 @@ from jointwear.robots.inertia import (
     prior_factor,
     to_joint_frame,
 )
-from jointwear.robots.robot import load_robot
-
-
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("config/robots/puma560.yaml")
 
 
 def written(robot, delta):
