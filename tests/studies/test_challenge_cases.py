@@ -119,7 +119,7 @@ def test_cases_of_every_kind(tier, kind):
     assert np.all(np.diff(data.time) > 0)
     hidden = {"single": 1, "outside": 1, "two": 2}.get(kind, 0)
     assert len(truth.facts["effects"]) == len(truth.effects) == hidden
-    assert (truth.facts["wrong_number"] is not None) == (kind == "retuned")
+    assert (truth.facts["wrong_parameter"] is not None) == (kind == "retuned")
     held = data.torque[data.trajectory == TEST][::5]
     moving = np.isfinite(truth.torque)
     spread = np.abs(np.where(moving, held - truth.torque, 0)).max(axis=0)

@@ -52,7 +52,7 @@ def facts(kind="single", effects=(), **more):
         "subject": effects[0]["effect"] if effects else None,
         "closed_loop": False,
         "noise": [0.1] * 6,
-        "wrong_number": None,
+        "wrong_parameter": None,
         "effects": list(effects),
         **more,
     }
@@ -129,12 +129,12 @@ def test_two_effects():
 def test_abstention_retuning_and_the_unknown():
     assert judge(facts("nothing"), verdict(entry()), None, 1.0)["false_name"]
     assert not judge(facts("nothing"), verdict(word="retuned"), None, 1.0)["false_name"]
-    wrong = {"number": "coulomb_friction", "axis": 3, "share": 0.2, "energy": 500.0}
+    wrong = {"parameter": "coulomb_friction", "axis": 3, "share": 0.2, "energy": 500.0}
     listed = [{"parameter": "coulomb_positive", "axis": 3}]
-    row = judge(facts("retuned", wrong_number=wrong), verdict(word="retuned", retuned=listed), None, 1.0)
+    row = judge(facts("retuned", wrong_parameter=wrong), verdict(word="retuned", retuned=listed), None, 1.0)
     assert row["retuned"]
-    assert row["right_number"]
-    named = judge(facts("retuned", wrong_number=wrong), verdict(entry(), word="effects", retuned=listed), None, 1.0)
+    assert row["right_parameter"]
+    named = judge(facts("retuned", wrong_parameter=wrong), verdict(entry(), word="effects", retuned=listed), None, 1.0)
     assert not named["retuned"]
     assert judge(facts("outside", [effect("beat")]), verdict(word="unknown"), None, 1.0)["unknown"]
     assert not judge(facts("outside", [effect("beat")]), verdict(entry()), None, 1.0)["unknown"]

@@ -100,7 +100,7 @@ def _real_arm(case: Case, tier: Tier, nominal: Robot, rng: np.random.Generator) 
     axis = int(rng.choice(massive)) if case.subject == "link_inertia" else int(rng.integers(nominal.joints))
     share = float(rng.uniform(0.15, 0.40) * rng.choice([-1, 1]))
     return with_one_wrong_parameter(robot, case.subject, axis, share), {
-        "number": case.subject,
+        "parameter": case.subject,
         "axis": axis + 1,
         "share": share,
     }
@@ -166,7 +166,7 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
         "controller": how.controller if closed else None,
         "closed_loop": bool(closed),
         "noise": deviation.tolist(),
-        "wrong_number": wrong,
+        "wrong_parameter": wrong,
     }
     held = np.flatnonzero(~train)
     facts["effects"] = []
@@ -181,7 +181,7 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
             for item, term, entry in zip(hidden, terms, facts["effects"], strict=True):
                 entry["rivals"] = _rivals(item, term, world, sieve, rng) if entry["energy"] > IDENTIFIABLE else {}
     if wrong:
-        facts["wrong_number"]["energy"] = _energy_of_parameter(wrong, world, nominal, train, felt, tier.colour)
+        facts["wrong_parameter"]["energy"] = _energy_of_parameter(wrong, world, nominal, train, felt, tier.colour)
     kept = held[::TRUTH_STRIDE]
     effects = np.array([t[kept] for t in terms]).reshape(len(terms), len(kept), nominal.joints)
     hide = ~_judged(world)[kept]
@@ -266,7 +266,7 @@ def _energy_of_parameter(
     wrong: dict[str, Any], world: World, nominal: Robot, train: np.ndarray, deviation: np.ndarray, colour: float
 ) -> float:
     """Return the energy of a wrong parameter of the nominal model: what its other parameters cannot take over."""
-    axis, parameter = wrong["axis"] - 1, wrong["number"]
+    axis, parameter = wrong["axis"] - 1, wrong["parameter"]
     sieve = sieve_world(world, nominal, train, deviation, colour, INERTIAL_PRIOR, (parameter, axis))
     right = with_one_wrong_parameter(world.arm.robot, parameter, axis, 1 / (1 + wrong["share"]) - 1)
     s = world.state

@@ -91,10 +91,10 @@ def judge(
         "kind": kind,
         "subject": facts["subject"],
         "closed_loop": facts["closed_loop"],
-        "axis": truth[0]["axis"] if truth else (facts["wrong_number"] or {}).get("axis"),
+        "axis": truth[0]["axis"] if truth else (facts["wrong_parameter"] or {}).get("axis"),
         "form": truth[0]["form"] if truth else None,
-        "size": truth[0]["size"] if truth else (facts["wrong_number"] or {}).get("share"),
-        "energy": weakest if truth else (facts["wrong_number"] or {}).get("energy"),
+        "size": truth[0]["size"] if truth else (facts["wrong_parameter"] or {}).get("share"),
+        "energy": weakest if truth else (facts["wrong_parameter"] or {}).get("energy"),
         "verdict": verdict.get("verdict", "refused"),
         "first_name": first["effect"] if first else None,
         "first_axis": first["axis"] if first else None,
@@ -125,7 +125,7 @@ def judge(
         row["false_name"] = bool(named)
     elif kind == "retuned":
         row["retuned"] = row["verdict"] == "retuned" and not named
-        row["right_number"] = _parameter_listed(facts["wrong_number"], verdict)
+        row["right_parameter"] = _parameter_listed(facts["wrong_parameter"], verdict)
     elif kind == "outside":
         row["unknown"] = row["verdict"] == "unknown"
         row["unknown_only"] = row["unknown"] and not named
@@ -159,9 +159,9 @@ def _parameter_listed(wrong: Mapping[str, Any], verdict: Mapping[str, Any]) -> b
     words = {"coulomb_friction": "coulomb", "viscous_friction": "viscous", "motor_inertia": "motor_inertia"}
     for entry in verdict.get("retuned", []):
         name = str(entry["parameter"])
-        if wrong["number"] == "link_inertia":
+        if wrong["parameter"] == "link_inertia":
             if name.startswith(("mass", "link", "com", "inertia", "first_moment")):
                 return True
-        elif name.startswith(words[wrong["number"]]) and entry["axis"] == wrong["axis"]:
+        elif name.startswith(words[wrong["parameter"]]) and entry["axis"] == wrong["axis"]:
             return True
     return False

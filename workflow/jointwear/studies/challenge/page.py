@@ -30,9 +30,9 @@ _WORDS = {
     "tie_size": "mean size of the tie set",
     "name_first_strict": "right name first, no two names counted as one",
     "exact_set_strict": "exact set, no two names counted as one",
-    "right_number": "the wrong parameter itself is listed",
+    "right_parameter": "the wrong parameter itself is listed",
 }
-_ORDER = [*TARGETS, "name_first_strict", "exact_set_strict", "right_number", "not_worse_named"]
+_ORDER = [*TARGETS, "name_first_strict", "exact_set_strict", "right_parameter", "not_worse_named"]
 _NAMES = {
     **{name: name.replace("_", " ").replace("stribeck", "Stribeck").replace("coulomb", "Coulomb") for name in EFFECTS},
     **{answer: answer for answer in ("nothing", "none", "retuned", "unknown", "refused")},

@@ -46,7 +46,7 @@ def score_tier(rows: Sequence[Row], identifiable: bool = True) -> dict[str, dict
     scores["identifiable_share"] = _share(_of(rows, "single", False), "identifiable")
     scores["name_first_strict"] = _share(singles, "name_first_strict")
     scores["exact_set_strict"] = _share(singles, "exact_set_strict")
-    scores["right_number"] = _share(_of(rows, "retuned", identifiable), "right_number")
+    scores["right_parameter"] = _share(_of(rows, "retuned", identifiable), "right_parameter")
     nothing = [r for r in rows if r["kind"] == "nothing"]
     scores["false_names"] = _share(nothing, "false_name")
     scores["worse"] = _share(rows, "worse")

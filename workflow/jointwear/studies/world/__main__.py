@@ -25,10 +25,10 @@ def line(row: dict[str, Any]) -> str:
         f"{', also ' + ' '.join(rivals) if rivals else ''})"
         for name, axis, form, size, energy, rivals in row["hidden"]
     )
-    if row["wrong_number"]:
-        w = row["wrong_number"]
+    if row["wrong_parameter"]:
+        w = row["wrong_parameter"]
         truth = (
-            f"{w['number']}@{w['axis']} x {1 + w['share']:.2f}{'' if row['identifiable'] else ' (not identifiable)'}"
+            f"{w['parameter']}@{w['axis']} x {1 + w['share']:.2f}{'' if row['identifiable'] else ' (not identifiable)'}"
         )
     given = " + ".join(
         f"{name}@{axis or 'arm'}" + ("" if n.get("probability") is None else f" p {n['probability']:.3f}")

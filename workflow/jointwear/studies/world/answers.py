@@ -70,7 +70,7 @@ def judged(case: WorldCase, verdict: Mapping[str, Any], predicted: np.ndarray, s
         [e["effect"], e["axis"], e["form"], e["size"], e["energy"], sorted(accepted_names(e) - {e["effect"]})]
         for e in facts["effects"]
     ]
-    row["wrong_number"] = facts["wrong_number"]
+    row["wrong_parameter"] = facts["wrong_parameter"]
     row["unexplained"] = [u.get("axis") for u in verdict.get("unexplained", [])]
     row["suspects"] = [[s.get("effect"), s.get("axis")] for s in verdict.get("suspects", [])]
     return row

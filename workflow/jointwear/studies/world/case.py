@@ -128,7 +128,7 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
         "temperature": setting.temperature,
         "noise": deviation.tolist(),
         "colour": setting.colour,
-        "wrong_number": wrong,
+        "wrong_parameter": wrong,
         "effects": [],
     }
     felt = felt_noise(deviation, step, np.diag(Dynamics(believed).mass_matrix(position.mean(axis=0))), setting.rate)

@@ -55,7 +55,7 @@ def real_arm(
     else:
         parameters[name] = parameters[name].copy()
         parameters[name][axis] *= 1 + share
-    return real, DriveParameters(*parameters.values()), {"number": name, "axis": axis + 1, "share": share}
+    return real, DriveParameters(*parameters.values()), {"parameter": name, "axis": axis + 1, "share": share}
 
 
 def draw_hidden_things(subjects: Sequence[str | None], scales: Scales, rng: np.random.Generator) -> list[Hidden]:

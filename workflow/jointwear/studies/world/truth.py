@@ -73,11 +73,11 @@ class Judge:
         samples, axis = self.samples(logs), wrong["axis"] - 1
         names = {"coulomb_friction": "coulomb", "viscous_friction": "viscous", "motor_inertia": "armature"}
         other_chain, other = chain, drives
-        if wrong["number"] == "link_inertia":
+        if wrong["parameter"] == "link_inertia":
             f = 1 + wrong["share"]
             other_chain = with_body(chain, axis, chain.mass[axis] * f, chain.com[axis], chain.inertia[axis] * f)
         else:
-            field = names[wrong["number"]]
+            field = names[wrong["parameter"]]
             values = getattr(drives, field).copy()
             values[axis] *= 1 + wrong["share"]
             other = replace(drives, **{field: values})
@@ -86,7 +86,7 @@ class Judge:
         none = write_robot(folder / "truth", "none", chain, drives, gear)
         q, v, a = samples.position, samples.velocity, samples.acceleration
         change = Dynamics(one).inverse_dynamics(q, v, a) - Dynamics(none).inverse_dynamics(q, v, a)
-        wrong["energy"] = self.sieve(samples, (wrong["number"], axis)).energy(change)
+        wrong["energy"] = self.sieve(samples, (wrong["parameter"], axis)).energy(change)
 
 
 def describe(facts, hidden: Sequence[Hidden], make: Maker, judge: Judge, logs: Sequence[Log], clean) -> None:
