@@ -10,6 +10,8 @@ from jointwear.files.errors import InputError, nearest, shown
 if TYPE_CHECKING:
     import numpy as np  # read at every call of Snakemake: nothing heavy is imported
 
+#: Kelvins of a degree Fahrenheit.
+FAHRENHEIT = 5 / 9
 ROLES = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature")
 #: Factor (and offset) that turns a unit into the project's, by role.
 UNITS: dict[str, dict[str, tuple[float, float]]] = {
@@ -41,7 +43,7 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
             "lbf in": 0.1129848290276167,
         }.items()
     },
-    "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15)},
+    "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15), "degF": (FAHRENHEIT, -32.0 * FAHRENHEIT)},
 }
 #: Units of positions in words.
 POSITION_WORDS = {"rad": "radians", "deg": "degrees", "rev": "revolutions"}
@@ -53,7 +55,8 @@ SPELLINGS = {
     "Grad": "deg", "Grad/s": "deg/s",
     "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
     "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",
-    "C": "degC", "°C": "degC", "kelvin": "K", "second": "s", "seconds": "s", "sec": "s", "": "s",
+    "C": "degC", "°C": "degC", "F": "degF", "°F": "degF", "fahrenheit": "degF",
+    "kelvin": "K", "second": "s", "seconds": "s", "sec": "s", "": "s",
     "minute": "min", "minutes": "min", "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
     "N·m": "N m", "mNm": "mN m", "mN·m": "mN m", "mN*m": "mN m", "mN.m": "mN m", "Nmm": "mN m", "N mm": "mN m",
     "N·mm": "mN m", "N*mm": "mN m", "N.mm": "mN m", "kNm": "kN m", "kN·m": "kN m", "kgfm": "kgf m", "kgf·m": "kgf m",

@@ -18,6 +18,7 @@ from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.scale import ScaleStep
 from jointwear.monitor.shared_error import FINDING
+from jointwear.monitor.thermometers import other_unit
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import Robot
@@ -58,6 +59,7 @@ def findings_of(
     found = _scales(statistics, shift, steps, changed) + _services(statistics, level, steps)
     found += _programs(statistics, conditions, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
+    found += other_unit(statistics, baseline)
     return sorted(found, key=lambda f: f["time"])
 
 
