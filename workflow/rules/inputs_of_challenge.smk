@@ -27,7 +27,7 @@ def world_files(wildcards):
 
 
 # The other methods run on these first batches of every tier: they are slower than what they are compared with.
-PEER_BATCHES = 3
+PEER_BATCHES = 1
 
 
 def peers_to_keep(wildcards):
