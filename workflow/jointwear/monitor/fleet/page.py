@@ -54,7 +54,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "whole": whole,
         "check": check,
         "reason": row["reason"],
-        "refusals": [told for told in row["refusals"] if told != row["reason"]],
+        "refusals": [told.partition("; ")[::2] for told in row["refusals"] if told != row["reason"]],
         "findings": _to_check(row["findings"])[:SHOWN],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
