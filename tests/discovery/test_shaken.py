@@ -136,25 +136,28 @@ LATE = Candidate("actuation_delay", 1, None, {"delay": 0.01})
 
 
 @pytest.mark.parametrize(
-    ("found", "unexplained", "stands"),
+    ("found", "nats", "unexplained", "stands"),
     [
-        ([SWING], ["time"], True),
-        ([SHARED], [], True),
-        ([SHARED], ["time"], False),
-        ([SHARED, LATE], [], False),
-        ([], [], False),
+        ([SWING], 5000.0, [1], True),
+        ([SWING], 50.0, [0], True),
+        # Structure on the joint of a gear of little evidence: the gear may be noise.
+        ([SWING], 50.0, [1], False),
+        ([SHARED], 50.0, [], True),
+        ([SHARED], 5000.0, [0], False),
+        ([SHARED, LATE], 50.0, [], False),
+        ([], 0.0, [], False),
     ],
 )
 def test_what_shakes_the_arm_is_noise_unless_what_was_found_explains_it(
-    disturbed, monkeypatch, found, unexplained, stands
+    disturbed, monkeypatch, found, nats, unexplained, stands
 ):
-    asked = []
+    asked, left = [], [SimpleNamespace(axis=axis) for axis in unexplained]
 
     def search(white):
         shaken = bool(white.problem.shaken.any())
         asked.append(shaken)
-        named = [] if shaken else [SimpleNamespace(candidate=c) for c in found]
-        return Outcome(white.problem, white, None, None, named=named, unexplained=unexplained)
+        named = [] if shaken else [SimpleNamespace(candidate=c, evidence=nats) for c in found]
+        return Outcome(white.problem, white, None, None, named=named, unexplained=left)
 
     monkeypatch.setattr(decide, "_search", search)
     assert len(decide.search(disturbed).named) == (len(found) if stands else 0)

@@ -63,12 +63,15 @@ def _found_still(white: White) -> Outcome | None:
 
     A strong gear shakes all joints, as noise in the drives does, and a drive of two joints both of them. Noise feigns
     rates of torque: names of timing say nothing here, but for a link that swings, which needs the stiffness, the size
-    and the pull on all other joints of one gear. Other names explain it where they leave nothing.
+    and the pull on all other joints of one gear. With little evidence it must also leave nothing on its own joint.
+    Other names explain it where they leave nothing at all.
     """
     if not white.problem.shaken.any():
         return None
     outcome = _search(whitened(replace(white.problem, still=True)))
-    if any(_swings(n) for n in outcome.named):
+    lacking = {u.axis for u in outcome.unexplained}
+    weak = white.problem.settings.weak_nats
+    if any(_swings(n) and (n.evidence > weak or n.candidate.axis not in lacking) for n in outcome.named):
         return outcome
     sound = outcome.named and not outcome.unexplained and not any(of_timing(n.candidate) for n in outcome.named)
     return outcome if sound else None

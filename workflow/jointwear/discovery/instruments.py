@@ -104,11 +104,14 @@ def _of_torque(
     rate, whole = measured.rate, white.density(frequency, measured.rate)
     rigid = state.load[:, axis] + state.drive.armature[axis] * state.acceleration[:, axis]
     energy, weight = (float(np.mean(white(x) ** 2)) for x in (rigid, problem.train_state.load[:, axis]))
+    # Motion of the load above the structure cut-off counts as well: what the load moves alone is a lower bound too.
+    energy = max(energy, weight)
     own, light = problem.mass_squares[axis, axis], problem.load_squares[axis, axis]
     if problem.shaken[axis]:
-        # Of the load most is weight; what noise shares a column with is inertia alone.
-        motion = float(np.mean(white(state.acceleration[:, axis]) ** 2))
-        energy, weight = min(energy, own * motion), min(weight, light * motion)
+        # Of the load most is weight; what noise shares a column with is inertia alone, that of all joints alike.
+        motion = np.mean(white(state.acceleration) ** 2, axis=0)
+        energy = min(energy, float(problem.mass_squares[axis] @ motion))
+        weight = min(weight, float(problem.load_squares[axis] @ motion))
     of_load = torque_noise(measured.noise, problem.load_squares, frequency)[axis]
     every, of_load = np.maximum(*noise), np.maximum(of_load, light / own * noise[1])
     columns = ((np.stack([every, every]), energy), (np.stack([np.sqrt(every * of_load), of_load]), weight))

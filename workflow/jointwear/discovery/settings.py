@@ -79,7 +79,8 @@ class Settings:
         complexity and search.
     judged_speed : the largest torque of an effect is stated for samples at least as fast [rad/s]: slower, friction
         depends on more than the speed.
-    weak_nats : a name with less evidence must be found again in every run without one group of recordings.
+    weak_nats : a name with less evidence must be found again in every run without one group of recordings, and explains
+        nothing that shakes an arm while structure is left on its own axis.
     groups : (name, trajectory labels) of days or sessions; the user's.
     """
 
