@@ -234,12 +234,12 @@ class _Axis:
                 # A window tells of a level once, also where the level stays unsure.
                 new = new[~told[new]]
                 told[new] = True
-                between = normal.dispersion.between**2
-                # What the axis has grown by runs in the new program too: its level is learnt without it.
-                known = self._known(a, rows[-1] + 1, np.union1d(new, waiting))
-                grown, doubt = growth_so_far(normal, self.residual, self.predicted, shift, known)
-                value = normal.series_value[new] - grown
-                posterior = introduced(posterior, matrix[new], value, variance[new], between + doubt)
+                if len(new):
+                    # What the axis has grown by runs in the new program too: its level is learnt without it.
+                    known = self._known(a, rows[-1] + 1, np.union1d(new, waiting))
+                    grown, doubt = growth_so_far(normal, self.residual, self.predicted, shift, known)
+                    value, between = normal.series_value[new] - grown, normal.dispersion.between**2 + doubt
+                    posterior = introduced(posterior, matrix[new], value, variance[new], between)
                 posterior = taught(posterior, matrix[fresh], normal.series_value[fresh], variance[fresh])
             self.segments.append(part)
         # In the baseline a window is held against what the other shifts predict for it.

@@ -21,8 +21,8 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 def single_threaded(processes: int) -> ProcessPoolExecutor:
     """Return a pool whose processes compute with one thread each.
 
-    Linear algebra starts a thread for every core in every process, which then wait for each other: small problems
-    take ten times as long. The variables are read when a library is loaded, so the processes are not forked.
+    Linear algebra starts a thread for every core in every process, which then wait for each other. The variables are
+    read when a library is loaded, so the processes are not forked.
     """
     for name in THREADS:
         os.environ.setdefault(name, "1")
