@@ -33,7 +33,15 @@ def test_a_truncated_file_is_named(tmp_path, keep):
     path = tmp_path / "broken.nc"
     small(path)
     path.write_bytes(path.read_bytes()[:keep])
-    with pytest.raises(InputError, match=r"broken\.nc: is truncated or not a netCDF file"):
+    with pytest.raises(InputError, match=r"broken\.nc: is truncated or not a netCDF file \([^)]+\)$"):
+        read_variables(path, "x")
+
+
+def test_only_a_result_is_to_be_deleted_and_made_again(tmp_path):
+    path = tmp_path / "results/broken.nc"
+    small(path)
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(InputError, match=r"\); delete it and run again$"):
         read_variables(path, "x")
 
 
@@ -150,7 +158,7 @@ def test_a_full_disk_is_one_line(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("how", ["attribute", "unit", "word", "name"])
 def test_text_and_attributes_that_were_changed_are_found(tmp_path, how):
-    path = tmp_path / "a.nc"
+    path = tmp_path / "results/a.nc"
     variables = {
         "x": Variable(("n",), np.arange(2.0), "x", "m"),
         "w": Variable(("n",), np.array(["a", "bc"]), "words"),

@@ -236,7 +236,7 @@ def _check_identity(dataset: netCDF4.Dataset, path: Path) -> None:
         if size > room:
             raise InputError(f"{path}: variable '{name}' declares {size} bytes, more than a file of its size can hold")
     if CHECKSUM in dataset.ncattrs() and str(dataset.getncattr(CHECKSUM)) != _checksum(dataset):
-        raise InputError(f"{path}: was changed or damaged since it was written; delete it and run again")
+        raise InputError(f"{path}: was changed or damaged since it was written{_remedy(path)}")
     here = _own_name(path).get(NAME)
     written = dataset.__dict__.get(NAME)
     if here is not None and written is not None and str(written) != here:
@@ -270,8 +270,8 @@ def read_variable(dataset: netCDF4.Dataset, path: str | Path, name: str, part: A
         raise InputError(_corrupt(path, error)) from None
     if values.dtype.kind == "f" and FINITE in variable.ncattrs() and not np.isfinite(values).all():
         raise InputError(
-            f"{path}: variable '{name}' holds numbers that are not finite, which it had not when it was written; "
-            "delete it and run again"
+            f"{path}: variable '{name}' holds numbers that are not finite, which it had not when it was written"
+            f"{_remedy(path)}"
         )
     return values
 
@@ -284,10 +284,15 @@ def read_attribute(dataset: netCDF4.Dataset, path: str | Path, name: str) -> Any
     InputError : naming the file, if it has no such attribute.
     """
     if name not in dataset.ncattrs():
-        raise InputError(f"{path}: has no attribute '{name}'; delete it and run again")
+        raise InputError(f"{path}: has no attribute '{name}'{_remedy(path)}")
     return dataset.getncattr(name)
 
 
 def _corrupt(path: str | Path, error: Exception) -> str:
-    reason = str(error) or type(error).__name__
-    return f"{path}: is truncated or not a netCDF file ({reason}); delete it and run again"
+    reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return f"{path}: is truncated or not a netCDF file ({reason}){_remedy(path)}"
+
+
+def _remedy(path: str | Path) -> str:
+    """Return what to do about a damaged file; nobody may be told to delete what was measured."""
+    return "; delete it and run again" if _own_name(Path(path)) else ""
