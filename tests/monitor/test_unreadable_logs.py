@@ -1,5 +1,6 @@
 """Logs that cannot be read, whole or in part, end in one clear line or in flagged windows, never in a traceback."""
 
+import gzip
 import os
 
 import numpy as np
@@ -19,8 +20,16 @@ FILES = {
         "cannot be read as CSV",
     ),
     "ragged.csv": (
-        lambda p: p.write_text(write_csv(p, columns(make_log(1.0))).read_text() + "1,2,3\n"),
+        lambda p: p.write_text(write_csv(p, columns(make_log(1.0))).read_text() + "1,2,3\n" * 11),
         "row 52 has 3 cells",
+    ),
+    "torn.csv": (lambda p: p.write_text(",".join(columns(make_log(1.0))) + "\n1,2,3\n"), "row 2 has 3 cells"),
+    "utf16.csv": (lambda p: p.write_text("time,position_1\n", encoding="utf-16"), "UTF-16; save it as UTF-8"),
+    "book.csv": (lambda p: p.write_bytes(b"PK\x03\x04" + bytes(90)), "a workbook of a spreadsheet or a zip file"),
+    "packed.csv": (lambda p: p.write_bytes(gzip.compress(b"time,position_1\n")), "packed by gzip; unpack it"),
+    "still.csv": (
+        lambda p: write_csv(p, columns(make_log(1.0)) | {"time": np.full(50, START)}),
+        "1 sample whose time goes on, in 50 rows",
     ),
     "date.csv": (lambda p: write_csv(p, columns(make_log(1.0)) | {"time": np.full(50, "yesterday")}), "ISO 8601"),
     "binary.csv": (lambda p: p.write_bytes(bytes(range(256)) * 20), "UTF-8"),
@@ -59,10 +68,28 @@ def test_what_cannot_be_read_ends_in_one_line(tmp_path, good, name):
         read(path)
     assert "\n" not in str(error.value)
     assert name in str(error.value)
-    if name != "slow.csv":
+    if name not in ("slow.csv", "still.csv"):
         later = read(path, good)
         assert len(later.refused) == 1
         assert name in later.refused[0]
+
+
+def test_a_torn_row_of_the_first_log_costs_itself(tmp_path):
+    path = write_csv(tmp_path / "log.csv", columns(make_log(48.0)))
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:1000], "# restarted", *lines[1000:]]) + "\n")
+    found = read(path)
+    (words,) = found.refused
+    assert "log.csv: row 1001 has 1 cell" in words
+    assert len(found.statistics.count) == 4
+    assert found.statistics.judgeable[:, :5].all()
+
+
+def test_nobody_is_told_to_delete_a_log(tmp_path):
+    path = tmp_path / "log.nc"
+    path.write_bytes(write_netcdf(path, make_log(9.0)).read_bytes()[:9000])
+    with pytest.raises(InputError, match=r"truncated or not a netCDF file \(NetCDF: [A-Z a-z]+\)$"):
+        read(path)
 
 
 def test_one_cell_that_cannot_be_read_costs_no_window(tmp_path, good):

@@ -16,7 +16,7 @@ from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
 from jointwear.measurement.clock import Clock, Ordered
 from jointwear.measurement.formats import Chunk, Layout, read_log
-from jointwear.measurement.formats.chunk import joined
+from jointwear.measurement.formats.chunk import RowsLeftOut, joined
 from jointwear.measurement.motion import spectral_floor
 from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.accumulate import moving
@@ -103,16 +103,22 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     robot = model.robot
     clock = Clock(length, path)
     parts: list[Ordered] = []
-    seen = 0
-    for chunk in read_log(path, layout, 50_000):
-        parts.append(clock.order(chunk))
-        seen += len(parts[-1].stretch)
-        if seen >= LOOK:
-            break
+    seen = rows = 0
+    try:
+        for chunk in read_log(path, layout, 50_000):
+            parts.append(clock.order(chunk))
+            rows += len(chunk.time)
+            seen += len(parts[-1].stretch)
+            if seen >= LOOK:
+                break
+    except RowsLeftOut:  # told with the windows of the log
+        if not parts:
+            raise
     chunk = joined([p.chunk for p in parts])
     stretch = np.concatenate([p.stretch for p in parts])
     if len(stretch) < 2:
-        raise InputError(f"{path}: holds {count(len(stretch), 'sample')}; that is too short for a survey")
+        still = f" whose time goes on, in {count(rows, 'row')}" if rows > len(stretch) else ""
+        raise InputError(f"{path}: holds {count(len(stretch), 'sample')}{still}; that is too short for a survey")
     dead = np.flatnonzero(~np.isfinite(chunk.position).any(axis=0))
     if len(dead):
         raise InputError(

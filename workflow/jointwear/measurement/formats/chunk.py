@@ -26,6 +26,10 @@ UNIX_TIMES = (1e9, 1e10)
 _EPOCHS = (1e3, 1e6, 1e9)
 
 
+class RowsLeftOut(InputError):
+    """Said after the last sample: all was read but a few rows of a wrong length."""
+
+
 @dataclass(frozen=True)
 class Chunk:
     """Samples of a robot with n joints, in the order of the log.

@@ -18,7 +18,7 @@ from jointwear.files.errors import InputError, shown
 from jointwear.files.wording import count
 from jointwear.measurement.formats.arrow import chunk_of, stamps
 from jointwear.measurement.formats.cells import Cells
-from jointwear.measurement.formats.chunk import Chunk, check_count, find_columns
+from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, check_count, find_columns
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.units import UNITS
 
@@ -28,6 +28,13 @@ _ALSO_MISSING = ["#N/A", "#NA", "n/a", "-", "--", "---", "#VALUE!", "ERROR", "Er
 _BYTES_A_NUMBER = 18
 
 
+#: First bytes of what is given the name of a CSV file by mistake, and what to do about it.
+_OTHER_FILES = {
+    b"\xff\xfe": "is text in UTF-16; save it as UTF-8",
+    b"\xfe\xff": "is text in UTF-16; save it as UTF-8",
+    b"PK\x03\x04": "is a workbook of a spreadsheet or a zip file, not text; export it as CSV, or unpack it",
+    b"\x1f\x8b": "is packed by gzip; unpack it",
+}
 #: What the reader says of a cell that is not of its column's type.
 _CONVERSION = "conversion error"
 #: Lines looked at for the header and for the form of the numbers.
@@ -58,6 +65,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
     Raises
     ------
     InputError : if the file cannot be read, or lacks what the layout asks for.
+    RowsLeftOut : after the last sample, if rows of a wrong length were left out.
     """
     head = _head(path, layout)
     columns = find_columns(path, head.names, layout)
@@ -147,9 +155,9 @@ class _TornRow:
         self.rows: list[int] = []
 
     def check(self) -> None:
-        """Raise an InputError that tells of the first row that was left out, if any was."""
+        """Raise a RowsLeftOut that tells of the first row that was left out, if any was."""
         if self.fault:
-            raise InputError(self.fault)
+            raise RowsLeftOut(self.fault)
 
     def __call__(self, row: arrow_csv.InvalidRow) -> str:
         """Return what pyarrow is to do with a row; an error raised here would be lost."""
@@ -216,6 +224,9 @@ def _first_lines(path: Path) -> tuple[list[str], str]:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     whole = b"".join(raw)
+    for start, words in _OTHER_FILES.items():
+        if whole.startswith(start):
+            raise InputError(f"{path}: {words}")
     if b"\x00" in whole:
         raise InputError(f"{path}: is not a text file in UTF-8")
     for encoding in ("utf-8-sig", "cp1252"):
