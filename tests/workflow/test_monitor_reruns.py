@@ -175,6 +175,13 @@ def test_a_fleet_is_planned_though_a_folder_is_lost(project):
     assert learning == {"learn_robot": 1, "learn_normal": 1}
 
 
+def test_a_fleet_without_a_robot_says_so(tmp_path):
+    project = copy_project(tmp_path)
+    done = project.snakemake("fleet")
+    assert "the configuration names no robot under 'monitor.robots'" in done.stderr
+    assert "names no robot under" in (project.folder / "results/fleet/index.html").read_text()
+
+
 def test_the_survey_stays_with_its_log(project):
     """A file that sorts before all others costs its own windows."""
     before = project.folder / "logs/a_first.parquet"

@@ -1,5 +1,7 @@
 """Write the page, the table, the metrics and the history of the fleet."""
 
+import sys
+
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.running.script import reported
 
@@ -17,3 +19,6 @@ if __name__ == "__main__":
             time_zone=snakemake.params.time_zone,
             stale_after=snakemake.params.stale_after,
         )
+        if not snakemake.input.batches:
+            # A schedule that lost its --configfile must not look healthy.
+            print("jointwear: the configuration names no robot under 'monitor.robots'", file=sys.stderr)
