@@ -38,3 +38,13 @@ def test_the_robot_of_another_data_set_is_made_first_or_taken_as_it_is(project):
     target.parent.mkdir(parents=True)
     target.write_text((project.folder / "config/robots/puma560.yaml").read_text())
     assert project.planned("discover", "--configfile", alone)["discover_dataset"] == 1
+
+
+def test_a_check_tells_at_once_that_discovery_would_refuse_the_data(project):
+    shown = yaml.safe_load((project.folder / EXAMPLE).read_text())
+    shown["discover"]["datasets"]["puma560_hidden"]["test"] = [9]
+    (project.folder / "wrong.yaml").write_text(yaml.safe_dump(shown))
+    done = project.snakemake("check_data", "--configfile", "wrong.yaml")
+    assert "discovery would refuse puma560_hidden: " in done.stderr
+    assert "'test' names trajectory 9, which is not in the data" in done.stderr
+    assert "which is not in the data" in (project.folder / "results/discover/puma560_hidden/check.html").read_text()

@@ -265,8 +265,8 @@ def _advice(
 
 def write_check(
     name: str, entry: Mapping[str, Any], robot: str | Path, settings: Settings, output: str | Path, page: str | Path
-) -> None:
-    """Check one data set and write the result as JSON and as a page; one that would be refused is a result too."""
+) -> DataCheck:
+    """Check one data set, write the result as JSON and as a page, and return it; a refusal is a result too."""
     try:
         arm = load_robot(robot)
         check_effects(arm)
@@ -277,3 +277,4 @@ def write_check(
     replace_text(output, found.to_json())
     context = {"check": found, "number": number, "phrase": lambda effect: get_effect(effect).phrase}
     replace_text(page, render_page("check.html.j2", context))
+    return found
