@@ -3,6 +3,8 @@ import time
 from functools import cache
 from pathlib import Path
 
+from snakemake.settings.types import Quietness
+
 # The library beside this file counts, here and in every script that a job starts, installed or not; also where
 # another workflow takes this one as a module.
 LIBRARY = Path(str(workflow.current_basedir)).parent
@@ -50,7 +52,9 @@ onstart:
 
 
 onsuccess:
-    print(*closing_lines(Path.cwd(), BEGIN), sep="\n")
+    # Who asks for --quiet all, as cron does, is told of what is wrong alone.
+    if Quietness.ALL not in (workflow.output_settings.quiet or ()):
+        print(*closing_lines(Path.cwd(), BEGIN), sep="\n")
 
 
 def from_here(path):

@@ -1,0 +1,52 @@
+"""Every Snakemake command that a document shows, those too that no test runs: options and targets that there are."""
+
+import re
+import shlex
+
+import pytest
+from scratch_project import ROOT
+from snakemake.cli import get_argument_parser
+
+DOCUMENTS = [
+    *(p for p in ROOT.glob("*.md")),
+    *(p for folder in ("docs", "config", "data", ".github", "workflow/profiles") for p in (ROOT / folder).rglob("*")),
+]
+_CODE = re.compile(r"```.*?^```|(?<!`)`[^`]+`(?!`)", re.MULTILINE | re.DOTALL)
+_COMMAND = re.compile(
+    r"(?<![\w/.-])(?:\S*\.venv/bin/)?snakemake(?P<arguments>(?: +(?:'[^'\n]*'|\"[^\"\n]*\"|[^\s`#|)]+))*)"
+)
+RULES = {
+    name
+    for path in [ROOT / "Snakefile", *(ROOT / "workflow/rules").glob("*.smk")]
+    for name in re.findall(r"^rule (\w+):", path.read_text(), re.MULTILINE)
+}
+
+
+def commands():
+    """Yield document and arguments of the commands between backquotes, in code blocks and in comments."""
+    for path in DOCUMENTS:
+        if path.suffix not in (".md", ".yaml", ".yml"):
+            continue
+        text = path.read_text()
+        code = "\n".join(found[0] for found in _CODE.finditer(text)) if path.suffix == ".md" else text
+        for found in _COMMAND.finditer(re.sub(r"\s*\n\s+(?=--)", " ", code)):
+            arguments = found["arguments"].strip()
+            if arguments not in ("", "--version") and "..." not in arguments:
+                yield str(path.relative_to(ROOT)), arguments
+
+
+@pytest.mark.parametrize(("document", "arguments"), sorted(set(commands())))
+def test_a_command_is_one_that_snakemake_takes(document, arguments):
+    given = get_argument_parser().parse_args(shlex.split(arguments))
+    assert not [target for target in given.targets or [] if "/" not in target and target not in RULES]
+
+
+def test_the_commands_of_a_schedule_are_among_them():
+    assert sum("howto/scheduled" in document for document, _ in commands()) >= 3
+
+
+def test_the_targets_that_the_first_page_lists_are_there():
+    table = (ROOT / "README.md").read_text().partition("## Further studies")[2].partition("## ")[0]
+    listed = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
+    assert len(listed) > 10
+    assert set(listed) <= RULES
