@@ -94,6 +94,7 @@ def test_a_config_that_does_not_fit_its_files(config, root, monkeypatch, path, v
     [
         ("a: 1\na: 2\n", ["line 2", "'a' is given twice"]),
         ("a: [1\n", ["line"]),
+        ("a:\n\tb: 1\n", ["line 2: begins with a tab; YAML is indented with spaces"]),
         ("- 1\n", ["must be a mapping"]),
     ],
 )

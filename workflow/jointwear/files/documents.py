@@ -175,6 +175,8 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         mark = getattr(error, "problem_mark", None)
         where = f" line {mark.line + 1}:" if mark else ""
         what = getattr(error, "problem", None) or "not valid YAML"
+        if mark and re.match(r" *\t", "".join(text.splitlines()[mark.line : mark.line + 1])):
+            what = "begins with a tab; YAML is indented with spaces"
         raise InputError(f"{path}:{where} {what}") from None
     except RecursionError:
         # Anchors within anchors within anchors.
