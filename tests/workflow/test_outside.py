@@ -62,7 +62,7 @@ def test_a_misspelt_robot_is_named_as_the_user_wrote_it(clone, tmp_path):
         "-n", "--snakefile", str(clone.folder / "Snakefile"), "--configfile", "my.yaml", ok=False
     )
     assert done.returncode != 0
-    assert "config/robots/puma56.yaml" in done.stderr
+    assert "config/robots/puma56.yaml: no such file; did you mean 'puma560.yaml'?" in done.stderr
     assert "Traceback" not in done.stderr
 
 

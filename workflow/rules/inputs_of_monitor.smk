@@ -26,7 +26,7 @@ except InputError as error:
 FOUND_LOGS, SILENT = find_all_logs(config)
 if workflow.is_main_process:
     for reason in SILENT.values():
-        print(f"jointwear: {reason}; the other robots go on", file=sys.stderr)
+        print(f"{told(reason)}; the other robots go on", file=sys.stderr)
     for name, entry in config["monitor"]["robots"].items():
         if reason := learnt_of_other(name, entry):
             print(f"jointwear: {reason}", file=sys.stderr)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import stat
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 
@@ -15,6 +16,8 @@ _KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
+#: Top folder of the project that this library belongs to.
+PROJECT = Path(__file__).resolve().parents[3]
 #: Neighbours that a hint is looked for among.
 _NEIGHBOURS = 1000
 
@@ -29,7 +32,7 @@ def check_regular(path: str | Path, largest: int | None = None) -> Path:
     try:
         found = Path(path).stat()
     except (FileNotFoundError, NotADirectoryError):
-        raise InputError(f"{path}: no such file{_neighbour(Path(path))}") from None
+        raise InputError(f"{path}: no such file{nearest_file(Path(path))}") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
@@ -58,8 +61,10 @@ def read_text(path: str | Path, largest: int) -> str:
         raise InputError(f"{path}: is not a text file in UTF-8") from None
 
 
-def _neighbour(path: Path) -> str:
-    try:
-        return nearest(path.name, [p.name for p in islice(path.parent.glob(f"*{path.suffix}"), _NEIGHBOURS)])
-    except (OSError, ValueError, NotImplementedError):
-        return ""
+def nearest_file(path: Path) -> str:
+    """Return a hint at the file with the nearest name, here or beside the workflow, where a path is looked up too."""
+    names: set[str] = set()
+    for folder in (path.parent, PROJECT / path.parent):
+        with suppress(OSError, ValueError, NotImplementedError):
+            names.update(p.name for p in islice(folder.glob(f"*{path.suffix}"), _NEIGHBOURS))
+    return nearest(path.name, sorted(names))

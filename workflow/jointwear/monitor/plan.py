@@ -19,6 +19,7 @@ from typing import Any
 
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.patterns import matches
+from jointwear.files.regular_files import nearest_file
 from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.timestamps import LATEST, moment_of
@@ -146,8 +147,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
             raise InputError(f"config: '{where}': a robot's name is letters, digits and _, a letter first")
         path = Path(entry["robot"])
         if not os.path.isfile(path):
-            there = [p.name for p in path.parent.glob("*")] if os.path.isdir(path.parent) else []
-            raise InputError(f"config: '{where}.robot' is {shown(str(path))}: no such file{nearest(path.name, there)}")
+            raise InputError(f"config: '{where}.robot' is {shown(str(path))}: no such file{nearest_file(path)}")
         if path.suffix.lower() in (".urdf", ".xacro"):
             raise InputError(
                 f"config: '{where}.robot' is {shown(str(path))}, a URDF; name a robot file (YAML) that holds "
