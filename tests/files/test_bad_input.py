@@ -1,6 +1,7 @@
 """What a user gets wrong is answered in one line: file, key, what is allowed, the nearest valid value."""
 
 import copy
+import re
 
 import pytest
 import yaml
@@ -209,3 +210,14 @@ def test_a_wrong_task_file(tmp_path, root, path, value, words):
     assert "\n" not in message
     for word in ["T9.yaml", *words]:
         assert word in message
+
+
+@pytest.mark.parametrize("cycle", [37.0, 61.0, 7.3, 3601.0, 0.0071])
+def test_the_cycle_that_is_named_as_the_nearest_is_taken(tmp_path, cycle):
+    file = tmp_path / "T9.yaml"
+    file.write_text(yaml.safe_dump(TASK | {"durations": [cycle * 0.4, cycle * 0.6]}))
+    with pytest.raises(InputError, match="a whole number of cycles must fit an hour") as error:
+        read_task_file(file)
+    named = float(re.search(r"nearest valid value is (\S+) s", str(error.value))[1])
+    file.write_text(yaml.safe_dump(TASK | {"durations": [round(named * 0.4, 5), round(named * 0.6, 5)]}))
+    assert read_task_file(file)["durations"][0] == pytest.approx(0.4 * named, abs=1e-5)

@@ -39,10 +39,9 @@ def read_task_file(path: str | Path, robot: dict[str, Any] | None = None) -> dic
         )
     cycle = sum(data["durations"])
     if cycle > HOUR * (1 + 1e-9) or abs(HOUR / cycle - round(HOUR / cycle)) > 1e-9:
-        nearest_cycle = HOUR / max(1, round(HOUR / cycle))
         raise InputError(
-            f"{path}: 'durations' add up to {cycle} s; a whole number of cycles must fit an hour; "
-            f"the nearest valid value is {nearest_cycle:g} s"
+            f"{path}: 'durations' add up to {cycle:g} s; a whole number of cycles must fit an hour; "
+            f"the nearest valid value is {_nearest_cycle(cycle):.10g} s"
         )
     if data["phase"] >= cycle:
         raise InputError(f"{path}: 'phase' is {data['phase']}, must be below the cycle of {cycle} s")
@@ -59,6 +58,13 @@ def read_task_file(path: str | Path, robot: dict[str, Any] | None = None) -> dic
                 f"{len(data['waypoints'][0])}"
             )
     return data
+
+
+def _nearest_cycle(cycle: float) -> float:
+    """Return the cycle [s] nearest to `cycle` that fits an hour and can be written down: in whole tenths of a ms."""
+    hour, root = round(HOUR * 10_000), round(math.sqrt(HOUR * 10_000))
+    small = [k for k in range(1, root + 1) if hour % k == 0]
+    return min((k / 10_000 for k in [*small, *(hour // k for k in small)]), key=lambda x: abs(x - cycle))
 
 
 def _check_limits(path: Path, waypoints: list[list[float]], robot: dict[str, Any], degrees: bool) -> None:
