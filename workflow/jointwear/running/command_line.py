@@ -58,7 +58,9 @@ def _check_entry(text: str) -> None:
     """Check one value of ``--config``."""
     entry = _ENTRY.fullmatch(text)
     if entry is None:
-        raise InputError(f"--config {shown(text)}: must be key=value")
+        inner = re.fullmatch(r"(\w+)\.(\w+)=(.*)", text)
+        hint = ", with a key inside another as " + shown("{}={{{}: {}}}".format(*inner.groups())) if inner else ""
+        raise InputError(f"--config {shown(text)}: must be key=value{hint}")
     text = entry["text"]
     if ("_" in text or not text.isascii()) and _counts_as_number(text):
         raise InputError(f"--config {entry['key']}: {shown(text)} must be written in digits 0 to 9")
