@@ -86,6 +86,10 @@ def test_newest_logs_that_are_refused_are_not_healthy(monitored):
         assert "as of then" in sentences[0]
     silent = replace(long_ago, refused=["", ""])
     assert standing(silent)["refused_newest"] == 0
+    # A torn row that is told refuses no sample, though no axis could be judged since.
+    resting = np.where(lately.flags > 0, int(Flag.AT_REST), 0)
+    torn = replace(lately, flags=resting, refused=["", "b.csv: row 7 has 1 cell"])
+    assert standing(torn)["refused_newest"] == 0
 
 
 def test_newest_logs_without_any_sample_are_not_healthy(monitored):

@@ -92,15 +92,17 @@ def refused_newest(state: RobotState) -> int:
     """Return how many logs are refused since some axis was judged last: what the robot is like now nobody knows.
 
     A log of which nothing could be read has no time of its own: it comes after the log before it in the list, so that
-    it is newer than the last judgement if that one reaches as far.
+    it is newer than the last judgement if that one reaches as far. One that was read counts where its samples were
+    refused: a row or a cell that was left out is told, and refuses nothing.
     """
     newest = last_judged(state)
     since, reached = (-np.inf, -np.inf) if newest is None else (state.end[newest], state.start[newest])
+    refused = (state.flags & int(Flag.REFUSED)).any(axis=1) & (state.end > since)
     count, before = 0, -np.inf
-    for told, last in zip(state.refused, state.last, strict=True):
+    for told, first, last in zip(state.refused, state.first, state.last, strict=True):
         if np.isfinite(last):
             before = last
-            count += bool(told) and last > since
+            count += bool(told) and bool((refused & (state.start <= last) & (state.end > first)).any())
         else:
             count += bool(told) and before >= reached
     return count
