@@ -5,6 +5,7 @@ What is asked of a candidate is asked in full: every gate that it misses is a :c
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -41,6 +42,11 @@ def follows_time(candidate: Candidate) -> bool:
 def of_timing(candidate: Candidate) -> bool:
     """Return whether an effect is made of rates of torque."""
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).timing
+
+
+def of_drive(candidate: Candidate) -> bool:
+    """Return whether an effect is a share of all torque of its axis."""
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).of_drive
 
 
 def is_body(candidate: Candidate) -> bool:
@@ -188,6 +194,20 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
         gates.append(("nats with inertial parameters known less", gain(b, gram, trial.term.std), half))
     return failed + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
+
+
+def nats_without_witnesses(white: White, before: list[Term], one: Named, witnesses: Collection[int]) -> float:
+    """Return the nats of an effect where the axes `witnesses` (0-based) say nothing of the links.
+
+    The torque of an axis alone does not tell a factor of it from links that are all as much heavier: what other axes
+    say of the links does. An axis that lacks something bends the links to it, and then witnesses against all others.
+    """
+    base = [
+        replace(t, blocks={a: x for a, x in t.blocks.items() if a not in witnesses}) if t.label == INERTIAL else t
+        for t in white.base
+    ]
+    b, gram = Fit(white.targets, [*base, *before]).gram(one.term.blocks)
+    return gain(b, gram, one.term.std)
 
 
 def _mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refusal]:

@@ -8,7 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from jointwear.discovery.acceptance import of_timing, predictive, refusals, within_bounds
+from jointwear.discovery.acceptance import (
+    nats_without_witnesses,
+    of_drive,
+    of_timing,
+    predictive,
+    refusals,
+    within_bounds,
+)
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -120,6 +127,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     outcome.not_tried = {(effect, axis): reason for effect, axis, reason in dictionary.not_tried}
     outcome.named = _searched(outcome)
     settle(outcome)
+    _believe_no_bent_links(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
     for n in weighed:
@@ -135,6 +143,28 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome
+
+
+def _believe_no_bent_links(outcome: Outcome) -> None:
+    """Take the names back that nothing but a joint with structure left asks for: a factor of all torque of another.
+
+    Only what other axes say of the links tells such a factor from them.
+    """
+    half = 0.5 * outcome.problem.settings.accept
+    gate = "nats where joints that stay unexplained say nothing of the links"
+    bent = {u.axis for u in outcome.unexplained}
+    kept = []
+    for one in outcome.named:
+        others = [t for n in outcome.named if n is not one for t in n.terms]
+        witnesses = bent - {one.candidate.axis} if of_drive(one.candidate) else set()
+        nats = nats_without_witnesses(outcome.white, others, one, witnesses) if witnesses else np.inf
+        if nats < half:
+            outcome.refusals.append(Refusal(one.candidate, one.evidence, gate, nats, half))
+        else:
+            kept.append(one)
+    if len(kept) < len(outcome.named):
+        outcome.named = kept
+        settle(outcome)
 
 
 def _searched(outcome: Outcome) -> list[Named]:

@@ -1,0 +1,77 @@
+"""A factor of the torque of one joint is not believed on the word of a joint that is itself unexplained."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jointwear.discovery import decide
+from jointwear.discovery.acceptance import nats_without_witnesses
+from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.whitening import INERTIAL
+
+SHOULDER, ELBOW, WRIST = 1, 2, 5
+
+
+def _gain(white, axis=ELBOW):
+    candidate = Candidate("torque_constant_error", axis, None, {})
+    columns = raw_columns(white, candidate)
+    term = Term("gain", {axis: white.columns(axis, columns)}, prior_std(white, candidate, columns), {axis: columns})
+    return Named(candidate, term, None, 99.0)
+
+
+def _bent(white):
+    """The shoulder asks for the links that the elbow would have if its own torque were 5 % less than it is."""
+    links = next(t for t in white.base if t.label == INERTIAL)
+    own = _gain(white).term.blocks[ELBOW]
+    wanted = np.linalg.lstsq(links.blocks[ELBOW], own[:, 0], rcond=None)[0]
+    targets = list(white.targets)
+    targets[SHOULDER] = targets[SHOULDER] + 0.05 * links.blocks[SHOULDER] @ wanted
+    return replace(white, targets=targets)
+
+
+@pytest.fixture(scope="module")
+def bent(white):
+    return _bent(white)
+
+
+@pytest.fixture(scope="module")
+def wrong(white):
+    own = _gain(white).term.blocks[ELBOW][:, 0]
+    return replace(white, targets=[y + 0.07 * own if a == ELBOW else y for a, y in enumerate(white.targets)])
+
+
+def test_links_that_one_axis_bends_feign_a_gain_of_another(bent):
+    half = 0.5 * bent.problem.settings.accept
+    assert nats_without_witnesses(bent, [], _gain(bent), ()) > half
+    assert nats_without_witnesses(bent, [], _gain(bent), {SHOULDER}) < half
+
+
+@pytest.mark.parametrize(
+    ("of_data", "axes", "stays"), [("bent", {SHOULDER}, False), ("bent", {WRIST}, True), ("wrong", {WRIST}, True)]
+)
+def test_such_a_gain_is_taken_back_where_that_axis_stays_unexplained(of_data, axes, stays, request, monkeypatch):
+    white = request.getfixturevalue(of_data)
+    settled = []
+    monkeypatch.setattr(decide, "settle", settled.append)
+    outcome = SimpleNamespace(
+        problem=white.problem,
+        white=white,
+        named=[_gain(white)],
+        refusals=[],
+        unexplained=[SimpleNamespace(axis=a) for a in axes],
+    )
+    decide._believe_no_bent_links(outcome)
+    assert bool(outcome.named) == stays
+    assert len(settled) == len(outcome.refusals) == (not stays)
+
+
+def test_its_own_axis_is_asked_all_the_same(bent):
+    outcome = SimpleNamespace(
+        problem=bent.problem, white=bent, named=[_gain(bent)], refusals=[], unexplained=[SimpleNamespace(axis=ELBOW)]
+    )
+    decide._believe_no_bent_links(outcome)
+    assert outcome.named
