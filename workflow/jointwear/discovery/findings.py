@@ -13,6 +13,7 @@ from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.noise_floor import floor_with_names
 from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.restrictions import beyond_the_time
 from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in, unlikely_masses
 from jointwear.discovery.verdict import (
     NONE,
@@ -86,6 +87,7 @@ def make_verdict(
         restrictions=(
             *restrictions,
             *_alike_in_time(final),
+            *beyond_the_time(problem, (e.named.candidate for e in final.estimates)),
             *stands_in(retuned, {u.axis for u in left}),
             *unlikely_masses(retuned, problem.settings),
         ),

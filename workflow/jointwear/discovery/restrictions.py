@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
+from jointwear.discovery.candidates import LINK_MASS, Candidate
+from jointwear.discovery.problem import Problem
 from jointwear.discovery.reversals import unseen_slow_motion
+from jointwear.effects import get_effect
 from jointwear.effects.temperature import SMALLEST_SPREAD
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks import Refused
@@ -85,3 +90,22 @@ def motion_restrictions(problem, clock: str = "s") -> list[str]:
             "between these trajectories"
         )
     return found
+
+
+def beyond_the_time(problem: Problem, written: Iterable[Candidate]) -> list[str]:
+    """Return in words which effects that follow time a robot file carries on to times that no training record holds.
+
+    A wave or a growth that fits what was seen says how it went on only as far as its form is a law. Between the first
+    and the last training record it is held from both sides; the gap on motion before or after them is a forecast.
+    """
+    time = problem.measured.time
+    seen, asked = time[problem.train], time[problem.test]
+    if not len(asked) or (seen.min() <= asked.min() and asked.max() <= seen.max()):
+        return []
+    return [
+        f"joint {c.axis + 1}: {get_effect(c.effect).phrase} follows time, and test trajectories lie outside the time "
+        "of the training trajectories: there it is carried on by its form alone; hold out trajectories between others "
+        "to see how well it is known"
+        for c in written
+        if c.effect != LINK_MASS and c.axis is not None and get_effect(c.effect).follows_time
+    ]
