@@ -3,6 +3,10 @@
 import csv
 from pathlib import Path
 
+from jointwear.running.processes import one_thread_each
+
+one_thread_each()  # as Snakemake starts a job; before numpy is loaded
+
 import numpy as np
 import pytest
 

@@ -1,7 +1,6 @@
 """A small experiment, computed once a test session by the library's own functions, with its figures and report."""
 
 import atexit
-import os
 import shutil
 from dataclasses import dataclass
 from functools import cache
@@ -195,7 +194,6 @@ def draw(done: Experiment) -> None:
 @cache
 def small_experiment() -> Experiment:
     """Return the small experiment; it is computed at the first call of a test session."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     folder = mkdtemp(prefix="jointwear-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return compute(Path(folder), small_config())

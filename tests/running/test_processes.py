@@ -2,7 +2,9 @@
 
 import os
 
+import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
 from jointwear.running.processes import in_processes
 
@@ -30,3 +32,9 @@ def test_results_come_in_order_whatever_the_processes(count, processes):
 def test_what_the_work_raises_is_raised(processes):
     with pytest.raises(ValueError, match="five"):
         in_processes(refused, range(9), processes)
+
+
+def test_tests_compute_with_one_thread():
+    """As Snakemake starts a job; with a thread for every core discovery takes several times as much processor time."""
+    np.linalg.inv(np.eye(2))
+    assert {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"} == {1}

@@ -4,7 +4,7 @@ Every point runs in a process of its own. Prints JSON: the points, the growth ex
 largest three, where growth bends (the size at which the part that grows equals the part that does not), and a plan
 for a fleet of 10,000 robots.
 
-    python scaling.py [--quick]
+    PYTHONPATH=workflow python workflow/benchmarks/scaling.py [--quick]
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
+from jointwear.running.processes import one_thread_each
+
 ROOT = Path(__file__).resolve().parents[2]
 ROBOT, TASK = "config/robots/puma560.yaml", "config/tasks/T2.yaml"
 SIZES = {
@@ -36,9 +38,6 @@ QUICK = {"replicates": (10, 30, 100), "readings": (10, 30), "robots": (1, 4)}
 HOURS = 48  # of logs that every robot of the fleet brings
 ARMS = 20  # different simulated arms, used in turn
 PLANNED = 10_000
-# As Snakemake starts a job of one thread: idle threads of the linear algebra would count as time spent.
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-ONE_THREAD = {**os.environ, **dict.fromkeys(THREADS, "1")}
 FEWEST, SIMULATIONS = 60, 16  # readings of the smallest design; simulations that readings share
 
 
@@ -228,12 +227,13 @@ def main() -> None:
     if given.point:
         print(json.dumps(measure(given.point[0], int(given.point[1]))))
         return
+    one_thread_each()  # as Snakemake starts a job: idle threads would count as time spent
     found = {}
     for kind, sizes in (QUICK if given.quick else SIZES).items():
         points = []
         for size in sizes:
             call = [sys.executable, __file__, "--point", kind, str(size)]
-            done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=ROOT, env=ONE_THREAD)
+            done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=ROOT)
             if done.returncode:
                 sys.exit(f"{kind} {size} failed:\n{done.stderr[-3000:]}")
             points.append(json.loads(done.stdout.strip().splitlines()[-1]))

@@ -18,14 +18,20 @@ PARTS = 4
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def single_threaded(processes: int) -> ProcessPoolExecutor:
-    """Return a pool whose processes compute with one thread each.
+def one_thread_each() -> None:
+    """Let linear algebra compute with one thread, here and in every process that this one starts.
 
-    Linear algebra starts a thread for every core in every process, which then wait for each other. The variables are
-    read when a library is loaded, so the processes are not forked.
+    It starts a thread for every core in every process, which then wait for each other; discovery takes several times as
+    much processor time with two. The variables are read when a library is loaded: to be called before numpy is
+    imported. A variable that is set already keeps its value.
     """
     for name in THREADS:
         os.environ.setdefault(name, "1")
+
+
+def single_threaded(processes: int) -> ProcessPoolExecutor:
+    """Return a pool whose processes compute with one thread each; they are not forked, and load numpy anew."""
+    one_thread_each()
     return ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
 
 
