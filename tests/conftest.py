@@ -14,8 +14,14 @@ from jointwear.reproduction import readings
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
+#: Folders of tests that run the workflow itself: a file of these takes minutes, and must not be the last to begin.
+LONG = ("results", "workflow")
 ROOT = Path(__file__).resolve().parent.parent
 ORACLE = Path(__file__).resolve().parent / "data" / "oracle"
+
+
+def pytest_collection_modifyitems(items):
+    items.sort(key=lambda item: item.path.parent.name not in LONG)
 
 
 class Oracle:
