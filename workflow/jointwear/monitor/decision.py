@@ -27,7 +27,9 @@ from jointwear.monitor.normal_state import Posterior
 from jointwear.monitor.shifts import places_of_shifts, running_sums
 
 #: Shifts looked back at; growth that is tolerated; growth and windows of a large step.
-SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.002, 0.025, 6
+SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.001, 0.025, 6
+#: Growth up to which friction that had alarmed counts as back to normal.
+NORMAL = 0.002
 #: Shifts looked back at in all where the last ones are held against those before; fewest of these.
 BACK, FEWEST_BEFORE = 12, 3
 #: Last shifts that must all lie below for a fall.

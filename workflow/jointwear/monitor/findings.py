@@ -14,7 +14,7 @@ from jointwear.files.wording import count, name_axes
 from jointwear.measurement.even_steps import runs
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.conditions import Conditions
-from jointwear.monitor.decision import TOLERATED
+from jointwear.monitor.decision import NORMAL
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.scale import ScaleStep
 from jointwear.monitor.shared_error import FINDING
@@ -140,7 +140,7 @@ def _returned(
         names = np.unique(shift[rows])
         means = [float(np.mean(level.residual[rows[shift[rows] == s], j])) for s in names]
         for k in range(1, len(names)):
-            if max(means[k - 1 : k + 1]) < TOLERATED and max(means[: k - 1], default=0.0) > TOLERATED:
+            if max(means[k - 1 : k + 1]) < NORMAL and max(means[: k - 1], default=0.0) > NORMAL:
                 time = float(statistics.start[rows[shift[rows] == names[k - 1]][0]])
                 words = (
                     f"Friction of axis {j + 1} came back to its normal state: was it serviced? Its alarm stays open "

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jointwear.monitor.decision import TOLERATED
+from jointwear.monitor.decision import NORMAL
 from jointwear.monitor.dispersion import Q80, inflated
 from jointwear.monitor.watching import Watch
 
@@ -72,4 +72,4 @@ def _is_back(watched: Watch, j: int, hits: np.ndarray, shift: np.ndarray, end: n
     now = float(np.average(watched.residual[rows, j], weights=1.0 / watched.std[rows, j] ** 2))
     told = watched.mean[hits, j]
     told = told[np.isfinite(told)]
-    return now - TOLERATED <= Q80 * error and (not len(told) or now < NEARER * float(told.max()))
+    return now - NORMAL <= Q80 * error and (not len(told) or now < NEARER * float(told.max()))

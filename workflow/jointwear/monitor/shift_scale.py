@@ -4,7 +4,8 @@ What the normal state does not know comes to all axes of a robot at once, in dif
 thermometer shows, a program that warms some axes and cools others, services of several axes. Standardised residuals
 of the axes of a shift thus follow a multivariate Student law, whose axes share one scale. Given the others, that of
 an axis is (nu + sum of their squares) / (nu + their number): beyond one where several axes are off, below one where
-all keep still.
+all keep still. About which scale that of a shift lies is learnt from the robot's shifts before, again from the other
+axes: a robot in a steady hall stays far within what floors and priors expect of robots at large.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from jointwear.monitor.shifts import running_sums
 
 #: Degrees of freedom of the law, and the largest square of an axis that counts: one worn axis is no shift that is off.
 FREEDOM, LARGEST = 5.0, 6.0
+#: What an axis in an earlier shift counts for: shifts share the error of the normal state, and weather lasts.
+PAST = 0.25
 
 
 def shift_scale(
@@ -49,6 +52,25 @@ def shift_scale(
         apart = np.where(rows, variance[:, j] - noise[:, j], 0.0)
         spread = running_sums(weight * apart, starts) / safe + inflated(count, float(memory[j])) / safe
         square[:, j] = np.where(known[:, j], np.minimum(mean**2 / spread, LARGEST), 0.0)
-    others = known.sum(axis=1, keepdims=True) - known
-    scale = (FREEDOM + square.sum(axis=1, keepdims=True) - square) / (FREEDOM + others)
+    others, squares = _of_others(known.astype(float)), _of_others(square)
+    seen, before = PAST * _before(others, starts), PAST * _before(squares, starts)
+    usual = (FREEDOM + before) / (FREEDOM + seen)
+    scale = (FREEDOM * usual + squares) / (FREEDOM + others)
     return np.where(outside, np.maximum(scale, 1.0), scale)
+
+
+def _of_others(values: np.ndarray) -> np.ndarray:
+    """Return the sum (w, n) of `values` (w, n) over all axes but each one."""
+    return values.sum(axis=1, keepdims=True) - values
+
+
+def _before(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return the sum (w, n) of `values` (w, n) at the ends of all shifts before that of each window.
+
+    Parameters
+    ----------
+    starts : (w,) bool, the first window of a shift.
+    """
+    ends = np.flatnonzero(np.append(starts[1:], True)) if len(starts) else np.zeros(0, dtype=int)
+    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values[ends], axis=0)])
+    return total[np.cumsum(starts) - 1]
