@@ -210,6 +210,23 @@ def test_a_shift_in_which_the_other_axes_are_off_too_tells_less_of_an_axis():
     assert np.isclose(evidence(grown, loud=4.0).growth[-1], 0.5 * evidence(grown).growth[-1])
 
 
+def test_a_robot_that_stays_still_is_held_to_its_own_scale_and_wear_widens_none():
+    shift = np.repeat(np.arange(20), 8)
+    noise, variance = np.full((160, 6), 1e-4), np.full((160, 6), 2e-4)
+    inside, memory = np.zeros((160, 1), bool), np.full(6, 0.3)
+    still = shift_scale(np.zeros((160, 6)), variance, noise, memory, shift, inside)
+    assert (np.diff(still[::8], axis=0) < 0).all()  # each shift that keeps still tells more
+    worn = np.zeros((160, 6))
+    worn[:, 2] = 0.002 * shift
+    scale = shift_scale(worn, variance, noise, memory, shift, inside)
+    assert np.allclose(scale[:, 2], still[:, 2])
+    assert (scale[:, 0] >= still[:, 0]).all()
+    # What comes later changes no earlier scale.
+    later = worn.copy()
+    later[120:] = 0.5
+    assert np.allclose(shift_scale(later, variance, noise, memory, shift, inside)[:120], scale[:120])
+
+
 def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     assert evidence(np.array([0, 0, 0.04, 0.04])).growth[-1] > 2
     assert np.isneginf(evidence(np.array([0, 0, 0, 0.025])).growth[-1])
