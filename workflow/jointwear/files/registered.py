@@ -20,8 +20,9 @@ from typing import Any
 
 from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError, nearest
+from jointwear.files.regular_files import ROOT
 
-REGISTRY = Path(__file__).resolve().parents[3] / "data/registry.yaml"
+REGISTRY = ROOT / "data/registry.yaml"
 #: Environment variable with a folder that already holds registered files, one subfolder per data set.
 FOLDER_VARIABLE = "JOINTWEAR_DATA"
 #: Where fetched files go, in the working directory.

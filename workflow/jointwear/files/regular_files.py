@@ -17,7 +17,7 @@ _KINDS = {
     stat.S_IFBLK: "a device",
 }
 #: Top folder of the project that this library belongs to.
-PROJECT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[3]
 #: Neighbours that a hint is looked for among.
 _NEIGHBOURS = 1000
 
@@ -64,7 +64,7 @@ def read_text(path: str | Path, largest: int) -> str:
 def nearest_file(path: Path) -> str:
     """Return a hint at the file with the nearest name, here or beside the workflow, where a path is looked up too."""
     names: set[str] = set()
-    for folder in (path.parent, PROJECT / path.parent):
+    for folder in (path.parent, ROOT / path.parent):
         with suppress(OSError, ValueError, NotImplementedError):
             names.update(p.name for p in islice(folder.glob(f"*{path.suffix}"), _NEIGHBOURS))
     return nearest(path.name, sorted(names))

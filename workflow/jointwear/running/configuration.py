@@ -16,11 +16,11 @@ from jointwear.files.errors import InputError, nearest
 from jointwear.files.numbers import check_numbers
 from jointwear.files.patterns import matches
 from jointwear.files.registered import is_registered, locate
-from jointwear.files.regular_files import check_regular
+from jointwear.files.regular_files import ROOT, check_regular
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
-from jointwear.running.shipped import ROOT, shipped, shipped_glob
+from jointwear.running.shipped import shipped, shipped_glob
 
 #: Keys of `monitor` that a config may leave out.
 MONITOR_DEFAULTS: dict[str, Any] = {"robots": {}, "time_zone": "UTC", "stale_after": "72h", "notify": []}

@@ -11,9 +11,7 @@ import os
 from pathlib import Path
 
 from jointwear.files.registered import locate
-
-#: Top folder of the project that this library belongs to.
-ROOT = Path(__file__).resolve().parents[3]
+from jointwear.files.regular_files import ROOT
 
 
 def shipped(path: str | Path, root: Path = ROOT) -> str:

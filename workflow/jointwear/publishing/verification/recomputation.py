@@ -12,13 +12,13 @@ from pathlib import Path
 
 from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError, printable
+from jointwear.files.regular_files import ROOT
 from jointwear.files.wording import count
 from jointwear.publishing.crate.layout import COMMIT, CONFIG, PROJECT, PROJECT_FILES, STAMP
 from jointwear.publishing.crate.software import software
 from jointwear.publishing.verification.comparison import CLOSE, EQUAL, TOLERANCE, Outcome, compare_files
 from jointwear.publishing.verification.packed_run import check_contents, foreign_code, listing, unpacked
 from jointwear.running.configuration import prepare
-from jointwear.running.shipped import ROOT
 
 #: What a run leaves below results beside its results.
 NOT_RESULTS = ("results/logs/", "results/benchmarks/")

@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from jointwear.files.regular_files import ROOT
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.statistics.randomness import generator
 from jointwear.studies.challenge.circumstances import behind_the_gears
 from jointwear.studies.challenge.plan import Case
-
-#: The folder that holds the shipped robot files.
-SHIPPED = Path(__file__).resolve().parents[4]
 
 #: Robot file of every arm, relative to the workflow, and the load [kg] that it is rated for.
 ARMS = {
@@ -32,7 +30,7 @@ def arm_of(case: Case, seed: int) -> str:
 
 def arm_path(name: str) -> Path:
     """Return the robot file of an arm."""
-    return SHIPPED / ARMS[name][0]
+    return ROOT / ARMS[name][0]
 
 
 def rated_load(name: str) -> float:
@@ -42,5 +40,5 @@ def rated_load(name: str) -> float:
 
 def given_robot(case: Mapping[str, Any]) -> Robot:
     """Return the robot of a listed case as its user would give it."""
-    robot = load_robot(SHIPPED / case["robot"])
+    robot = load_robot(ROOT / case["robot"])
     return behind_the_gears(robot) if case["told"]["torque_kind"] == "link_sensor" else robot
