@@ -1,6 +1,7 @@
 """The check of a recording before discovery: what its motion shows, and what is wrong with it."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -43,3 +44,18 @@ def test_the_check_of_a_wrong_recording_says_so_and_stops_nothing(case, robot, t
     write_check("case", entry, "config/robots/puma560.yaml", Settings(), *outputs)
     assert "look like degrees" in json.loads(outputs[0].read_text())["refused"]
     assert "look like degrees" in outputs[1].read_text()
+
+
+def test_the_page_has_one_row_an_effect_and_one_column_a_joint(case, robot, tmp_path):
+    write_recording(split(case), tmp_path / "case.nc", {"dataset": "case"})
+    outputs = tmp_path / "check.json", tmp_path / "check.html"
+    write_check("case", {"measured": str(tmp_path / "case.nc")}, "config/robots/puma560.yaml", Settings(), *outputs)
+    shown = json.loads(outputs[0].read_text())["shown"]
+    page = outputs[1].read_text()
+    table = page[page.index("Effects that this motion can show") :]
+    rows = re.findall(r'<tr><th scope="row" class="left">(.*?)</th>(.*?)</tr>', table)
+    assert len(rows) == len({s["effect"] for s in shown}) > 5
+    columns = {effect: cells.count("<td>") for effect, cells in rows}
+    assert columns["position-dependent friction"] == 6
+    assert "whole arm" in dict(rows)["payload"]
+    assert columns["payload"] == 0
