@@ -133,6 +133,22 @@ def test_all_axes_at_once_are_a_finding_and_no_wear():
     assert (np.abs(result.value[:120]) < 1e-6).all()
 
 
+def test_thicker_oil_adds_to_the_viscous_part_of_each_axis_its_share_of_it(monkeypatch):
+    share, variance = np.array([0.6, 0.1, 0.3, 0.05, 0.5, 0.2]), np.full((240, 6), 1e-6)
+    part = np.zeros((240, 6))
+    part[160:] = 0.1 * share
+    baseline, shift = np.arange(240) < 120, np.arange(240) // 24
+    found = shared_error(part, variance, baseline, shift, unit=share)
+    assert np.allclose(found.value[200:], 0.1 * share, rtol=0.1)
+    assert np.allclose(found.common[200:], 0.1, rtol=0.1)
+    # Held to one size for all axes, the fastest one would look worn.
+    assert part[-1, 0] - shared_error(part, variance, baseline, shift).value[170, 0] > 0.02
+    units = []
+    monkeypatch.setattr(judge_module, "watch", lambda *a, **k: units.append(k.get("unit")) or watch(*a, **k))
+    judge(statistics_of(residuals(200, np.zeros((200, 3)), 23)), 120, SETTINGS)
+    assert units[-1] == pytest.approx(VISCOUS * 0.6 / (VISCOUS * 0.6 + [8.0, 2.0, 1.25]), rel=0.2)
+
+
 def test_a_robot_without_friction_parameters_grows_from_its_own_baseline():
     growth = np.ones((200, 3))
     growth[120:, 1] = 1.2

@@ -41,9 +41,9 @@ from jointwear.monitor.windows import WindowStatistics
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
 MOST_STEPS, SCALE_RATE = 3, 1.0
 #: Shares of the allowance: of the charts for viscous friction alone, where the level that is judged leaves it out, and
-#: for backlash; the rest is that of the level. The viscous part takes two to nine times its share: its law has heavier
-#: tails than the null runs', as oil and loads move it (docs/decisions/normal_state.md).
-VISCOUS_SHARE, BACKLASH_SHARE = 0.05, 0.1
+#: for backlash; the rest is that of the level. The viscous part takes many times its share: its law has heavier tails
+#: than the null runs', as oil and loads move it (docs/decisions/normal_state.md, *Seventh*).
+VISCOUS_SHARE, BACKLASH_SHARE = 0.01, 0.1
 LEVEL_SHARE = 1.0 - VISCOUS_SHARE - BACKLASH_SHARE
 
 
@@ -105,7 +105,9 @@ def judge(
     backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, found, recall, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
     fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
-    viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall)
+    # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.
+    unit = np.array([1.0 / viscous_scale(float(share)) for share in seen.series["viscous"].share])
+    viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall, unit=unit)
     limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
@@ -165,7 +167,7 @@ def _watched(
     allowed: float,
     found: Sequence[Sequence[int]],
     recall: Recall | None,
-    **more: bool,
+    **more: Any,
 ) -> Watch:
     """Watch one quantity, at `allowed` false alarms a window; `found` are the windows from which it is learnt anew."""
     return watch(normal, seen.conditions, seen.baseline, seen.shift, allowed, seen.events, found, recall=recall, **more)

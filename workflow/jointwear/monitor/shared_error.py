@@ -34,7 +34,8 @@ FEWEST = 3
 
 @dataclass(frozen=True)
 class SharedError:
-    """`value` (w, n): what to subtract from the residual of each axis; `variance` (w, n); `common` (w,) of all axes."""
+    """`value` (w, n): what to subtract from the residual of each axis; `variance` (w, n); `common` (w,) of all axes,
+    in units of them."""
 
     value: np.ndarray
     variance: np.ndarray
@@ -47,6 +48,7 @@ def shared_error(
     baseline: np.ndarray,
     shift: np.ndarray,
     beyond: np.ndarray | None = None,
+    unit: np.ndarray | float = 1.0,
 ) -> SharedError:
     """Estimate the shared error.
 
@@ -56,10 +58,11 @@ def shared_error(
     variance : (w, n) of the residual, prediction, shift and window together. baseline : (w,) bool.
     shift : (w,) labels; the slope in a shift rests on the steps between the shifts before it.
     beyond : (w, n) part of `variance`, of leaving the baseline's range; :data:`ALIKE` of it is shared. None: none.
+    unit : (n,) residual of each axis for one unit of what all have in common.
     """
     w, n = residual.shape
-    alike = np.zeros((w, n)) if beyond is None else ALIKE * np.nan_to_num(beyond)
-    variance = variance - alike
+    alike = np.zeros((w, n)) if beyond is None else ALIKE * np.nan_to_num(beyond) / np.square(unit)
+    residual, variance = residual / unit, variance / np.square(unit) - alike
     value, spread = np.zeros((w, n)), np.zeros((w, n))
     for j in range(n):
         others = [i for i in range(n) if i != j]
@@ -73,7 +76,7 @@ def shared_error(
     location, error = _location(residual, variance)
     usual = _usual(location[baseline], error[baseline])
     common = _shrunk(location, error, usual + np.median(alike, axis=1))[0]
-    return SharedError(value, spread, common)
+    return SharedError(unit * value, np.square(unit) * spread, common)
 
 
 def _location(residual: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

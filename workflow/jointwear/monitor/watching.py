@@ -84,6 +84,7 @@ def watch(
     proposed: Sequence[Sequence[int]] = (),
     services: bool = True,
     common: bool = True,
+    unit: np.ndarray | float = 1.0,
     recall: Recall | None = None,
 ) -> Watch:
     """Watch one quantity.
@@ -95,6 +96,7 @@ def watch(
     events : per axis, windows at which the config says that something was done to it.
     proposed : the same, found in the logs themselves.
     services : whether falls propose services. common : whether what all axes have in common is taken out.
+    unit : (n,) what the axes have in common comes to each in these units, such as its share of viscous friction.
     recall : of thresholds that were simulated before.
     """
     w, n = len(shift), len(axes)
@@ -130,7 +132,7 @@ def watch(
             raw[:, j], spread[:, j] = state.residual, state.total_variance
         alike = ALIKE if common else 0.0
         if common:
-            shared = shared_error(raw, spread, baseline, shift, beyond)
+            shared = shared_error(raw, spread, baseline, shift, beyond, unit)
         variance = spread - alike * beyond + shared.variance
         loud = shift_scale(raw - shared.value, variance, noise, memory, shift, beyond > 0)
         calm = _calm(shared.common, shift)
