@@ -16,7 +16,7 @@ from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.page import robot_item
-from jointwear.monitor.fleet.ranking import ORDER, as_of, ranked
+from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.local_time import local_time, zone_of
@@ -183,12 +183,18 @@ def test_a_broken_batch_is_named(tmp_path):
 def test_healthy_means_that_nothing_is_known_against_it(levels, silence, refused, judged):
     axes = [axis(k + 1, level) for k, level in enumerate(levels)]
     more = {} if judged else {"result": "refused", "axes": []}
-    row = robot("x", *axes, logs=3, refused_logs=refused, last_sample=NOW - 3600 * silence, **more)
+    row = robot("x", *axes, logs=3, refused_newest=refused, last_sample=NOW - 3600 * silence, **more)
     found = as_of(row, NOW)
-    fine = judged and silence <= 72 and refused < 3 and HEALTHY in levels and not {CHANGED, UNRESOLVED} & set(levels)
+    fine = judged and silence <= 72 and not refused and HEALTHY in levels and not {CHANGED, UNRESOLVED} & set(levels)
     assert (found["urgency"] == HEALTHY) == fine
     assert (found["stale_windows"] > 0) == (found["stale_logs"] > 0) == (silence > 72)
     assert found["urgency"] in ORDER
+
+
+def test_a_robot_whose_every_log_lacks_a_torn_row_is_judged_all_the_same():
+    assert as_of(robot("x", logs=3, refused_logs=3), NOW)["urgency"] == HEALTHY
+    assert as_of(robot("x", axis(1, UNJUDGED), logs=3, refused_logs=3), NOW)["urgency"] == UNJUDGED
+    assert as_of(robot("x", axis(1, UNJUDGED), logs=3, refused_logs=3, refused_newest=3), NOW)["urgency"] == REFUSED
 
 
 def test_nights_and_weekends_count_into_the_rhythm_of_logs():

@@ -45,7 +45,8 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
         urgency = REACHED
     elif CHANGED in levels:
         urgency = CHANGED
-    elif row["refused_newest"] or (row["logs"] and row["refused_logs"] == row["logs"]):
+    # Not the logs of which something was left out: one with a torn row is judged by all its other rows.
+    elif row["refused_newest"]:
         urgency = REFUSED
     elif UNRESOLVED in levels or row["episodes"]:
         urgency = UNRESOLVED
