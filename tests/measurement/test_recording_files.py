@@ -83,6 +83,21 @@ def test_a_word_among_the_numbers_is_told(tmp_path, log):
     assert "and 2 more rows hold such a cell" in found.unread
 
 
+def test_a_torn_row_costs_itself_and_is_told(tmp_path, log):
+    lines = write_csv(tmp_path / "r.csv", columns(log)).read_text().splitlines()
+    (tmp_path / "r.csv").write_text("\n".join([*lines[:9], lines[9][:20], *lines[10:]]) + "\n")
+    found = load(tmp_path, "r.csv")
+    np.testing.assert_allclose(found.position, np.delete(log.position, 8, axis=0), atol=1e-9)
+    assert found.unread.startswith("row 10 has ")
+    assert found.unread.endswith("; it was left out")
+    assert found.unread in check_recording(found, load_robot("config/robots/puma560.yaml"))
+    (tmp_path / "r.csv").write_text("\n".join([*lines[:9], *["1,2"] * 10, *lines[10:]]) + "\n")
+    assert load(tmp_path, "r.csv").unread.endswith("; it and 9 more rows of a wrong length were left out")
+    (tmp_path / "r.csv").write_text("\n".join([*lines[:9], *["1,2"] * 11, *lines[10:]]) + "\n")
+    with pytest.raises(InputError, match="row 10 has 2 cells"):
+        load(tmp_path, "r.csv")
+
+
 @pytest.mark.parametrize(
     ("entry", "words"),
     [

@@ -27,7 +27,8 @@ class Recording:
     torque_kind : what was logged as torque: that of the "motor" (from its current), the "command" of the controller,
         or that of a "link_sensor" behind the gear. encoder_side : whether positions are of the "motor" or the "link".
     units : role -> unit that the config or the file states, for messages; the arrays are in the project's.
-    missing : role -> numbers that were read as missing, as -999. unread : cells that could not be read, in words.
+    missing : role -> numbers that were read as missing, as -999. unread : cells and torn rows that
+        were left out, in words.
     train, test : labels to learn from and to hold out; None takes the last fifth of the trajectories as test.
     """
 

@@ -12,7 +12,7 @@ from jointwear.files import provenance
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.measurement.formats import layout_of, read_log
-from jointwear.measurement.formats.chunk import JOINT_ROLES, UNLABELLED, joined, unread_in_words
+from jointwear.measurement.formats.chunk import JOINT_ROLES, UNLABELLED, RowsLeftOut, joined, unread_in_words
 from jointwear.measurement.formats.netcdf import floats
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.possible import LARGEST_LABEL, check_clock
@@ -40,7 +40,15 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     joints = None
     if log_format(path) == "bag":
         joints = entry.get("joints") or [j["name"] for j in read_robot_file(Path(root) / entry["robot"])["joints"]]
-    chunks = list(read_log(path, layout_of(entry, joints)))
+    chunks, left_out = [], ""
+    try:
+        for chunk in read_log(path, layout_of(entry, joints)):
+            chunks.append(chunk)
+    except RowsLeftOut as told:
+        # A write that was cut costs its row; the step in time beside it is a gap like any other.
+        if not chunks:
+            raise
+        left_out = str(told).removeprefix(f"{path}: ")
     whole = joined(chunks)
     for role in JOINT_ROLES:
         values = getattr(whole, role)
@@ -73,7 +81,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         encoder_side=entry.get("encoder_side") or "motor",
         units=whole.units,
         missing=whole.missing,
-        unread=unread_in_words(chunk.unread for chunk in chunks),
+        unread="; ".join(filter(None, (left_out, unread_in_words(chunk.unread for chunk in chunks)))),
     )
 
 

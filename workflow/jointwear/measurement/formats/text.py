@@ -155,9 +155,11 @@ class _TornRow:
         self.rows: list[int] = []
 
     def check(self) -> None:
-        """Raise a RowsLeftOut that tells of the first row that was left out, if any was."""
+        """Raise a RowsLeftOut that tells of the first row that was left out and of their number, if any was."""
         if self.fault:
-            raise RowsLeftOut(self.fault)
+            others = len(self.rows) - 1
+            more = f" and {count(others, 'more row')} of a wrong length were" if others else " was"
+            raise RowsLeftOut(f"{self.fault}; it{more} left out")
 
     def __call__(self, row: arrow_csv.InvalidRow) -> str:
         """Return what pyarrow is to do with a row; an error raised here would be lost."""
