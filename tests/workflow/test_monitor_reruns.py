@@ -185,6 +185,15 @@ def test_a_fleet_without_a_robot_says_so(tmp_path):
     assert "names no robot under" in (project.folder / "results/fleet/index.html").read_text()
 
 
+@pytest.mark.parametrize("target", ["monitor", "learn_normal"])
+def test_the_example_says_that_no_robot_is_named(tmp_path, target):
+    project = copy_project(tmp_path)
+    done = project.snakemake("--dry-run", target)
+    told = "the configuration names no robot under 'monitor.robots'; this is the shipped example, puma560_example"
+    assert done.stderr.count(told) == 1
+    assert told not in project.snakemake("--dry-run").stderr
+
+
 def test_the_survey_stays_with_its_log(project):
     """A file that sorts before all others costs its own windows."""
     before = project.folder / "logs/a_first.parquet"

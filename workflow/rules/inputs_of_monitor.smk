@@ -57,7 +57,29 @@ OWN_ROBOTS = [
     for name, entry in SHIPPED_ROBOTS.items()
     if not any(will_be_fetched(pattern) for pattern in entry["logs"])
 ]
-CHOSEN_ROBOTS = list(LOGS) or ["puma560_example"]
+EXAMPLE_ROBOT = "puma560_example"
+
+
+@cache
+def tell_of_example():
+    """Say that the shipped example stands in for robots that nobody named: a lost --configfile must not look fine."""
+    if workflow.is_main_process:
+        print(
+            "jointwear: the configuration names no robot under 'monitor.robots'; this is the shipped example, "
+            f"{EXAMPLE_ROBOT}",
+            file=sys.stderr,
+        )
+
+
+def of_chosen_robots(pattern, **more):
+    """An input function: files of the robots of the configuration, or of the shipped example where it names none."""
+
+    def files(wildcards):
+        if not LOGS:
+            tell_of_example()
+        return expand(pattern, monitored=list(LOGS) or [EXAMPLE_ROBOT], **more)
+
+    return files
 
 
 @cache

@@ -5,7 +5,7 @@ LEARNT_KEYS = (*READING_KEYS, "logs", "robot", "baseline")
 
 rule learn_normal:
     input:
-        expand("results/learned/{monitored}/learned.json", monitored=CHOSEN_ROBOTS),
+        of_chosen_robots("results/learned/{monitored}/learned.json"),
 
 
 rule learn_robot:

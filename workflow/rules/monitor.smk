@@ -8,9 +8,8 @@ wildcard_constraints:
 
 rule monitor:
     input:
-        expand(
+        of_chosen_robots(
             "results/monitor/{monitored}/{file}",
-            monitored=CHOSEN_ROBOTS,
             file=["alarms.csv", "state.nc", "monitor.html"],
         ),
 
@@ -81,6 +80,9 @@ rule report_monitoring:
         "results/logs/report_monitoring/{monitored}.log",
     params:
         time_zone=config["monitor"]["time_zone"],
+        # A robot that the configuration does not name is a shipped example.
+        example=lambda wildcards: wildcards.monitored
+        not in config["monitor"]["robots"],
     script:
         "../scripts/report_monitoring.py"
 

@@ -7,4 +7,5 @@ from jointwear.running.script import reported
 if __name__ == "__main__":
     with reported(snakemake.log[0]):
         state = read_state(snakemake.input.state)
-        write_page(state, snakemake.output.page, snakemake.output.figures, snakemake.params.time_zone)
+        more = snakemake.params.time_zone, snakemake.params.example
+        write_page(state, snakemake.output.page, snakemake.output.figures, *more)

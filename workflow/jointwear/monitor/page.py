@@ -129,13 +129,20 @@ def _newest(episodes: list[Episode]) -> list[Episode]:
     return sorted(episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
 
 
-def write_page(state: RobotState, output: str | Path, figures: str | Path, time_zone: str | None = None) -> None:
+def write_page(
+    state: RobotState,
+    output: str | Path,
+    figures: str | Path,
+    time_zone: str | None = None,
+    example: bool = False,
+) -> None:
     """Write the page of a monitored robot.
 
     Parameters
     ----------
     state : what is kept of the robot, with its alarms. output : the HTML file.
     figures : folder for the SVG files. time_zone : IANA name of the zone that times are shown in; None is UTC.
+    example : whether the robot is a shipped example that the configuration does not name.
 
     Raises
     ------
@@ -169,6 +176,7 @@ def write_page(state: RobotState, output: str | Path, figures: str | Path, time_
     past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
     context = {
         "state": state,
+        "example": example,
         "heading": heading,
         "lead": sentences,
         "todo": [todo(row, axis, zone) for axis in row["axes"] if axis["check"]],
