@@ -81,8 +81,7 @@ rule report_monitoring:
     params:
         time_zone=config["monitor"]["time_zone"],
         # A robot that the configuration does not name is a shipped example.
-        example=lambda wildcards: wildcards.monitored
-        not in config["monitor"]["robots"],
+        example=lambda wildcards: wildcards.monitored not in config["monitor"]["robots"],
     script:
         "../scripts/report_monitoring.py"
 
