@@ -56,6 +56,17 @@ def test_right_recordings_are_not_refused(recording, puma):
     check(recording, puma)
 
 
+@pytest.mark.parametrize(("axis", "position"), [(0, -1.0), (1, -1.0), (2, -1.0), (3, 1.0), (4, 1.0)])
+def test_flipped_joints_are_named_by_a_file_without_friction(puma, axis, position):
+    # What such a file lacks is unknown, not zero: bodies need not explain it.
+    nothing = np.zeros(puma.joints)
+    bare = replace(puma, coulomb_positive=nothing, coulomb_negative=nothing, viscous=nothing, armature=nothing)
+    plain = make_case(puma, 3, None)
+    check_axes("arm", bare, measure(plain))
+    with pytest.raises(Refused, match=f"sign of .*joint {axis + 1} looks flipped"):
+        check_axes("arm", bare, measure(turned(plain, axis, position, -1.0)))
+
+
 @pytest.mark.parametrize("axis", [0, 1, 3, 4])
 def test_flipped_joints_are_named(recording, puma, axis):
     with pytest.raises(Refused, match=f"sign of joint {axis + 1} looks flipped"):

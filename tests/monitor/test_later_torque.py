@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, write_parquet
 
+from jointwear.measurement.checks import Refused
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
 from jointwear.monitor.findings import reading_findings
@@ -130,15 +131,49 @@ def with_product(mass, centre):
     return replace(ARM, payload=Link(mass, np.array(centre), 0.001 * mass * np.eye(3)))
 
 
-def log_with_product(path, program, mass, scale=1.0):
+def log_with_product(path, program, mass, scale=1.0, drives=0.0):
     points, seconds, centre = program
     motion = Task("product", np.radians(points), np.full(5, seconds)).motion(np.arange(1200) / 50.0)
     dynamics = Dynamics(with_product(mass, centre))
     torque = dynamics.rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
-    torque = torque + dynamics.friction_torque(motion.velocity)
+    torque = torque + dynamics.friction_torque(motion.velocity) + drives * motion.acceleration
     torque += 0.02 * torque.std(axis=0) * np.random.default_rng(round(10 * mass)).standard_normal(torque.shape)
     log = Log(motion.time, motion.position, motion.velocity, motion.acceleration, scale * torque)
     return str(write_parquet(path / f"log_{mass}.parquet", columns(log)))
+
+
+#: The arm as a URDF has it: no friction, no motor inertia, no load.
+BARE = replace(
+    ARM, viscous=np.zeros(6), coulomb_positive=np.zeros(6), coulomb_negative=np.zeros(6), armature=np.zeros(6)
+)
+
+
+@pytest.mark.parametrize(
+    ("program", "first", "later", "inertia"),
+    [(FAR, 2.0, 10.0, 0.0), (FAR, 2.0, 10.0, 0.3), (NEAR, 6.0, 2.0, 0.3), (NEAR, 10.0, 2.0, 0.3)],
+)
+def test_a_file_without_friction_and_load_costs_no_log_and_another_unit_is_told(
+    tmp_path, program, first, later, inertia
+):
+    reading = layout_of({}, ARM.joint_names), TorqueModel(BARE)
+    drives = inertia * np.array([3.0, 3.0, 3.0, 1.0, 1.0, 1.0])
+    survey = survey_log(log_with_product(tmp_path, program, first, drives=drives), *reading, LENGTH)
+    path = log_with_product(tmp_path, program, later, drives=drives)
+    assert log_statistics(path, *reading, survey, LENGTH).refused == ()
+    for kind in ("current", "N mm", "kgf m"):
+        wrong = log_with_product(tmp_path, program, first, SCALES[kind], drives)
+        with pytest.raises(Refused, match=r"multiple of the model's|looks like mN m"):
+            survey_log(wrong, *reading, LENGTH)
+
+
+def test_a_torque_that_the_model_does_not_follow_is_refused_for_its_size(tmp_path):
+    log = make_log(40.0)
+    noise = 0.5 * log.torque.std(axis=0) * np.random.default_rng(0).standard_normal(log.torque.shape)
+    # The factors of the axes are not clear then.
+    path = write_parquet(tmp_path / "log.parquet", columns(replace(log, torque=1e3 * (log.torque + noise))))
+    with pytest.raises(Refused, match=r"the torque of joint 2 is about 1\.32e\+03 times what the bodies") as refused:
+        survey_log(str(path), layout(), model(), LENGTH)
+    assert "units" in refused.value.suggestion
 
 
 @pytest.mark.parametrize("mass", [0.1, 2.0, 4.0, 8.0])

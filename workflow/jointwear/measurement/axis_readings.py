@@ -17,6 +17,9 @@ from jointwear.robots.robot import Robot
 INDEPENDENT = 200
 #: Relative standard deviations of the inertial parameters and of the drive parameters of a nominal model.
 INERTIAL_ERROR, DRIVE_ERROR = 0.05, 0.3
+#: Standard deviation of friction, and of motor inertia, where the robot file has none (0 stands for unknown): share of
+#: the torque of the axis.
+DRIVE_UNKNOWN = 0.5
 #: A payload that nobody wrote down, standard deviations: share of the mass of the arm, and its lever [m]. Arms carry
 #: up to a fifth of their own mass, two of these.
 PAYLOAD_SHARE, PAYLOAD_LEVER = 0.1, 0.15
@@ -152,9 +155,10 @@ class Likelihood:
             if used.sum() * step < self._fewest:
                 continue
             size = max(float(np.sqrt(np.mean(torque[used, j] ** 2))), 1e-12)
-            motion = np.stack([v[used, j] > 0, v[used, j] < 0, v[used, j], a[used, j]], axis=1) * self._drives[j]
+            columns = np.stack([v[used, j] > 0, v[used, j] < 0, v[used, j], a[used, j]], axis=1)
+            motion = columns * self._drives[j]
             block = np.zeros((int(used.sum()), 4 * n + shared.shape[2] + 1))
-            block[:, 4 * j : 4 * j + 4] = DRIVE_ERROR * motion
+            block[:, 4 * j : 4 * j + 4] = columns * self._drive_error(j, columns, size)
             block[:, 4 * n : -1] = shared[used, j]
             # Motor inertia is part of the rigid-body torque.
             block[:, -1] = torque[used, j] - rigid[used, j] - motion[:, :3].sum(axis=1)
@@ -172,3 +176,18 @@ class Likelihood:
             error = np.append(-theta, 1.0)
             left = np.maximum(sums @ error @ error, 0.0) / count + MODEL_ERROR
         return -float(0.5 * count @ np.log(left)) - 0.5 * float(theta @ theta)
+
+    def _drive_error(self, j: int, columns: np.ndarray, size: float) -> np.ndarray:
+        """Return standard deviations (4,) of Coulomb friction either way, viscous friction and motor inertia.
+
+        Without friction in the file an axis would have to explain its friction by bodies, and nats tell nothing.
+
+        Parameters
+        ----------
+        columns : (m, 4) what they are multiplied with. size : root mean square torque of the axis [N m].
+        """
+        drives = self._drives[j]
+        unknown = np.append(np.full(3, not np.any(drives[:3])), drives[3] == 0)
+        scale = np.sqrt(np.mean(columns.astype(float) ** 2, axis=0))
+        free = np.where(scale > 0, DRIVE_UNKNOWN * size / np.where(scale > 0, scale, 1.0), 0.0)
+        return np.where(unknown, free, DRIVE_ERROR * drives)
