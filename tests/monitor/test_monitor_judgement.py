@@ -14,6 +14,7 @@ from jointwear.monitor.events import Event
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, judge
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
+from jointwear.monitor.records import Reason
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.watching import watch
 
@@ -42,6 +43,22 @@ def test_judgement_names_the_worn_axis_and_says_what_it_cannot_judge():
     # A repeat a day later brings a new forecast; not more often.
     times = [a["time"] for a in mine]
     assert np.all(np.diff(times) >= 24 * 3600)
+
+
+@pytest.mark.parametrize("end", [180, 200])
+def test_an_axis_whose_friction_would_drive_it_is_told(end):
+    growth = np.zeros((200, 3))
+    # Turned round, Coulomb friction is what it was with the other sign: the growth is -2.
+    growth[160:end, 1] = -2.0
+    result = judge(statistics_of(residuals(200, growth, 13)), 120, SETTINGS)
+    (told,) = [f for f in result.findings if f["kind"] == "drives"]
+    assert told["axes"] == [2]
+    assert "Friction of axis 2 came out below zero" in told["words"]
+    assert told["time"] == 160 * 3600
+    assert told.get("end") == (None if end == 200 else end * 3600)
+    assert set(result.status[160:end, 1]) == {UNJUDGED}
+    assert set(result.reason[160:end, 1]) == {Reason.DRIVES}
+    assert not [a for a in result.alarms if a["detector"] == "model"]
 
 
 def test_two_axes_at_once_are_both_named():

@@ -227,6 +227,31 @@ def reading_findings(statistics: WindowStatistics) -> list[dict[str, Any]]:
     return result
 
 
+def driving_findings(statistics: WindowStatistics, driving: np.ndarray | None) -> list[dict[str, Any]]:
+    """Return one finding for each run of windows, nights between them passed over, in which the friction of an axis
+    came out below zero; a single window tells nothing.
+
+    Parameters
+    ----------
+    driving : (w, n) bool, of :class:`~jointwear.monitor.series.Series`, or None.
+    """
+    if driving is None:
+        return []
+    result = []
+    for j in range(statistics.axes):
+        moved = np.flatnonzero(np.asarray(statistics.count)[:, j] > 0)
+        for part in (p for p in runs(driving[moved, j]) if driving[moved[p.start], j] and p.stop - p.start > 1):
+            words = (
+                f"Friction of axis {j + 1} came out below zero, as if it drove the motion: the sign of its torque or "
+                "of its position looks turned there. It is not judged; mend these logs, or leave them out."
+            )
+            found = {"time": float(statistics.start[moved[part.start]])}
+            if part.stop < len(moved):
+                found["end"] = float(statistics.end[moved[part.stop - 1]])
+            result.append({**found, "axes": [j + 1], "kind": "drives", "words": words})
+    return result
+
+
 def coarse_findings(
     statistics: WindowStatistics, baseline: np.ndarray, least: np.ndarray, limit: float
 ) -> list[dict[str, Any]]:

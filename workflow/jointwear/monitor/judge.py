@@ -22,7 +22,7 @@ from jointwear.monitor.backlash import (
     backlash_series,
     raised_status,
 )
-from jointwear.monitor.findings import coarse_findings, findings_of, loose_findings, reading_findings
+from jointwear.monitor.findings import coarse_findings, driving_findings, findings_of, loose_findings, reading_findings
 from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.learning import AxisNormal, learn_axes
@@ -126,6 +126,7 @@ def judge(
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
     findings += program_findings(statistics, first, most)
     findings += reading_findings(statistics)
+    findings += driving_findings(statistics, seen.series["friction"].driving)
     return Judgement(
         estimates=estimates,
         std=std,

@@ -37,6 +37,7 @@ class Reason(IntEnum):
     LEARNING = 2
     CONDITIONS = 3
     LOUD = 4
+    DRIVES = 5
 
 
 class Teller:
@@ -153,7 +154,10 @@ class Teller:
             if axis is None:
                 result[hidden, j] = Reason.BASELINE
                 continue
+            driving = self._series["friction"].driving
             result[hidden & loud[:, j], j] = Reason.LOUD
+            if driving is not None:
+                result[hidden & driving[:, j], j] = Reason.DRIVES
             result[hidden & self._level.unseen[:, j], j] = Reason.CONDITIONS
             result[hidden & self._level.learning[:, j], j] = Reason.LEARNING
         return result

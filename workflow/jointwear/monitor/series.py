@@ -30,6 +30,8 @@ LOWEST = 0.02
 LOUDEST = 4.0
 #: Standard deviation of a log level above which a window shows nothing.
 COARSEST = 0.25
+#: Standard errors by which friction must lie below zero to count as none that friction can be.
+DRIVES = 5.0
 _VISCOUS = COLUMNS.index("viscous")
 
 
@@ -38,12 +40,14 @@ class Series:
     """Arrays (w, n): `value`, NaN where a window shows nothing, and `variance`, what the window's noise explains.
 
     `unit` (n,): torque [N m] of one unit of the level; `share` (n,): of Coulomb friction in it, in the baseline.
+    `driving` (w, n) bool, or None: the level is clearly below zero, as friction never is.
     """
 
     value: np.ndarray
     variance: np.ndarray
     unit: np.ndarray
     share: np.ndarray
+    driving: np.ndarray | None = None
 
 
 def friction_series(
@@ -148,7 +152,8 @@ def _logs(level: np.ndarray, variance: np.ndarray, unit: np.ndarray, share: np.n
         positive = level > LOWEST
         value = np.where(positive, np.log(np.where(positive, level, 1.0)), np.nan)
         relative = np.where(positive, variance / level**2, np.nan)
-    return Series(_known(value, relative), _known(relative, relative), unit, share)
+        driving = np.isfinite(level) & (level < -DRIVES * np.sqrt(variance))
+    return Series(_known(value, relative), _known(relative, relative), unit, share, driving)
 
 
 def _known(values: np.ndarray, variance: np.ndarray) -> np.ndarray:
