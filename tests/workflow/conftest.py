@@ -3,9 +3,7 @@
 import shutil
 
 import pytest
-from scratch_project import TINY, Project, copy_project, merged
-
-__all__ = ["TINY", "Project", "copy_project", "merged"]
+from scratch_project import Project, copy_project
 
 
 @pytest.fixture(scope="session")

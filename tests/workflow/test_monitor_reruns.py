@@ -1,12 +1,6 @@
 """New logs cost their own windows alone; what does not concern reading costs no window at all."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from monitor_logs import columns, make_log, write_bag, write_parquet
 from scratch_project import Project, copy_project
 

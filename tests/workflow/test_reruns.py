@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from conftest import merged
+from scratch_project import merged
 
 from jointwear.reproduction import readings
 from jointwear.running.configuration import config_schema
