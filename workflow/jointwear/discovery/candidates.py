@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from jointwear.discovery.instruments import limit
-from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
+from jointwear.discovery.linear import Fit, Term, gain, gains, posterior_mean, posterior_means
 from jointwear.discovery.motor_lines import in_band
+from jointwear.discovery.products import Products
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import Effect, get_effect, library
@@ -39,6 +40,37 @@ class Candidate:
         return (self.effect, self.axis, self.source)
 
 
+@dataclass(frozen=True)
+class Group:
+    """Candidates on one axis that have k columns each.
+
+    `members` (n,) are their places among the candidates of the axis, `places` (n, k) those of their columns. `std`
+    (n, k) is the prior of their coefficients, `squares` (n, k, k) the sums of products of their own columns.
+    """
+
+    members: np.ndarray
+    places: np.ndarray
+    std: np.ndarray
+    squares: np.ndarray
+
+    def of(self, chosen: np.ndarray) -> Group:
+        """Return those of the candidates that are `chosen`, a mask over all of the axis."""
+        kept = chosen[self.members]
+        return Group(self.members[kept], self.places[kept], self.std[kept], self.squares[kept])
+
+
+def _grouped(matrix: np.ndarray, entries: list[tuple[Candidate, slice, np.ndarray]]) -> list[Group]:
+    widths = np.array([len(std) for _, _, std in entries], dtype=int)
+    found = []
+    for width in np.unique(widths):
+        members = np.flatnonzero(widths == width)
+        own = [entries[i] for i in members]
+        places = np.array([np.arange(where.start, where.stop) for _, where, _ in own])
+        squares = np.array([(x := matrix[:, where]).T @ x for _, where, _ in own])
+        found.append(Group(members, places, np.array([std for *_, std in own]), squares))
+    return found
+
+
 @dataclass
 class Dictionary:
     """Whitened columns of all single-axis candidates, one matrix an axis, and of those on the whole arm.
@@ -52,6 +84,19 @@ class Dictionary:
     whole: list[tuple[Candidate, dict[int, np.ndarray], np.ndarray]]
     not_tried: list[tuple[str, int | None, str]] = field(default_factory=list)
     spreading: list[tuple[list[Candidate], dict[int, np.ndarray]]] = field(default_factory=list)
+
+    _products: dict[int, Products] = field(default_factory=dict, repr=False)
+    _groups: dict[int, list[Group]] = field(default_factory=dict, repr=False)
+
+    def products(self, axis: int, columns: np.ndarray) -> Products:
+        """Return the sums of products of a matrix of this dictionary, on one axis."""
+        return self._products.setdefault(id(columns), Products(axis, columns))
+
+    def groups(self, axis: int) -> list[Group]:
+        """Return the candidates on one axis in groups of as many columns."""
+        if axis not in self._groups:
+            self._groups[axis] = _grouped(self.matrix[axis], self.entries[axis])
+        return self._groups[axis]
 
     def of_axes(self, axes: Collection[int | None]) -> Dictionary:
         """Return the candidates on some axes, and all of those on the whole arm."""
@@ -270,26 +315,17 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
     restricts the families.
     """
     families: dict[tuple, list[tuple[float, Candidate, dict, np.ndarray]]] = {}
+    chol = np.linalg.cholesky(fit.covariance)
     for axis, matrix in dictionary.matrix.items():
-        b, cross = fit.projected({axis: matrix})
-        chol = np.linalg.cholesky(fit.covariance + 0.0)
-        turned = cross @ chol
-        for candidate, where, std in dictionary.entries[axis]:
-            if keys is not None and candidate.key not in keys:
-                continue
-            x = matrix[:, where]
-            gram = x.T @ x - turned[where] @ turned[where].T
-            effect = get_effect(candidate.effect)
-            if not possible(effect, candidate.nonlinear, posterior_mean(b[where], gram, std)):
-                continue
-            families.setdefault(candidate.key, []).append((gain(b[where], gram, std), candidate, {axis: x}, std))
+        for candidate, where, std, value in _scored(dictionary, axis, fit, chol, keys):
+            families.setdefault(candidate.key, []).append((value, candidate, {axis: matrix[:, where]}, std))
     for candidates, matrices in dictionary.spreading:
         if keys is not None and candidates[0].key not in keys:
             continue
-        for k, (b, square) in enumerate(zip(*fit.gram_each(matrices), strict=True)):
-            value = gain_about_one(white, np.array([b]), np.array([[square]]))
+        values = _gains_about_one(white, *_gram_each(dictionary, matrices, fit, chol))
+        for k, (candidate, value) in enumerate(zip(candidates, values, strict=True)):
             blocks = {a: x[:, k : k + 1] for a, x in matrices.items()}
-            families.setdefault(candidates[k].key, []).append((value, candidates[k], blocks, np.ones(1)))
+            families.setdefault(candidate.key, []).append((value, candidate, blocks, np.ones(1)))
     for candidate, blocks, std in dictionary.whole:
         if keys is not None and candidate.key not in keys:
             continue
@@ -312,6 +348,50 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
         others = tuple(Scored(c, float(value - cost), blocks, std) for value, c, blocks, std in rest)
         found.append(Scored(first[1], float(np.logaddexp.reduce(values) - cost), first[2], first[3], others))
     return sorted(found, key=lambda s: -s.evidence)
+
+
+def _scored(
+    dictionary: Dictionary, axis: int, fit: Fit, chol: np.ndarray, keys: set | None
+) -> Iterator[tuple[Candidate, slice, np.ndarray, float]]:
+    """Yield candidate, columns, prior and gain [nats] of what acts on one axis alone and may exist as it is fitted.
+
+    Parameters
+    ----------
+    chol : lower Cholesky factor (p, p) of the covariance of the fit. keys : families, None for all.
+    """
+    entries = dictionary.entries[axis]
+    chosen = np.array([keys is None or candidate.key in keys for candidate, _, _ in entries], dtype=bool)
+    if not chosen.any():
+        return
+    b, cross = dictionary.products(axis, dictionary.matrix[axis]).projected(fit)
+    turned = cross @ chol
+    values: list[float] = [0.0] * len(entries)
+    means: list[np.ndarray] = [np.zeros(0)] * len(entries)
+    for group in (g.of(chosen) for g in dictionary.groups(axis)):
+        taken = turned[group.places]
+        gram = group.squares - taken @ taken.transpose(0, 2, 1)
+        mean, value = (work(b[group.places], gram, group.std) for work in (posterior_means, gains))
+        for i, m, v in zip(group.members, mean, value.tolist(), strict=True):
+            means[i], values[i] = m, v
+    for i in np.flatnonzero(chosen):
+        candidate, where, std = entries[i]
+        if possible(get_effect(candidate.effect), candidate.nonlinear, means[i]):
+            yield candidate, where, std, values[i]
+
+
+def _gram_each(
+    dictionary: Dictionary, matrices: dict[int, np.ndarray], fit: Fit, chol: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return b and H (k,) of each of the columns on several axes alone, as of :meth:`Fit.gram_each`."""
+    sums = [dictionary.products(axis, x).projected(fit) for axis, x in matrices.items()]
+    full = sum(dictionary.products(axis, x).squares for axis, x in matrices.items())
+    return sum(b for b, _ in sums), full - np.sum((sum(cross for _, cross in sums) @ chol) ** 2, axis=1)
+
+
+def _gains_about_one(white: White, b: np.ndarray, square: np.ndarray) -> list[float]:
+    """Return :func:`gain_about_one` of single columns with b and H (k,)."""
+    width = np.full((len(b), 1), white.problem.settings.usual)
+    return (b - 0.5 * square + gains((b - square)[:, None], square[:, None, None], width)).tolist()
 
 
 def contenders(found: list[Scored], settings: Settings) -> list[Scored]:

@@ -109,6 +109,20 @@ def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> float:
     return 0.5 * float(right @ np.linalg.solve(scaled, right)) - 0.5 * float(log_det)
 
 
+def gains(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """Return :func:`gain` (n,) of n groups of as many columns: b (n, k), gram (n, k, k) and std (n, k)."""
+    count = b.shape[1]
+    scaled = np.eye(count) + std[:, :, None] * gram * std[:, None, :]
+    right = std * b
+    sign, log_det = np.linalg.slogdet(scaled)
+    # By rounding alone a determinant may fail to be positive: such a group gains nothing.
+    sound = sign > 0
+    found = np.full(len(b), -np.inf)
+    fitted = np.linalg.solve(scaled[sound], right[sound][:, :, None])[:, :, 0]
+    found[sound] = 0.5 * np.sum(right[sound] * fitted, axis=1) - 0.5 * log_det[sound]
+    return found
+
+
 def gain_of_one(b: np.ndarray, gram: np.ndarray) -> float:
     """Return the nats that one column with b = X'r and gram X'M X adds with a coefficient of one, not fitted."""
     return float(b[0] - 0.5 * gram[0, 0])
@@ -119,6 +133,12 @@ def posterior_mean(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarr
     if len(b) == 1:
         return b / (gram[0] + 1 / std**2)
     return np.linalg.solve(gram + np.diag(1 / std**2), b)
+
+
+def posterior_means(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """Return :func:`posterior_mean` (n, k) of n groups of as many columns, as of :func:`gains`."""
+    prior = np.eye(b.shape[1]) / std[:, :, None] ** 2
+    return np.linalg.solve(gram + prior, b[:, :, None])[:, :, 0]
 
 
 def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float, int]:
