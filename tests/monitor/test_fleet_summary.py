@@ -14,6 +14,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from jointwear.files.errors import InputError
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.findings import told_together
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.page import robot_item
 from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
@@ -119,6 +120,21 @@ def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
     row = as_of(robot("big", axis(1), axis(2), axis(3, UNJUDGED), findings=told), NOW)
     item = robot_item(row, zone_of(None), "robots")
     assert (item["unjudged"], item["coarse"]) == ("axis 3", "axis 2")
+
+
+def test_axes_whose_limit_cannot_be_seen_take_one_sentence():
+    coarse = [
+        {"time": NOW, "axes": [a], "kind": "coarse", "least": s, "words": f"axis {a}"}
+        for a, s in ((4, 0.33), (1, 0.2), (2, 0.25))
+    ]
+    other = {"time": NOW - DAY, "axes": [3], "kind": "proposed_service", "words": "Friction of axis 3 fell"}
+    row = as_of(robot("x", findings=[*coarse[:2], other, coarse[2]]), NOW)
+    told, service = robot_item(row, zone_of(None), "robots")["findings"]
+    assert told.startswith("Of axes 1, 2 and 4 only changes above 20 to 33 % can be seen")
+    assert service == "Friction of axis 3 fell"
+    assert [f["words"] for f in told_together([coarse[0], other])] == ["axis 4", "Friction of axis 3 fell"]
+    alike = [{**f, "least": 0.3} for f in coarse]
+    assert "only changes above 30 % can be seen" in told_together(alike)[0]["words"]
 
 
 def test_logs_that_are_not_there_are_none_of_those_that_are(built):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -297,6 +297,27 @@ def loose_findings(statistics: WindowStatistics, baseline: np.ndarray, level: Wa
     )
     time = float(statistics.end[np.flatnonzero(baseline)[-1]])
     return [{"time": time, "axes": axes, "kind": LOOSE, "words": words}]
+
+
+def told_together(findings: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return findings for a page: axes whose limit cannot be seen in one sentence, where the first of them stands."""
+    coarse = [f for f in findings if f["kind"] == COARSE]
+    if len(coarse) < 2:
+        return [dict(f) for f in findings]
+    axes, least = sorted(axis for f in coarse for axis in f["axes"]), sorted(f["least"] for f in coarse)
+    words = (
+        f"Of {name_axes(axes)} only changes above {_percents(least)} can be seen, more than their limits: their "
+        "friction differs too much from shift to shift, or is too small against the noise. That there is no alarm says "
+        "nothing of smaller changes."
+    )
+    whole = {"time": coarse[0]["time"], "axes": axes, "kind": COARSE, "least": least[0], "words": words}
+    return [whole if f is coarse[0] else dict(f) for f in findings if f is coarse[0] or f["kind"] != COARSE]
+
+
+def _percents(shares: Sequence[float]) -> str:
+    """Return the span of sorted shares in percent, one number where they round to the same."""
+    low, high = (f"{100 * share:.0f}" for share in (shares[0], shares[-1]))
+    return f"{low} %" if low == high else f"{low} to {high} %"
 
 
 def coarse_words(least: float) -> str:

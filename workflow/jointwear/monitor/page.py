@@ -15,6 +15,7 @@ from jointwear.monitor.advice import advice
 from jointwear.monitor.condition import SHOWN_BY, UNRESOLVED, AxisCondition, axis_conditions, robot_episodes
 from jointwear.monitor.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.episodes import Episode
+from jointwear.monitor.findings import told_together
 from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.standing import standing
@@ -82,7 +83,7 @@ def _scale_note(state: RobotState, episode: Episode, zone: tzinfo) -> str:
 
 def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
     """Return what else was found, the newest first."""
-    found = sorted(row["findings"], key=lambda f: -(f.get("time") or 0.0))
+    found = sorted(told_together(row["findings"]), key=lambda f: -(f.get("time") or 0.0))
     return [
         {
             "when": " to ".join(when(state, f[key], zone) for key in ("time", "end") if f.get(key) is not None),

@@ -11,7 +11,7 @@ from jointwear.files.text_files import replace_text
 from jointwear.files.wording import name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.findings import COARSE
+from jointwear.monitor.findings import COARSE, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_time, log_time
@@ -69,7 +69,7 @@ def _to_check(findings: Sequence[Mapping[str, Any]]) -> list[str]:
 
     What is over comes last, and of several of a kind the newest alone, with how many there were before.
     """
-    shown = [f for f in findings if f["kind"] != BACKLASH]
+    shown = told_together([f for f in findings if f["kind"] != BACKLASH])
     newest = sorted(shown, key=lambda f: -(f.get("time") or 0))
     words = [f["words"] for f in newest if "end" not in f]
     over: dict[str, list[str]] = {}
