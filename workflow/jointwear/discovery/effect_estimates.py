@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.discovery.beyond_band import within_band
 from jointwear.discovery.candidates import Candidate, prior_std, raw_torques, whitened
 from jointwear.discovery.fast_waves import lost_to_speed
-from jointwear.discovery.forms import Form
+from jointwear.discovery.forms import Form, companion
 from jointwear.discovery.largest_torque import Fitted, all_columns, largest_torque
-from jointwear.discovery.linear import Fit, posterior_mean
+from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import spread
 from jointwear.discovery.refine import free_parameters
@@ -144,6 +145,27 @@ def _other_forms(
     return {name: float(np.sqrt(s)) for name, s in square.items()}
 
 
+def _by_its_band(
+    white: White,
+    base: list[Term],
+    others: list[Term],
+    candidate: Candidate,
+    parameters: dict[str, float],
+    names: Iterable[str],
+) -> dict[str, float]:
+    """Return half of what each linear parameter of an effect of timing moves by what the effect does above its band.
+
+    What is left to a term of its own there holds noise as well as the effect. Without it the parameter would be too
+    large, with it that may be too small.
+    """
+    nothing, lean = dict.fromkeys(names, 0.0), within_band(base)
+    if len(lean) == len(base) or not get_effect(candidate.effect).timing or candidate.axis is None:
+        return nothing
+    effect = get_effect(candidate.effect)
+    found = effect.bounded(_fitted(white, Fit(white.targets, [*lean, *others]), candidate))
+    return {name: 0.5 * abs(found[name] - parameters[name]) for name in nothing}
+
+
 def _in_the_bend(
     white: White,
     candidate: Candidate,
@@ -163,6 +185,29 @@ def _in_the_bend(
     more = np.linalg.lstsq(columns[:, :own], bend, rcond=None)[0]
     whole = effect.bounded(effect.parameters_of(candidate.nonlinear, coefficients[:own] + more))
     return {name: abs(whole[name] - parameters[name]) for name in nothing}
+
+
+def _where_the_form_bends(
+    white: White,
+    others: list[Term],
+    candidate: Candidate,
+    form: Form | None,
+    coefficients: np.ndarray,
+    spreads: dict[str, float],
+) -> dict[str, float]:
+    """Return the spread of the logarithm of each nonlinear parameter, no less than beside a form that may bend.
+
+    The order of a wave with flat crests is that of the sine which comes nearest on the travel that was seen: known to a
+    hundredth, and off by more. What the bend can make up for is not known of it.
+    """
+    if form is None or not spreads:
+        return spreads
+    torque = raw_torques(white, candidate)[candidate.axis]
+    used = white.problem.usable[:, candidate.axis]
+    size = float(np.sqrt(np.mean((torque @ coefficients[: torque.shape[1]])[used] ** 2)))
+    bent = white.fit([*others, companion(white, form, size)])
+    free = {p.name: p for p in free_parameters(candidate)}
+    return {name: max(s, spread(white, bent, candidate, free[name])) for name, s in spreads.items()}
 
 
 def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
@@ -200,10 +245,12 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
     std = {name: float(np.hypot(s, form_std[name])) for name, s in std.items()}
     rest = white.fit(others)
     spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
+    spreads = _where_the_form_bends(white, others, candidate, form, coefficients, spreads)
     if std:
         unknown = [
             _other_forms(white, without, candidate, parameters, std),
             _in_the_bend(white, candidate, form, coefficients, parameters, std),
+            _by_its_band(white, base, others, candidate, parameters, std),
         ]
         if not scaled:
             unknown.append(_followed(white, without, candidate, spreads, set(std)))

@@ -12,6 +12,7 @@ from scipy.linalg import null_space
 from jointwear.discovery.acceptance import stiff
 from jointwear.discovery.base import doubted_links, likely_base
 from jointwear.discovery.between_axes import of_scales
+from jointwear.discovery.beyond_band import beyond_band, with_gears
 from jointwear.discovery.candidates import (
     LINK_MASS,
     Candidate,
@@ -37,6 +38,8 @@ from jointwear.robots.inertia import mass_direction
 WITHOUT = "without"
 #: Up to this relative error of the drive parameters they are taken as right.
 RIGHT_PARAMETERS = 0.03
+#: How often effects of timing are refined at most, each time beside what the last one does above its band.
+REFINEMENTS = 3
 
 
 @dataclass(frozen=True)
@@ -71,17 +74,12 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     without : labels of base terms that are left as the robot file has them.
     """
     doubt = doubts(outcome)
-    white = tempered(outcome.white, doubt)
+    plain = tempered(outcome.white, doubt)
     named = [_doubted(n, doubt) for n in outcome.named]
     effects = [n for n in named if n.candidate.effect != LINK_MASS]
     masses = [n for n in named if n.candidate.effect == LINK_MASS]
     mass_terms = [t for n in masses for t in n.terms]
-    refined: list[tuple[Named, Candidate, Term]] = []
-    for i, one in enumerate(effects):
-        others = [t for _, _, t in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
-        fit = white.fit(others)
-        candidate = simplest(white, fit, refine(white, fit, one.candidate))
-        refined.append((one, candidate, effect_term(white, candidate, one.term)))
+    white, refined = _refined(plain, effects, mass_terms)
     forms: list[tuple[Form, Term] | None] = []
     for i, (_, candidate, term) in enumerate(refined):
         others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
@@ -107,15 +105,16 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         refined = [r for r in refined if id(r[2]) in left]
         if everything:
             break
+        white = _in_band(plain, [c for _, c, _ in refined])
     ours = {id(t) for t in terms}
     base = [t for t in kept if id(t) not in ours]
     final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
-    alone = [t for t in likely_base(white, mass_terms)[0] if t.label not in without]
-    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(white, alone, [], [])
-    alone, retuned_given_up = put_back(white, [*alone, *mass_terms], steps, "retuned", nameless)
-    retuned = Fit(white.targets, alone)
-    beside = _make_links_sound(white, retuned, masses)
-    friction, _, inertial = _base_of(white, retuned, masses)
+    alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
+    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(plain, alone, [], [])
+    alone, retuned_given_up = put_back(plain, [*alone, *mass_terms], steps, "retuned", nameless)
+    retuned = Fit(plain.targets, alone)
+    beside = _make_links_sound(plain, retuned, masses)
+    friction, _, inertial = _base_of(plain, retuned, masses)
     return replace(
         final,
         retuned_friction=friction,
@@ -123,6 +122,47 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         fallbacks=fallbacks + retuned_given_up,
         unwritten=unwritten,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
+    )
+
+
+def _in_band(plain: White, candidates: list[Candidate]) -> White:
+    """Return the problem with what effects of timing do above the band of their columns, and a load that knows them."""
+    white = with_gears(plain, candidates)
+    beside = beyond_band(white, candidates)
+    return replace(white, base=[*white.base, *beside]) if beside else white
+
+
+def _refined(
+    plain: White, effects: list[Named], mass_terms: list[Term]
+) -> tuple[White, list[tuple[Named, Candidate, Term]]]:
+    """Return the problem beside the effects and these with their nonlinear parameters at the largest evidence.
+
+    The load of which the columns of an elastic gear are made depends on the gear: it is refined once more with that.
+    """
+    candidates = [n.candidate for n in effects]
+    for _ in range(REFINEMENTS):
+        white = _in_band(plain, candidates)
+        refined: list[tuple[Named, Candidate, Term]] = []
+        for i, one in enumerate(effects):
+            others = [t for _, _, t in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
+            fit = white.fit(others)
+            candidate = simplest(white, fit, refine(white, fit, candidates[i]))
+            refined.append((one, candidate, effect_term(white, candidate, one.term)))
+        if white is plain:
+            break
+        before, candidates = candidates, [c for _, c, _ in refined]
+        white = _in_band(plain, candidates)
+        refined = [(one, c, effect_term(white, c, one.term)) for one, c, _ in refined]
+        if all(_alike(a, b, plain.problem.settings.parameter_error) for a, b in zip(before, candidates, strict=True)):
+            break
+    return white, refined
+
+
+def _alike(one: Candidate, other: Candidate, share: float) -> bool:
+    """Return whether no parameter of two candidates of one effect differs by more than a share of itself."""
+    return one.nonlinear.keys() == other.nonlinear.keys() and all(
+        np.isclose(float(value), float(other.nonlinear[name]), rtol=share, atol=0.0)
+        for name, value in one.nonlinear.items()
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.fused_load import fused_load
+from jointwear.discovery.fused_load import end_of_columns, fused_load
 from jointwear.discovery.instruments import (
     Cutoffs,
     axis_cutoffs,
@@ -38,7 +38,8 @@ Folds = Callable[[int], np.ndarray]
 class White:
     """The problem after whitening: targets and base terms, for the training samples.
 
-    `cutoffs` are those of the instruments of each axis.
+    `cutoffs` are those of the instruments of each axis, `gears` axis -> Jm G^2/K [s2] of the elastic gears that have
+    their name, as far as a load is made of the measured torque too.
     """
 
     problem: Problem
@@ -47,24 +48,29 @@ class White:
     base: list[Term]
     directions: np.ndarray
     cutoffs: list[Cutoffs]
-    _states: dict[tuple[int, float | str], State] = field(default_factory=dict, repr=False)
+    gears: Mapping[int, float] = field(default_factory=dict)
+    _states: dict[tuple, Any] = field(default_factory=dict, repr=False)
 
-    def state_of(self, effect: Effect, axis: int | None, nonlinear: Mapping[str, Any] | None = None) -> State:
+    def state_of(
+        self, effect: Effect, axis: int | None, nonlinear: Mapping[str, Any] | None = None, band: float = 1.0
+    ) -> State:
         """Return the training samples that the columns of an effect on one axis are made from: its instruments.
 
         Parameters
         ----------
         nonlinear : of the effect; None for a bend of its form, which is of rates of torque whatever the effect is.
+        band : times the cut-off of an effect of timing at which its columns end.
         """
         if axis is None:
             return self.problem.train_state
         cutoffs = self.cutoffs[axis]
         if effect.of_load and np.isfinite(cutoffs.timing) and self.problem.state.encoder_side == "link":
             # Where positions may be those of the motor, a link that swings shakes all joints: that is no noise.
-            return self._fused_state(axis)
+            share = abs(float((nonlinear or {}).get(effect.scaled, 0.0)))
+            return self._fused_state(axis, band * self._end_of_gear(axis, self.gears.get(axis, share)))
         if nonlinear is not None and effect.shifts(nonlinear):
-            return self._limited_state(axis, cutoffs.late)
-        return self._limited_state(axis, cutoffs.timing) if effect.timing else self.axis_state(axis)
+            return self._limited_state(axis, band * cutoffs.late)
+        return self._limited_state(axis, band * cutoffs.timing) if effect.timing else self.axis_state(axis)
 
     def axis_state(self, axis: int) -> State:
         """Return the training samples without the noise of derived accelerations on one axis."""
@@ -97,17 +103,30 @@ class White:
             self._states[axis, cutoff] = limited_state(self.problem, axis, cutoff)
         return self._states[axis, cutoff]
 
-    def _fused_state(self, axis: int) -> State:
-        if (axis, "fused") not in self._states:
-            problem, cutoffs = self.problem, self.cutoffs[axis]
-            record, rate = np.asarray(problem.train_state.record), problem.measured.rate
-            state = self._limited_state(axis, cutoffs.timing)
-            residual = bridged(self._residual(axis), problem.usable[:, axis], record)
-            fused = fused_load(problem, axis, self.whiteners[axis], residual)
+    def beside_gears(self, gears: Mapping[int, float]) -> White:
+        """Return the same problem once it is known that the residual of some axes holds an elastic gear."""
+        return replace(self, gears=dict(gears), _states={}) if gears else self
+
+    def _end_of_gear(self, axis: int, share: float) -> float:
+        cutoffs = self.cutoffs[axis]
+        return end_of_columns(self.problem, axis, self.whiteners[axis], share, cutoffs.timing, cutoffs.swing)
+
+    def _fused_state(self, axis: int, end: float) -> State:
+        if (axis, "fused", end) not in self._states:
+            record, rate = np.asarray(self.problem.train_state.record), self.problem.measured.rate
+            state = self._limited_state(axis, self.cutoffs[axis].timing)
             load = state.load.copy()
-            load[:, axis] = limit(fused[:, None], record, cutoffs.swing, rate)[:, 0]
-            self._states[axis, "fused"] = replace(state, load=load)
-        return self._states[axis, "fused"]
+            load[:, axis] = limit(self._fused_load(axis)[:, None], record, end, rate)[:, 0]
+            self._states[axis, "fused", end] = replace(state, load=load)
+        return self._states[axis, "fused", end]
+
+    def _fused_load(self, axis: int) -> np.ndarray:
+        if (axis, "load") not in self._states:
+            problem = self.problem
+            residual = bridged(self._residual(axis), problem.usable[:, axis], np.asarray(problem.train_state.record))
+            share = self.gears.get(axis, 0.0)
+            self._states[axis, "load"] = fused_load(problem, axis, self.whiteners[axis], residual, share)
+        return self._states[axis, "load"]
 
     @cached_property
     def _base_fit(self) -> Fit:

@@ -1,0 +1,68 @@
+"""What effects of timing do above the band that their columns end at, as terms beside them.
+
+Columns of timing are low-passed, because above their cut-off they would feed on the noise of derived accelerations. The
+effect itself goes on there. A filter ends gradually: where a column has lost half of a swing, twice its coefficient
+fits best, and what no column has is taken by the motor inertia. The octave above the cut-off is therefore a term of its
+own with a free coefficient. It carries no evidence for the effect and no torque of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from jointwear.discovery.candidates import LINK_MASS, Candidate, on_all_axes
+from jointwear.discovery.linear import Term
+from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
+
+#: Times the cut-off of its columns up to which what an effect of timing does is a term beside it: further up it is
+#: noise that the term would follow.
+OCTAVE = 2.0
+#: First words of the label of such a term.
+LABEL = "beyond the band of"
+
+
+def beyond_band(white: White, candidates: Iterable[Candidate]) -> list[Term]:
+    """Return a term for each effect of timing on one axis whose columns end below its torque."""
+    return [term for one in candidates if (term := _beyond(white, one)) is not None]
+
+
+def within_band(terms: Iterable[Term]) -> list[Term]:
+    """Return the terms that are not of :func:`beyond_band`."""
+    return [t for t in terms if not t.label.startswith(LABEL)]
+
+
+def _beyond(white: White, candidate: Candidate) -> Term | None:
+    axis = candidate.axis
+    if candidate.effect == LINK_MASS or axis is None or on_all_axes(candidate):
+        return None
+    effect = get_effect(candidate.effect)
+    if not effect.timing:
+        return None
+    within, wide = (
+        effect.columns(
+            white.state_of(effect, axis, candidate.nonlinear, band), axis, candidate.source, candidate.nonlinear
+        )
+        for band in (1.0, OCTAVE)
+    )
+    columns = wide - within
+    if not np.isfinite(columns).all() or not np.any(columns):
+        return None
+    nothing = np.zeros((len(white.whiteners[axis].rows), columns.shape[1]))
+    # As large as the effect itself, give or take as much.
+    std = np.ones(columns.shape[1])
+    return Term(f"{LABEL} {effect.identifier} {axis}", {axis: white.columns(axis, columns)}, std, {axis: nothing})
+
+
+def with_gears(white: White, candidates: Iterable[Candidate]) -> White:
+    """Return the problem in which a load that is fused of model and torque knows the elastic gears."""
+    gears = {}
+    for one in candidates:
+        if one.effect == LINK_MASS or one.axis is None or on_all_axes(one):
+            continue
+        effect = get_effect(one.effect)
+        if effect.of_load and effect.scaled and not one.nonlinear.get("side"):
+            gears[one.axis] = float(one.nonlinear[effect.scaled])
+    return white.beside_gears(gears)
