@@ -307,7 +307,7 @@ def one_joint(share=0.0):
 def test_a_fused_load_shares_no_noise_with_the_residual():
     problem, load, residual, white = one_joint()
     fused = fused_load(problem, 0, white, residual)
-    time = np.arange(len(load)) / RATE * 2
+    time = np.arange(len(load)) / problem.measured.rate
     given = problem.train_state.load[:, 0]
     errors = [second_derivative(_clock(time), x - load)[50:-50] for x in (given, fused)]
     shared = [np.corrcoef(x, residual[50:-50])[0, 1] for x in errors]
@@ -320,7 +320,7 @@ def test_a_fused_load_keeps_a_gear_that_it_knows():
     """What a gear adds to the residual is no noise of the load: not known, it takes most of a wave near its swing."""
     share = 3e-4
     problem, load, residual, white = one_joint(share)
-    wave = load - low_pass(load, 3.0, RATE / 2)
+    wave = load - low_pass(load, 3.0, problem.measured.rate)
     seen = [fused_load(problem, 0, white, residual, x) @ wave / (wave @ wave) for x in (0.0, share)]
     assert seen[0] < 0.6
     assert seen[1] == pytest.approx(1.0, abs=0.05)

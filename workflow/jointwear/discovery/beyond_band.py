@@ -12,7 +12,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Candidate, on_all_axes
+from jointwear.discovery.candidates import Candidate, on_its_axis_alone, raw_columns
 from jointwear.discovery.linear import Term
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
@@ -35,33 +35,22 @@ def within_band(terms: Iterable[Term]) -> list[Term]:
 
 
 def _beyond(white: White, candidate: Candidate) -> Term | None:
+    if not on_its_axis_alone(candidate) or not get_effect(candidate.effect).timing:
+        return None
     axis = candidate.axis
-    if candidate.effect == LINK_MASS or axis is None or on_all_axes(candidate):
-        return None
-    effect = get_effect(candidate.effect)
-    if not effect.timing:
-        return None
-    within, wide = (
-        effect.columns(
-            white.state_of(effect, axis, candidate.nonlinear, band), axis, candidate.source, candidate.nonlinear
-        )
-        for band in (1.0, OCTAVE)
-    )
-    columns = wide - within
+    columns = raw_columns(white, candidate, OCTAVE) - raw_columns(white, candidate)
     if not np.isfinite(columns).all() or not np.any(columns):
         return None
     nothing = np.zeros((len(white.whiteners[axis].rows), columns.shape[1]))
     # As large as the effect itself, give or take as much.
     std = np.ones(columns.shape[1])
-    return Term(f"{LABEL} {effect.identifier} {axis}", {axis: white.columns(axis, columns)}, std, {axis: nothing})
+    return Term(f"{LABEL} {candidate.effect} {axis}", {axis: white.columns(axis, columns)}, std, {axis: nothing})
 
 
 def with_gears(white: White, candidates: Iterable[Candidate]) -> White:
     """Return the problem in which a load that is fused of model and torque knows the elastic gears."""
     gears = {}
-    for one in candidates:
-        if one.effect == LINK_MASS or one.axis is None or on_all_axes(one):
-            continue
+    for one in filter(on_its_axis_alone, candidates):
         effect = get_effect(one.effect)
         if effect.of_load and effect.scaled and not one.nonlinear.get("side"):
             gears[one.axis] = float(one.nonlinear[effect.scaled])

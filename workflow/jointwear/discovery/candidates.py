@@ -106,10 +106,10 @@ class Dictionary:
         return replace(self, matrix=matrix, entries=entries, spreading=spreading)
 
 
-def raw_columns(white: White, candidate: Candidate) -> np.ndarray:
-    """Return the columns (N_train, k) of a single-axis candidate before whitening."""
+def raw_columns(white: White, candidate: Candidate, band: float = 1.0) -> np.ndarray:
+    """Return the columns (N_train, k) of a single-axis candidate before whitening; `band` as of White.state_of."""
     effect = get_effect(candidate.effect)
-    state = white.state_of(effect, candidate.axis, candidate.nonlinear)
+    state = white.state_of(effect, candidate.axis, candidate.nonlinear, band)
     return effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
 
 
@@ -118,6 +118,11 @@ def on_all_axes(candidate: Candidate) -> bool:
     if candidate.effect == LINK_MASS or candidate.axis is None:
         return False
     return get_effect(candidate.effect).spreads(candidate.nonlinear)
+
+
+def on_its_axis_alone(candidate: Candidate) -> bool:
+    """Return whether a candidate is an effect on one axis that acts on no other."""
+    return candidate.effect != LINK_MASS and candidate.axis is not None and not on_all_axes(candidate)
 
 
 def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:

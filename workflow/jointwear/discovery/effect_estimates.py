@@ -158,10 +158,9 @@ def _by_its_band(
     What is left to a term of its own there holds noise as well as the effect. Without it the parameter would be too
     large, with it that may be too small.
     """
-    nothing, lean = dict.fromkeys(names, 0.0), within_band(base)
-    if len(lean) == len(base) or not get_effect(candidate.effect).timing or candidate.axis is None:
+    nothing, lean, effect = dict.fromkeys(names, 0.0), within_band(base), get_effect(candidate.effect)
+    if len(lean) == len(base) or not effect.timing or candidate.axis is None:
         return nothing
-    effect = get_effect(candidate.effect)
     found = effect.bounded(_fitted(white, Fit(white.targets, [*lean, *others]), candidate))
     return {name: 0.5 * abs(found[name] - parameters[name]) for name in nothing}
 
