@@ -15,7 +15,6 @@ from jointwear.discovery.products import Products
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import Effect, get_effect, library
-from jointwear.robots.inertia import mass_direction
 
 LINK_MASS = "link_mass"
 #: A joint that moves less than this [rad] acts on no other.
@@ -169,7 +168,7 @@ def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     """Return the unwhitened columns of any candidate on the rows of the whitened ones."""
     problem = white.problem
     if candidate.effect == LINK_MASS:
-        torque = problem.regressor[problem.train] @ mass_direction(problem.robot, candidate.axis)
+        torque = problem.link_mass_torque(candidate.axis)
         return {a: white.raw(a, white.limited(a, torque[:, [a]])) for a in problem.judged if np.any(torque[:, a])}
     if candidate.axis is None:
         columns = get_effect(candidate.effect).columns(problem.train_state, 0, None, candidate.nonlinear)
@@ -190,7 +189,8 @@ def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.nda
 
 def _rms(white: White, axis: int, columns: np.ndarray) -> np.ndarray:
     """Return the RMS (k,) of columns (N_train, k) over the samples of an axis that can be judged."""
-    return np.sqrt(np.mean(columns.take(white.problem.rows_used[axis], axis=0) ** 2, axis=0))
+    used = columns.take(white.problem.rows_used[axis], axis=0)
+    return np.sqrt(np.einsum("ij,ij->j", used, used) / max(len(used), 1))
 
 
 def _std_of_size(white: White, candidate: Candidate, size: np.ndarray) -> np.ndarray:
@@ -249,26 +249,24 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                     continue
                 std = _std_of_size(white, candidate, size)
                 found.append((candidate, slice(start, start + columns.shape[1]), std))
-                rows.append(columns)
+                rows.append(columns.T)
                 start += columns.shape[1]
         if spreading:
             dictionary.spreading.append((spreading, _on_all_axes(white, spreading)))
         if unresolved and unresolved == len(grid):
             dictionary.not_tried.append((effect.identifier, axis, "its waves are faster than the sampling"))
-    # A few columns at a time are taken out again.
-    dictionary.matrix[axis] = np.asfortranarray(white.columns(axis, np.concatenate(rows, axis=1)))
+    # A few columns at a time are taken out again: each lies in one piece.
+    dictionary.matrix[axis] = white.columns(axis, np.concatenate(rows).T)
     dictionary.entries[axis] = found
 
 
 def _on_all_axes(white: White, candidates: list[Candidate]) -> dict[int, np.ndarray]:
     """Return axis -> whitened columns, one for each candidate of an effect that spreads."""
     problem = white.problem
-    torques = {a: np.empty((int(problem.train.sum()), len(candidates))) for a in problem.judged}
+    torques = np.empty((problem.robot.joints, len(candidates), int(problem.train.sum())))
     for k, one in enumerate(candidates):
-        torque = get_effect(one.effect).spread(problem.train_state, one.axis, one.source, one.nonlinear)
-        for a, columns in torques.items():
-            columns[:, k] = torque[:, a]
-    return {a: np.asfortranarray(white.columns(a, _ended(white, a, x))) for a, x in torques.items()}
+        torques[:, k] = get_effect(one.effect).spread(problem.train_state, one.axis, one.source, one.nonlinear).T
+    return {a: np.asfortranarray(white.columns(a, _ended(white, a, torques[a].T))) for a in problem.judged}
 
 
 def _add_whole_arm(dictionary: Dictionary, white: White) -> None:

@@ -48,7 +48,7 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
     found = []
     for axis, matrix in dictionary.matrix.items():
         families: dict[tuple, tuple[float, np.ndarray]] = {}
-        _, cross = fit.projected({axis: matrix})
+        _, cross = dictionary.products(axis, matrix).projected(fit)
         turned = cross @ np.linalg.cholesky(fit.covariance)
         for candidate, where, std in dictionary.entries[axis]:
             x = matrix[:, where]

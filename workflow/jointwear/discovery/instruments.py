@@ -155,8 +155,7 @@ def _beside_base(
     problem: Problem, axis: int, white: Whitener, limited: State, cutoff: float, column: np.ndarray
 ) -> float:
     """Return the mean square of a whitened column (m,) without what the base regression below `cutoff` explains."""
-    inertial = problem.inertial[problem.train, axis]
-    inertial = limit(inertial, np.asarray(limited.record), cutoff, problem.measured.rate)
+    inertial = limited_inertial(problem, axis, cutoff)[:, problem.felt[axis]]
     base = white(np.concatenate([problem.friction_columns(limited, axis), inertial], axis=1))
     base = base / np.maximum(np.sqrt(np.mean(base**2, axis=0)), 1e-12)
     gram = base.T @ base
@@ -258,9 +257,23 @@ def _highest(white: Whitener, shared: np.ndarray, frequency: np.ndarray, rate: f
 
 
 def limited_state(problem: Problem, axis: int, cutoff: float) -> State:
-    """Return the training samples of a problem as :func:`band_limited` leaves them."""
-    measured = problem.measured
-    return band_limited(problem.train_state, axis, cutoff, measured.rate, measured.vague_ends)
+    """Return the training samples of a problem as :func:`band_limited` leaves them, once for each cut-off."""
+    measured, known = problem.measured, problem.limited_states
+    if (axis, cutoff) not in known:
+        known[axis, cutoff] = band_limited(problem.train_state, axis, cutoff, measured.rate, measured.vague_ends)
+    return known[axis, cutoff]
+
+
+def limited_inertial(problem: Problem, axis: int, cutoff: float) -> np.ndarray:
+    """Return the inertial directions (N_train, r) [N m] of one axis, ended at `cutoff` [Hz].
+
+    Those that the axis does not feel are zeros, which no filter changes.
+    """
+    columns, felt = problem.inertial[:, axis][problem.train], problem.felt[axis]
+    if np.isfinite(cutoff):
+        record, rate = np.asarray(problem.train_state.record), problem.measured.rate
+        columns[:, felt] = limit(columns[:, felt], record, cutoff, rate)
+    return columns
 
 
 def band_limited(state: State, axis: int, cutoff: float, rate: float, ends: int = 0) -> State:

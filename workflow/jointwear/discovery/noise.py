@@ -11,7 +11,8 @@ HIGHEST_ORDER = 6
 #: The same where the noise of derived accelerations shows: it rises with the fourth power of the frequency up to the
 #: end of the band of the derivatives, and falls steeply there.
 HIGHEST_ORDER_DERIVED = 16
-#: Columns from which on they are whitened sample by sample: all of them at once, lag by lag, no cache holds.
+#: Columns from which on they are whitened sample by sample: all of them at once, lag by lag, no cache holds. Where each
+#: column lies in one piece, so many are whitened at a time.
 WIDE = 32
 
 
@@ -35,6 +36,8 @@ class Whitener:
         if not columns.size or not len(self.rows):
             return columns[self.rows]
         kernel = np.concatenate([-self.lags[::-1], [1.0]]) / self.sigma
+        if columns.ndim == 2 and columns.flags.f_contiguous and columns.shape[1] > 1:
+            return self._in_pieces(columns.T, kernel).T
         if columns[0].size > WIDE:
             windows = np.lib.stride_tricks.sliding_window_view(columns, order + 1, axis=0)
             return np.einsum("...k,k->...", windows, kernel).take(self.rows - order, axis=0)
@@ -43,6 +46,18 @@ class Whitener:
         for lag in range(1, order + 1):
             result += kernel[lag] * columns[lag : lag + count]
         return result.take(self.rows - order, axis=0)
+
+    def _in_pieces(self, series: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+        """Return series (k, N), each in one piece, whitened (k, m)."""
+        order, result = len(self.lags), np.empty((len(series), len(self.rows)))
+        count, places = series.shape[1] - order, self.rows - order
+        for first in range(0, len(series), WIDE):
+            part = series[first : first + WIDE]
+            white = kernel[0] * part[:, :count]
+            for lag in range(1, order + 1):
+                white += kernel[lag] * part[:, lag : lag + count]
+            white.take(places, axis=1, out=result[first : first + WIDE], mode="clip")
+        return result
 
     def density(self, frequency: np.ndarray, rate: float) -> np.ndarray:
         """Return the density (k,) [(N m)^2/Hz, one-sided] of the noise at frequencies (k,) [Hz]."""

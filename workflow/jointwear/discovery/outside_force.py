@@ -20,8 +20,6 @@ from jointwear.discovery.linear import Term, gain, posterior_mean
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect, library
-from jointwear.robots.inertia import gravity_regressor
-from jointwear.robots.robot import Link
 
 #: Label of the term of such a force among those of the base.
 LABEL = "force at the flange"
@@ -91,9 +89,7 @@ def _term(white: White) -> Term | None:
     weight = max(usual, default=0.0) * float(np.linalg.norm(problem.robot.gravity))
     if not weight > 0:
         return None
-    position = problem.train_state.position
-    body = replace(problem.robot, payload=Link(1.0, np.zeros(3), np.zeros((3, 3))))
-    pull = gravity_regressor(body, position) - gravity_regressor(replace(problem.robot, payload=None), position)
+    pull = problem.flange_pull
     blocks = {a: white.columns(a, pull[:, a]) for a in problem.judged}
     raw = {a: white.raw(a, pull[:, a]) for a in problem.judged}
     return Term(LABEL, blocks, np.full(3, weight), raw)

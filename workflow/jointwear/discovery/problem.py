@@ -20,11 +20,12 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import (
     gravity_regressor,
     inertial_regressor,
+    mass_direction,
     prior_factor,
     to_joint_frame,
     wind_up_regressor,
 )
-from jointwear.robots.robot import Robot
+from jointwear.robots.robot import Link, Robot
 
 #: Fewest usable samples of an axis that a verdict is based on.
 FEWEST_SAMPLES = 60
@@ -68,11 +69,32 @@ class Problem:
     judged: tuple[int, ...]
     body_prior: Mapping[str, np.ndarray] = field(default_factory=dict)
     still: bool = False
+    #: (axis, cut-off [Hz]) -> training samples; see :func:`jointwear.discovery.instruments.limited_state`.
+    limited_states: dict[tuple[int, float], State] = field(init=False, repr=False, default_factory=dict)
 
     @cached_property
     def train_state(self) -> State:
         """The training samples, ordered within their records."""
         return self.state.part(self.train)
+
+    @cached_property
+    def felt(self) -> list[np.ndarray]:
+        """Directions of the inertial prior, by index, that change the torque of each axis: those of links behind it."""
+        return [np.flatnonzero(np.any(columns, axis=0)) for columns in self.inertial.transpose(1, 0, 2)]
+
+    def link_mass_torque(self, link: int) -> np.ndarray:
+        """Return the torque (N_train, n) [N m] by which mass and inertia of `link` act: growing, they add 100 %."""
+        own = slice(10 * link, 10 * link + 10)
+        return (self.regressor[:, :, own] @ mass_direction(self.robot, link)[own])[self.train]
+
+    @cached_property
+    def flange_pull(self) -> np.ndarray:
+        """(N_train, n, 3) derivative of the torques by a force at the flange, in the base frame."""
+        robot, position = self.robot, self.train_state.position
+        body = replace(robot, payload=Link(1.0, np.zeros(3), np.zeros((3, 3))))
+        bare = self.train_state.gravity_regressor if robot.payload is None else None
+        without = bare() if bare else gravity_regressor(replace(robot, payload=None), position)
+        return gravity_regressor(body, position) - without
 
     @cached_property
     def middle_speed(self) -> dict[int, float]:

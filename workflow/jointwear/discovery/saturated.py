@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, limit, limited_state, velocities
+from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, limited_inertial, limited_state, velocities
 from jointwear.discovery.motor_lines import shown_waves
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
 from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
@@ -61,7 +61,7 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
     state = limited_state(problem, axis, cutoffs.torque)
     waves = shown_waves(problem, axis, state, white, take_off)
     if waves.shape[1]:
-        columns = np.concatenate([columns, _scaled(waves, used)], axis=1)
+        columns = np.concatenate([columns.T, _scaled(waves, used).T]).T
         white = estimate(_remover(columns, used, white)(y), used, label, highest)
         take_off = _remover(columns, used, white)
     left = take_off(y)
@@ -76,7 +76,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     rate, raw = problem.measured.rate, problem.train_state
     state = limited_state(problem, axis, cutoffs.torque)
-    inertial = limit(problem.inertial[problem.train, axis], label, cutoffs.torque, rate)
+    inertial = limited_inertial(problem, axis, cutoffs.torque)
     speeds = velocities(problem, axis, cutoffs)
     groups = [problem.friction_columns(state, axis, speeds), inertial, problem.rounding(axis)]
     if extra is not None:
@@ -86,18 +86,19 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
         groups += _sequential_columns(limited_state(problem, axis, cutoffs.timing), axis)
         groups.append(_beside_reversals(raw, axis, label, rate))
         groups += _columns_of_neighbours(state, axis)
-    columns = np.concatenate(groups, axis=1)
+    # Each column in one piece: they are whitened one by one.
+    series = np.concatenate([g.T for g in groups])
     whole = np.zeros((2, len(used)))
     whole[0, used] = 1.0
     # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
     whole[1, whitenable(used, label, HIGHEST_ORDER)] = 1.0
-    held, seen = whole @ columns**2
+    held, seen = whole @ (series**2).T
     scale = np.sqrt(held / used.sum())
     keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
     if not keep.all():
-        columns, scale = columns.compress(keep, axis=1), scale[keep]
-    columns /= scale
-    return columns
+        series, scale = series[keep], scale[keep]
+    series /= scale[:, None]
+    return series.T
 
 
 def _scaled(columns: np.ndarray, used: np.ndarray) -> np.ndarray:
@@ -107,12 +108,16 @@ def _scaled(columns: np.ndarray, used: np.ndarray) -> np.ndarray:
 
 def _beside_reversals(state: State, axis: int, label: np.ndarray, rate: float) -> np.ndarray:
     """Return what is sharp in the sign of the velocity, (N, 3): misfits beside reversals are not noise."""
-    sense = state.direction[:, axis]
-    result = np.zeros((len(sense), len(SHARP)))
-    for piece in runs(label):
-        for k, frequency in enumerate(SHARP):
-            result[piece, k] = sense[piece] - low_pass(sense[piece], frequency, rate)
-    return result
+
+    def sharp() -> np.ndarray:
+        sense = state.direction[:, axis]
+        result = np.zeros((len(sense), len(SHARP)))
+        for piece in runs(label):
+            for k, frequency in enumerate(SHARP):
+                result[piece, k] = sense[piece] - low_pass(sense[piece], frequency, rate)
+        return result
+
+    return state.of_motion(("sharp", axis, rate), sharp, state.velocity, state.record)
 
 
 def _sequential_columns(state: State, axis: int) -> list[np.ndarray]:
@@ -141,7 +146,7 @@ def _columns_of_neighbours(state: State, axis: int) -> list[np.ndarray]:
 
 def _remover(columns: np.ndarray, used: np.ndarray, white: Whitener | None) -> Callable[[np.ndarray], np.ndarray]:
     """Return the function that takes a ridge fit of `columns` off series (N,) or (N, k)."""
-    x = columns[used] if white is None else white(columns)
+    x = columns.T.compress(used, axis=1).T if white is None else white(columns)
     gram = x.T @ x
     ridge = 1e-4 * np.trace(gram) / len(gram)
     factor = cho_factor(gram + ridge * np.eye(len(gram)))

@@ -15,6 +15,7 @@ from jointwear.discovery.instruments import (
     axis_cutoffs,
     clock_of,
     limit,
+    limited_inertial,
     limited_state,
     nominal_noise,
     swing_cutoff,
@@ -26,7 +27,6 @@ from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import Basis, axis_bases
 from jointwear.effects import Effect, State
 from jointwear.measurement.even_steps import runs
-from jointwear.robots.inertia import mass_direction
 
 #: Label of the term of the corrections of the links, which all axes share.
 INERTIAL = "inertial"
@@ -99,9 +99,7 @@ class White:
         return self._limited_state(axis, self.cutoffs[axis].structure)
 
     def _limited_state(self, axis: int, cutoff: float) -> State:
-        if (axis, cutoff) not in self._states:
-            self._states[axis, cutoff] = limited_state(self.problem, axis, cutoff)
-        return self._states[axis, cutoff]
+        return limited_state(self.problem, axis, cutoff)
 
     def beside_gears(self, gears: Mapping[int, float]) -> White:
         """Return the same problem once it is known that the residual of some axes holds an elastic gear."""
@@ -259,7 +257,7 @@ def _base_columns(problem: Problem, axis: int, cutoffs: Cutoffs) -> tuple[np.nda
     """Return the columns of the drive (N_train, 4) and of the inertial directions (N_train, r) of one axis."""
     friction = problem.friction_columns(problem.train_state, axis, velocities(problem, axis, cutoffs))
     friction[:, 3:] = _limited(problem, cutoffs, friction[:, 3:])
-    return friction, _limited(problem, cutoffs, problem.inertial[problem.train, axis])
+    return friction, limited_inertial(problem, axis, cutoffs.torque)
 
 
 def _limited(problem: Problem, cutoffs: Cutoffs, columns: np.ndarray) -> np.ndarray:
@@ -295,8 +293,7 @@ def bridged(columns: np.ndarray, usable: np.ndarray, record: np.ndarray) -> np.n
 def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:
     """Return whitened columns for the mass and inertia of `link` growing by 100 %."""
     problem = white.problem
-    direction = mass_direction(problem.robot, link)
-    torque = problem.regressor[problem.train] @ direction
+    torque = problem.link_mass_torque(link)
     return {
         axis: white.columns(axis, white.limited(axis, torque[:, [axis]]))
         for axis in problem.judged

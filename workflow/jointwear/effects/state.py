@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -79,12 +80,13 @@ class State:
     derives: Callable[[int, np.ndarray], np.ndarray] | None = None
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
-    _rests: dict[tuple, list[Rest]] = field(init=False, repr=False, default_factory=dict)
     _between: dict[int, Between] = field(init=False, repr=False, default_factory=dict)
     #: Torque as it is now, by axis; see :func:`jointwear.effects.order.late_torque`.
     torque_now: dict[int, np.ndarray] = field(init=False, repr=False, default_factory=dict)
-    #: Handed on to states of the same motion with other torques: waves do not depend on these.
-    _waves: dict[tuple, tuple[np.ndarray, np.ndarray]] = field(repr=False, default_factory=dict)
+    #: Wind-ups of gears and their second derivatives, by axis, stiffness and drag, that several searches start from.
+    wind_ups: dict[tuple, tuple[np.ndarray, np.ndarray]] = field(init=False, repr=False, default_factory=dict)
+    #: Handed on to states of the same motion with other torques, on which what is here does not depend.
+    _of_motion: dict[tuple, tuple[tuple[np.ndarray, ...], Any]] = field(repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "direction", np.sign(self.velocity))
@@ -115,13 +117,16 @@ class State:
 
     def rests_of(self, axis: int, source: int | None = None, shares: tuple[float, float] = (1.0, 0.0)) -> list[Rest]:
         """Return the stops of an axis, or of a drive that turns with `shares` of it and of another; unordered: none."""
-        key = (axis, source, *shares)
-        if key not in self._rests:
+        if self.record is None:
+            return []
+
+        def stops() -> list[Rest]:
             velocity = shares[0] * self.velocity[..., axis]
             if source is not None:
                 velocity = velocity + shares[1] * self.velocity[..., source]
-            self._rests[key] = [] if self.record is None else rests(velocity, self.time, record_slices(self))
-        return self._rests[key]
+            return rests(velocity, self.time, record_slices(self))
+
+        return self.of_motion(("rests", axis, source, *shares), stops, self.velocity, self.time, self.record)
 
     def between(self, axis: int) -> Between:
         """Return nominal torque without Coulomb friction [N m] and velocity [rad/s] of one axis between the samples.
@@ -138,11 +143,24 @@ class State:
 
     def waves_of(self, axis: int, count: float) -> np.ndarray:
         """Return sine and cosine (..., 2) of `count` angles of an axis; worked out once for all states of a motion."""
-        key = (axis, count)
-        if key not in self._waves or self._waves[key][0] is not self.position:
+
+        def waves() -> np.ndarray:
             turn = count * self.position[..., axis]
-            self._waves[key] = self.position, np.stack([np.sin(turn), np.cos(turn)], axis=-1)
-        return self._waves[key][1]
+            return np.stack([np.sin(turn), np.cos(turn)], axis=-1)
+
+        return self.of_motion(("waves", axis, count), waves, self.position)
+
+    def of_motion(self, key: tuple, make: Callable[[], Any], *arrays: np.ndarray) -> Any:
+        """Return what `make` makes of `arrays` of this state, once for all states that hold the same ones.
+
+        Parameters
+        ----------
+        key : tells what is made from all else that is kept so. Nobody may change what is returned.
+        """
+        known = self._of_motion.get(key)
+        if known is None or any(a is not b for a, b in zip(known[0], arrays, strict=True)):
+            known = self._of_motion[key] = arrays, make()
+        return known[1]
 
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""
@@ -159,7 +177,7 @@ class State:
             tip_regressor=_part_of(self.tip_regressor, chosen),
             gravity_regressor=_part_of(self.gravity_regressor, chosen),
             wind_up_regressor=_part_of_wind_up(self.wind_up_regressor, chosen),
-            _waves={},
+            _of_motion={},
         )
 
 

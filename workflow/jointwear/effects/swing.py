@@ -30,36 +30,49 @@ def wind_up(
     place, acceleration = np.zeros(len(load)), np.zeros(len(load))
     if state.record is None or stiffness <= 0:
         return place, acceleration
-    for part in record_slices(state):
+    parts = record_slices(state)
+    if all(part.stop - part.start < 2 for part in parts):
+        return place, acceleration
+    mass, pull = np.maximum(inertia, LEAST), np.array(load, dtype=float)
+    for part in parts:
+        pull[part][:STRUCK] = pull[min(part.start + STRUCK, part.stop - 1)]
+    place, speed = _swung(state.time, pull, mass, stiffness, drag, np.array([part.start for part in parts], dtype=int))
+    acceleration = (pull - stiffness * place - drag * speed) / mass
+    for part in parts:
         if part.stop - part.start < 2:
-            continue
-        mass, pull = np.maximum(inertia[part], LEAST), np.array(load[part], dtype=float)
-        pull[:STRUCK] = pull[min(STRUCK, len(pull) - 1)]
-        place[part], speed = _swung(state.time[part], pull, mass, stiffness, drag)
-        acceleration[part] = (pull - stiffness * place[part] - drag * speed) / mass
+            place[part] = acceleration[part] = 0.0
     return place, acceleration
 
 
-def _swung(time, load, mass, stiffness, drag) -> tuple[np.ndarray, np.ndarray]:
-    """Return place and speed (m,) of an oscillator along one record."""
+def _swung(time, load, mass, stiffness, drag, starts) -> tuple[np.ndarray, np.ndarray]:
+    """Return place and speed (m,) of an oscillator along records that begin at `starts`.
+
+    All records are one system: what takes one sample to the next is none where a record begins.
+    """
     step = np.diff(time)
-    slope = np.diff(load) / step
+    before = starts[1:] - 1
+    step[before] = 1.0
+    slope = np.append(np.diff(load) / step, 0.0)
+    slope[before] = 0.0
     between = 0.5 * (mass[1:] + mass[:-1])
     square, decay = stiffness / between, drag / (2.0 * between)
     turn = np.sqrt(np.maximum(square - decay**2, 1e-9 * square))
     fade = np.exp(-decay * step)
     cosine, sine = fade * np.cos(turn * step), fade * np.sin(turn * step) / turn
     # About the motion that follows a straight load without swinging.
-    start, rate = load[:-1] / stiffness - slope * drag / stiffness**2, slope / stiffness
+    straight = slope[:-1]
+    start, rate = load[:-1] / stiffness - straight * drag / stiffness**2, straight / stiffness
     # Speeds in units of the swing, so that all entries are of one size.
     unit = float(np.sqrt(np.mean(square)))
     own, cross = cosine + decay * sine, sine
     back, held = -square * sine, cosine - decay * sine
     count = len(time)
     known = np.zeros(2 * count)
-    known[0], known[1] = load[0] / stiffness, slope[0] / stiffness / unit
     known[2::2] = start + rate * step - own * start - cross * rate
     known[3::2] = (rate - back * start - held * rate) / unit
+    known[2 * starts], known[2 * starts + 1] = load[starts] / stiffness, slope[starts] / stiffness / unit
+    for share in (own, cross, back, held):
+        share[before] = 0.0
     # Every sample follows from the one before: a triangle of four diagonals.
     band = np.zeros((4, 2 * count), order="F")
     band[0] = 1.0

@@ -21,6 +21,8 @@ DEGREE = 7
 NARROWEST, WIDEST, SHRINK = 2.5, 1.0, 0.8
 #: Rate [Hz] below which no knots fit, so that no motion is resolved.
 SLOWEST = NARROWEST / WIDEST
+#: Share of a sample's time up to which two times are the same but for rounding.
+SAME = 1e-9
 #: Closer to an end than this share of the spacing an acceleration is ten times as uncertain as elsewhere.
 END = 0.5
 
@@ -56,7 +58,7 @@ class Smooth:
 
 
 class _Fit:
-    """Least-squares spline of one piece at one spacing, for all columns at once."""
+    """Least-squares spline of pieces that are sampled alike at one spacing, for all columns at once."""
 
     def __init__(self, time: np.ndarray, values: np.ndarray, spacing: float) -> None:
         count = max(int(np.ceil((time[-1] - time[0]) / spacing)), 1)
@@ -77,9 +79,23 @@ class _Fit:
         self.squares = np.sum((values - design @ self.coefficients) ** 2, axis=0)
         self.size = size
 
-    def derivative(self, time: np.ndarray, order: int, column: int) -> np.ndarray:
-        """Return a derivative of one column of the values at `time` (m,) [s], (m,)."""
-        return BSpline(self.knots, self.coefficients[:, column], DEGREE)(time, order)
+    def derivative(self, time: np.ndarray, order: int, columns: slice) -> np.ndarray:
+        """Return a derivative of some columns of the values at `time` (m,) [s], (m, k)."""
+        return BSpline(self.knots, self.coefficients[:, columns], DEGREE)(time, order)
+
+
+def _alike(times: list[np.ndarray], rate: float) -> list[list[int]]:
+    """Return the pieces in groups that are sampled at the same times (m,) [s] from their start: one design fits all."""
+    groups: list[list[int]] = []
+    for i, time in enumerate(times):
+        for group in groups:
+            first = times[group[0]]
+            if len(first) == len(time) and np.abs(first - time).max() <= SAME / rate:
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    return groups
 
 
 def smooth(pieces: list[tuple[np.ndarray, np.ndarray]], rate: float) -> Smooth:
@@ -89,7 +105,9 @@ def smooth(pieces: list[tuple[np.ndarray, np.ndarray]], rate: float) -> Smooth:
     """
     total = sum(len(t) for t, _ in pieces)
     n = pieces[0][1].shape[1]
-    centred = [(t, y - y.mean(axis=0)) for t, y in pieces]
+    centred = [(t - t[0], y - y.mean(axis=0)) for t, y in pieces]
+    groups = _alike([t for t, _ in centred], rate)
+    stacked = [(centred[group[0]][0], np.concatenate([centred[i][1] for i in group], axis=1)) for group in groups]
     # Round-off of a signal that is exact, or of a joint that rests.
     least = total * (1e-10 * np.maximum(np.max([np.ptp(y, axis=0) for _, y in centred], axis=0), 1e-6)) ** 2
     best = np.full(n, np.inf)
@@ -97,9 +115,9 @@ def smooth(pieces: list[tuple[np.ndarray, np.ndarray]], rate: float) -> Smooth:
     spacing = WIDEST
     # Down to the narrowest: a fast motion is not seen at all until the knots are close enough.
     while spacing * rate >= NARROWEST:
-        fits = [_Fit(t, y, spacing) for t, y in centred]
-        size = sum(f.size for f in fits)
-        squares = np.maximum(sum(f.squares for f in fits), least)
+        fits = [_Fit(t, y, spacing) for t, y in stacked]
+        size = sum(f.size * len(group) for f, group in zip(fits, groups, strict=True))
+        squares = np.maximum(sum(f.squares.reshape(-1, n).sum(axis=0) for f in fits), least)
         criterion = total * np.log(squares / total) + 2 * size
         better = criterion < best
         for j in np.flatnonzero(better):
@@ -107,12 +125,14 @@ def smooth(pieces: list[tuple[np.ndarray, np.ndarray]], rate: float) -> Smooth:
         best = np.where(better, criterion, best)
         spacing *= SHRINK
     result = np.zeros((3, total, n))
+    starts = np.concatenate([[0], np.cumsum([len(t) for t, _ in pieces])])
     for j, (_, fits, _) in enumerate(chosen):
-        start = 0
-        for (t, y), fit in zip(pieces, fits, strict=True):
-            part = slice(start, start + len(t))
+        for fit, group in zip(fits, groups, strict=True):
+            time = centred[group[0]][0]
             for order in range(3):
-                result[order, part, j] = fit.derivative(t, order, j)
-            result[0, part, j] += y[:, j].mean()
-            start += len(t)
+                derived = fit.derivative(time, order, slice(j, None, n))
+                for k, i in enumerate(group):
+                    result[order, starts[i] : starts[i + 1], j] = derived[:, k]
+            for i in group:
+                result[0, starts[i] : starts[i + 1], j] += pieces[i][1][:, j].mean()
     return Smooth(*result, np.array([c[0] for c in chosen]), np.sqrt([c[2] for c in chosen]))

@@ -14,13 +14,19 @@ STARTS = (1, 0, -1)
 
 
 def _columns(state, axis, source, p):
-    column = np.zeros(np.shape(state.position)[:-1])
-    if state.record is not None:
-        spring, start = p.get("spring", 0), p.get("start", 1)
+    if state.record is None:
+        return np.zeros((*np.shape(state.position)[:-1], 1))
+    distance, spring, start = p["distance"], p.get("spring", 0), p.get("start", 1)
+
+    def column():
+        made = np.zeros(len(state.position))
         for part in record_slices(state):
             direction = state.direction[part, axis]
-            column[part] = bristle(state.position[part, axis], direction, p["distance"], spring, start) - direction
-    return column[..., None]
+            made[part] = bristle(state.position[part, axis], direction, distance, spring, start) - direction
+        return made[:, None]
+
+    key = ("presliding", axis, distance, spring, start)
+    return state.of_motion(key, column, state.position, state.velocity, state.record)
 
 
 #: Distances of further loops, as shares of that of the first, that bend the form together.
