@@ -92,3 +92,11 @@ def test_a_scan_says_what_each_candidate_gains(white):
     for one in scan(white, dictionary, fit, chosen):
         assert one.candidate.key in chosen
         assert one.evidence == pytest.approx(found[one.candidate.key].evidence + price, rel=1e-6, abs=1e-6)
+
+
+def test_a_fit_that_takes_over_sums_of_products_is_the_whole_fit(rng):
+    targets = list(rng.standard_normal((2, SAMPLES)))
+    whole = fit_of(rng, targets, 3, 2)
+    taken = Fit(targets, whole.terms, Fit(targets, whole.terms[:2]))
+    for name in ("normal", "right", "theta", "covariance", "evidence"):
+        np.testing.assert_allclose(getattr(taken, name), getattr(whole, name), rtol=1e-10, atol=1e-12)

@@ -152,6 +152,20 @@ def test_a_link_behind_an_elastic_gear_swings_as_its_equation_says():
     assert not np.any(wind_up(SimpleNamespace(time=time, record=None), load, inertia, stiffness, 1.0))
 
 
+def test_a_gear_swings_in_each_record_as_if_it_were_alone():
+    rng = np.random.default_rng(4)
+    record = np.repeat([3, 5, 4, 6], [300, 1, 2, 200])
+    time = np.arange(len(record)) / 200.0
+    load, inertia = rng.standard_normal(len(record)).cumsum(), rng.uniform(1.0, 2.0, len(record))
+    found = wind_up(SimpleNamespace(time=time, record=record), load, inertia, 4000.0, 5.0)
+    for label in (3, 5, 4, 6):
+        own = record == label
+        alone = wind_up(SimpleNamespace(time=time[own], record=record[own]), load[own], inertia[own], 4000.0, 5.0)
+        for whole, part in zip(found, alone, strict=True):
+            np.testing.assert_allclose(whole[own], part, rtol=1e-9, atol=1e-9 * np.abs(whole).max())
+    assert not found[0][record == 5].any()
+
+
 def test_a_gear_that_twists_behind_its_encoder_shows_on_every_joint(robot):
     """Link and motor of joint 2 move apart by load / K: what the rigid model lacks on all joints is what it says."""
     axis, stiffness = 1, 3e4

@@ -91,3 +91,15 @@ def test_a_joint_at_rest_is_no_trouble():
     assert np.isfinite(found.acceleration).all()
     assert np.abs(found.acceleration[:, 1]).max() < 1e-6
     assert not found.usable[:, 1].any()
+
+
+def test_records_that_are_sampled_alike_are_fitted_as_each_would_be():
+    time, q, _, _ = motion(seconds=6.0)
+    other = q[:, ::-1] + 1e-5 * np.random.default_rng(2).standard_normal(q.shape)
+    later = np.append(time, time[-1] + 0.01)
+    pieces = [(time, q), (time + 40.0, other), (later, np.append(q, q[-1:], axis=0))]
+    found = smooth(pieces, 100.0)
+    jittered = smooth([(t + 1e-10 * k * np.arange(len(t)), y) for k, (t, y) in enumerate(pieces)], 100.0)
+    np.testing.assert_array_equal(found.spacing, jittered.spacing)
+    np.testing.assert_allclose(found.second, jittered.second, atol=1e-6)
+    np.testing.assert_allclose(found.noise, jittered.noise, rtol=1e-6)

@@ -32,9 +32,10 @@ class Fit:
     Parameters
     ----------
     targets : one (m_axis,) array an axis; empty for an axis that cannot be judged.
+    known : the fit of the first of `terms` to the same targets, whose sums of products are taken over.
     """
 
-    def __init__(self, targets: list[np.ndarray], terms: list[Term]) -> None:
+    def __init__(self, targets: list[np.ndarray], terms: list[Term], known: Fit | None = None) -> None:
         self.terms = terms
         self.slices: list[slice] = []
         start = 0
@@ -47,6 +48,10 @@ class Fit:
         self.targets = targets
         normal = np.diag(1.0 / self.std**2)
         right = np.zeros(start)
+        taken = 0
+        if known is not None:
+            taken = len(known.std)
+            normal[:taken, :taken], right[:taken] = known.normal, known.right
         for axis, y in enumerate(targets):
             active = [i for i, t in enumerate(terms) if axis in t.blocks]
             index = np.concatenate(
@@ -55,8 +60,12 @@ class Fit:
             design = np.concatenate([terms[i].blocks[axis] for i in active] or [np.zeros((len(y), 0))], axis=1)
             self.columns.append(index)
             self.design.append(design)
-            normal[np.ix_(index, index)] += design.T @ design
-            right[index] += design.T @ y
+            held = int(np.searchsorted(index, taken))
+            fresh = design[:, held:]
+            products = fresh.T @ design
+            normal[np.ix_(index[held:], index)] += products
+            normal[np.ix_(index[:held], index[held:])] += products[:, :held].T
+            right[index[held:]] += fresh.T @ y
         self.normal, self.right = normal, right
         factor = cho_factor(normal)
         self.theta = cho_solve(factor, right)

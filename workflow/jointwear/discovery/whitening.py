@@ -166,7 +166,7 @@ class White:
 
     def fit(self, extra: list[Term] = ()) -> Fit:
         """Return the posterior of the base regression with `extra` terms."""
-        return Fit(self.targets, [*self.base, *extra]) if extra else self._base_fit
+        return Fit(self.targets, [*self.base, *extra], self._base_fit) if extra else self._base_fit
 
     def columns(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N_train, k) of one axis."""
