@@ -47,7 +47,10 @@ def _limits(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> list
     """Return the limits [N m] that the torque of one joint reaches while it moves, arrays (m,)."""
     same = ~_differs(torque, label, 1)
     # Hardly any log has a run to look at.
-    if _longest(same) + 1 < FEWEST_IN_A_ROW or not np.isfinite(torque).any():
+    in_a_row = same[FEWEST_IN_A_ROW - 2 :].copy()
+    for before in range(FEWEST_IN_A_ROW - 2):
+        in_a_row &= same[before : before + len(in_a_row)]
+    if not in_a_row.any() or not np.isfinite(torque).any():
         return []
     ends = np.unique([np.nanmin(torque), np.nanmax(torque)])
     moves = _differs(position, label, STILL)

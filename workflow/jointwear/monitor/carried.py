@@ -109,8 +109,11 @@ def with_loads(
     rows = np.concatenate(index) if index else np.zeros(0, dtype=int)
     if not len(rows):
         return model, clear
-    units = torques.unit(rows)
     v, on = velocity[rows], used[rows]
+    # What no axis is asked of says nothing of a load.
+    asked = on.any(axis=1)
+    units = np.zeros((4, used.shape[1], len(rows))).transpose(2, 0, 1)
+    units[asked] = torques.unit(rows[asked])
     columns = np.stack([v > 0, -(v < 0).astype(float), v, model.gravity[rows], model.inertial[rows]])
     columns = np.where(on, columns, 0.0).transpose(2, 0, 1)
     moments, at = np.zeros((len(used), 4)), 0

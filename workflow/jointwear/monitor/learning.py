@@ -18,7 +18,7 @@ from jointwear.monitor.dispersion import (
     shift_means,
     within_shifts,
 )
-from jointwear.monitor.normal_state import NormalFit, Posterior, fit_normal_state
+from jointwear.monitor.normal_state import NormalFit, Posterior, Windows, fit_normal_state, fit_normal_states
 from jointwear.monitor.recall import Recall, Rows, key_of
 from jointwear.monitor.series import Series
 from jointwear.monitor.warm_up import DRIVES, TIMES, warm_up_state
@@ -146,7 +146,8 @@ def _choose(
     lowest = np.inf
     for tau, power in _times(conditions, shared, learnt):
         warm = None if tau is None else _warm(conditions, learnt, tau, power)
-        states = [_learn(one, conditions, shared, learnt, shift, warm) for one in series]
+        designs: dict[tuple[int, bytes], Design] = {}
+        states = [_learn(one, conditions, shared, learnt, shift, warm, designs) for one in series]
         rows: Rows = []
         total = 0.0
         for j in range(n):
@@ -213,22 +214,38 @@ def _learn(
     learnt: np.ndarray,
     shift: np.ndarray,
     warm: np.ndarray | None,
+    known: dict[tuple[int, bytes], Design],
 ) -> list[tuple[Dispersion, float] | None]:
-    """Return for each axis the dispersion, and the scatter of left-out shifts in growth of Coulomb friction."""
+    """Return for each axis the dispersion, and the scatter of left-out shifts in growth of Coulomb friction.
+
+    Parameters
+    ----------
+    known : axis and windows that show a series -> design under these conditions; filled as they are worked out.
+    """
     n = learnt.shape[1]
     sensed = np.isfinite(np.where(learnt, conditions.temperature, np.nan)).any(axis=0)
     told = USUAL_SHARED if shared else USUAL_OWN
     usual = [told if sensed[j] else USUAL_NONE for j in range(n)]
     axes = [j for j in range(n) if enough(series.value[:, j], learnt[:, j], shift)]
-    designs = {j: _design(series, conditions, shared, learnt, warm, j) for j in axes}
-    values = {}
+    designs, values = {}, {}
     for j in axes:
+        key = j, np.isfinite(series.value[:, j]).tobytes()
+        if key not in known:
+            known[key] = _design(series, conditions, shared, learnt, warm, j)
+        designs[j] = known[key]
         values[j], _ = _centred(series, learnt, j)
     dispersion = dict.fromkeys(axes, START)
+
+    def fitted() -> dict[int, NormalFit]:
+        windows = [
+            Windows(designs[j].matrix, values[j], dispersion[j].noise(series.variance[:, j]), designs[j].prior)
+            for j in axes
+        ]
+        return dict(zip(axes, fit_normal_states(windows, shift), strict=True))
+
     for _ in range(ROUNDS):
         means = {}
-        for j in axes:
-            fit = _fit(designs[j], values[j], dispersion[j], series.variance[:, j], shift)
+        for j, fit in fitted().items():
             extra, memory = within_shifts(fit.left_out, series.variance[:, j], shift)
             variance = series.variance[:, j] + extra
             means[j] = shift_means(fit.left_out, fit.left_out_variance, variance, shift, memory)
@@ -237,8 +254,7 @@ def _learn(
         for j, (between, spread) in zip(axes, found, strict=True):
             dispersion[j] = Dispersion(dispersion[j].extra, dispersion[j].memory, between, spread)
     result: list[tuple[Dispersion, float] | None] = [None] * n
-    for j in axes:
-        fit = _fit(designs[j], values[j], dispersion[j], series.variance[:, j], shift)
+    for j, fit in fitted().items():
         scatter = 1.0 / float(series.share[j]) * float(np.nanmean(np.abs(fit.left_out)))
         result[j] = dispersion[j], scatter
     return result

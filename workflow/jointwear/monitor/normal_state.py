@@ -11,6 +11,7 @@ posterior stays wide, and a window beyond what the baseline showed is predicted 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,51 +65,103 @@ def fit_normal_state(
     design : (w, p). value : (w,) log levels. noise : of the windows. shift : (w,) labels, rising.
     prior : of the coefficients.
     """
-    used = np.isfinite(value) & np.isfinite(design).all(axis=1) & np.isfinite(noise.within)
-    x, y, label = design[used], value[used], shift[used]
-    left, left_variance = np.full(len(value), np.nan), np.full(len(value), np.nan)
+    return fit_normal_states([Windows(design, value, noise, prior)], shift)[0]
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of one axis, arguments of :func:`fit_normal_state`."""
+
+    design: np.ndarray
+    value: np.ndarray
+    noise: Noise
+    prior: Posterior
+
+    @property
+    def used(self) -> np.ndarray:
+        """The windows (w,) that take part."""
+        return np.isfinite(self.value) & np.isfinite(self.design).all(axis=1) & np.isfinite(self.noise.within)
+
+
+def fit_normal_states(axes: Sequence[Windows], shift: np.ndarray) -> list[NormalFit]:
+    """Return :func:`fit_normal_state` of several axes; those with the same windows and as many columns go side by side.
+
+    Parameters
+    ----------
+    shift : (w,) labels, rising.
+    """
+    alike: dict[tuple, list[int]] = {}
+    used = [axis.used for axis in axes]
+    for k, axis in enumerate(axes):
+        alike.setdefault((used[k].tobytes(), axis.design.shape[1]), []).append(k)
+    found: dict[int, NormalFit] = {}
+    for places in alike.values():
+        found |= zip(places, _fitted([axes[k] for k in places], used[places[0]], shift), strict=True)
+    return [found[k] for k in range(len(axes))]
+
+
+def _fitted(axes: Sequence[Windows], used: np.ndarray, shift: np.ndarray) -> list[NormalFit]:
+    """Return the fits of g axes with p columns each, of which the windows `used` (w,) take part."""
+    left, left_variance = (np.full((len(axes), len(used)), np.nan) for _ in range(2))
     if not used.any():
-        return NormalFit(prior, left, left_variance, np.zeros(0, dtype=int))
+        nothing = np.zeros(0, dtype=int)
+        return [NormalFit(a.prior, *rows, nothing) for a, *rows in zip(axes, left, left_variance, strict=True)]
+    x, y = np.stack([a.design[used] for a in axes]), np.stack([a.value[used] for a in axes])
     # Neighbouring windows that remember each other tell less than as many independent ones.
-    variance = noise.within[used] * (1 + noise.memory) / (1 - noise.memory)
-    names, place = np.unique(label, return_inverse=True)
-    precision0 = np.linalg.inv(prior.covariance)
-    window_weight, shift_weight = np.ones(len(y)), np.ones(len(names))
+    variance = np.stack([a.noise.within[used] * (1 + a.noise.memory) / (1 - a.noise.memory) for a in axes])
+    usual = np.array([[a.noise.between] for a in axes])
+    names, place = np.unique(shift[used], return_inverse=True)
+    precision0 = np.linalg.inv(np.stack([a.prior.covariance for a in axes]))
+    expected = _times(precision0, np.stack([a.prior.mean for a in axes]))
+    window_weight, shift_weight = np.ones(y.shape), np.ones((len(axes), len(names)))
     # Shifts are runs of windows, so that sums over them are sums between their first windows.
     first = np.flatnonzero(np.concatenate([[True], np.diff(place) != 0]))
 
     def sums(values: np.ndarray) -> np.ndarray:
-        return np.add.reduceat(values, first, axis=0)
+        return np.add.reduceat(values, first, axis=1)
 
     for turn in range(ROUNDS):
-        between = noise.between / shift_weight
+        between = usual / shift_weight
         weight = window_weight / variance
-        weighted = weight[:, None] * x
+        weighted = weight[..., None] * x
         total, wx, wy = sums(weight), sums(weighted), sums(weight * y)
         share = between / (1 + between * total)
-        precision = precision0 + weighted.T @ x - (share[:, None] * wx).T @ wx
-        information = precision0 @ prior.mean + weighted.T @ y - (share * wy) @ wx
+        precision = precision0 + _turned(weighted) @ x - _turned(share[..., None] * wx) @ wx
+        information = expected + _times(_turned(weighted), y) - _times(_turned(wx), share * wy)
         covariance = _inverse(precision)
-        mean = covariance @ information
+        mean = _times(covariance, information)
         if turn == ROUNDS - 1:
             break
-        error = y - x @ mean
+        error = y - _times(x, mean)
         pulled = sums(weight * error)
-        inner = error - (between * pulled / (1 + between * total))[place]
+        inner = error - (between * pulled / (1 + between * total))[:, place]
         window_weight = (FREEDOM + 1) / (FREEDOM + inner**2 / variance)
-        size = (pulled / total) ** 2 / (noise.between + 1 / total)
+        size = (pulled / total) ** 2 / (usual + 1 / total)
         shift_weight = (FREEDOM + 1) / (FREEDOM + size)
     # What each shift told, to be taken away from the whole.
-    runs = [slice(a, b) for a, b in itertools.pairwise([*first, len(y)])]
-    grams = np.stack([weighted[run].T @ x[run] for run in runs])
-    grams -= share[:, None, None] * wx[:, :, None] * wx[:, None, :]
-    moments = sums(weighted * y[:, None]) - (share * wy)[:, None] * wx
-    left_covariance = _inverse(precision - grams)
-    left_mean = np.einsum("spq,sq->sp", left_covariance, information - moments)
-    left[used] = y - np.einsum("wp,wp->w", x, left_mean[place])
-    spread = [(x[run] @ shown) * x[run] for run, shown in zip(runs, left_covariance, strict=True)]
-    left_variance[used] = np.concatenate(spread).sum(axis=1)
-    return NormalFit(Posterior(mean, covariance), left, left_variance, names)
+    runs = [slice(a, b) for a, b in itertools.pairwise([*first, y.shape[1]])]
+    grams = np.stack([_turned(weighted[:, run]) @ x[:, run] for run in runs], axis=1)
+    grams -= share[..., None, None] * wx[..., :, None] * wx[..., None, :]
+    moments = sums(weighted * y[..., None]) - (share * wy)[..., None] * wx
+    left_covariance = _inverse(precision[:, None] - grams)
+    left_mean = _times(left_covariance, information[:, None] - moments)
+    left[:, used] = y - (x * left_mean[:, place]).sum(axis=2)
+    spread = [(x[:, run] @ left_covariance[:, k]) * x[:, run] for k, run in enumerate(runs)]
+    left_variance[:, used] = np.concatenate(spread, axis=1).sum(axis=2)
+    return [
+        NormalFit(Posterior(*told), *rows, names)
+        for told, *rows in zip(zip(mean, covariance, strict=True), left, left_variance, strict=True)
+    ]
+
+
+def _turned(matrices: np.ndarray) -> np.ndarray:
+    """Return the transposes of matrices (..., a, b)."""
+    return np.swapaxes(matrices, -1, -2)
+
+
+def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Return matrices (..., a, b) times vectors (..., b), (..., a)."""
+    return (matrices @ vectors[..., None])[..., 0]
 
 
 def introduced(
@@ -164,4 +217,4 @@ def _inverse(matrix: np.ndarray) -> np.ndarray:
     scale = 1.0 / np.sqrt(np.maximum(diagonal, 1e-300))
     outer = scale[..., :, None] * scale[..., None, :]
     inverse = np.linalg.inv(matrix * outer) * outer
-    return 0.5 * (inverse + np.swapaxes(inverse, -1, -2))
+    return 0.5 * (inverse + _turned(inverse))
