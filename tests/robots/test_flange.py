@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import BLOCK, FlangeLoad
+from jointwear.robots.inertia import wind_up_regressor
 from jointwear.robots.robot import Link, load_robot
 
 ROBOT = load_robot(Path(__file__).parents[2] / "config/robots/puma560.yaml")
@@ -64,3 +65,32 @@ def test_a_robot_with_one_joint(tmp_path):
     assert unit.shape == (2, 4, 4, 1)
     # One kilogram metre along x, about y, upright: gravity times one.
     assert unit[0, :, 1, 0] == pytest.approx(-9.81)
+
+
+def two_joints(path):
+    """Return a robot by URDF whose joints turn about y and about a slanting axis."""
+    inertia = '<inertia ixx="1" iyy="2" izz="2" ixy="0" iyz="0" ixz="0"/>'
+    body = f'<inertial><origin xyz="0.1 0.2 0.3"/><mass value="2"/>{inertia}</inertial>'
+    joints = "".join(
+        f'<joint name="j{k}" type="revolute"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="0 0.2 0.4"/>'
+        f'<axis xyz="{axis}"/><limit lower="-1" upper="1" effort="5" velocity="1"/></joint>'
+        f'<link name="l{k + 1}">{body}</link>'
+        for k, axis in enumerate(("0 1 0", "0.6 0 0.8"))
+    )
+    (path / "arm.urdf").write_text(f'<robot name="arm"><link name="l0"/>{joints}</robot>')
+    (path / "arm.yaml").write_text("name: arm\nurdf: arm.urdf\n")
+    return load_robot(path / "arm.yaml")
+
+
+def test_gravity_changes_with_the_angle_of_a_link_as_small_turns_say(tmp_path):
+    load = Link(2.0, np.array([0.1, 0.0, 0.2]), np.eye(3))
+    for robot in (ROBOT, replace(ROBOT, gravity=np.array([1.0, -3.0, 9.0]), payload=load), two_joints(tmp_path)):
+        dynamics, n = Dynamics(robot), robot.joints
+        position = np.random.default_rng(6).uniform(-3.0, 3.0, (20, n))
+        regressor = wind_up_regressor(dynamics, position)
+        for axis, turn in enumerate(1e-4 * np.eye(n)):
+            change = dynamics.gravity_torque(position + turn) - dynamics.gravity_torque(position - turn)
+            by_acceleration, by_angle = regressor(axis)
+            np.testing.assert_allclose(by_angle, change / 2e-4, atol=1e-6)
+            inertia = dynamics.mass_matrix(position)[..., axis] - np.eye(n)[axis] * robot.armature[axis]
+            np.testing.assert_allclose(by_acceleration, inertia, atol=1e-12)

@@ -245,6 +245,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     regressor = inertial_regressor(dynamics, q, v, a)
     # The tip is the frame in which a robot file gives the payload.
     tip = to_joint_frame(robot, robot.joints - 1)
+    pulls = cache(lambda: gravity_regressor(robot, q))
     last = regressor[:, :, -10:] @ tip
     state = make_state(
         robot,
@@ -256,8 +257,8 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         temperature=measured.temperature,
         record=measured.trajectory,
         tip_regressor=lambda: last,
-        gravity_regressor=cache(lambda: gravity_regressor(robot, q)),
-        wind_up_regressor=wind_up_regressor(dynamics, q),
+        gravity_regressor=pulls,
+        wind_up_regressor=wind_up_regressor(dynamics, q, pulls),
     )
     state = replace(
         state,

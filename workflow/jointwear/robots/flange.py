@@ -41,6 +41,12 @@ class FlangeLoad:
         self._tip = (base.T @ tip.rotation, base.T @ tip.translation)
         self._gravity = np.asarray(robot.gravity, dtype=float)[:, None]
 
+    def axes(self, position: np.ndarray) -> np.ndarray:
+        """Return the directions (m, n, 3) about which the joints turn, in the base frame."""
+        still = np.zeros(np.shape(position))
+        joints, _ = self._frames(np.asarray(position, dtype=float), still, still)
+        return np.stack([joint.way.T for joint in joints], axis=1)
+
     def unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Return gravity and inertial torque (2, m, 4, n) of unit mass [N m/kg] and unit first moments [N m/(kg m)]
         along a motion (m, n)."""

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
 
 
@@ -26,20 +27,24 @@ def inertial_regressor(dynamics: Dynamics, position, velocity, acceleration) -> 
     return result
 
 
-#: Half step [rad] of the difference that stands for a derivative by an angle.
-_TURN = 1e-4
-
-
 def gravity_regressor(robot: Robot, position: np.ndarray) -> np.ndarray:
     """Return the derivative (m, n, 3) of the torques by gravity in the base frame, in which they are linear."""
     pulls = [Dynamics(replace(robot, gravity=unit)).gravity_torque(position) for unit in np.eye(3)]
     return np.stack(pulls, axis=-1)
 
 
-def wind_up_regressor(dynamics: Dynamics, position: np.ndarray) -> Callable[[int], tuple[np.ndarray, np.ndarray]]:
+def wind_up_regressor(
+    dynamics: Dynamics, position: np.ndarray, pulls: Callable[[], np.ndarray] | None = None
+) -> Callable[[int], tuple[np.ndarray, np.ndarray]]:
     """Return axis -> derivatives (m, n) of the torques by the acceleration of one link, and of gravity by its angle.
 
     The inertia of the motor, which a twist of its gear leaves behind, is left out. Worked out once, when first asked.
+    A joint that turns turns gravity the other way for all links behind it. The derivatives are those of a potential,
+    so that what a joint before it feels is what that joint's own turn would do to this one.
+
+    Parameters
+    ----------
+    position : (m, n) [rad]. pulls : :func:`gravity_regressor` of the same robot and positions, where it is at hand.
     """
     robot = dynamics.robot
 
@@ -48,10 +53,17 @@ def wind_up_regressor(dynamics: Dynamics, position: np.ndarray) -> Callable[[int
         return np.array(dynamics.mass_matrix(position)) - np.diag(robot.armature)
 
     @cache
+    def turned() -> np.ndarray:
+        """Derivatives (m, n, n) of gravity, of torques behind a joint by its angle, 0 elsewhere."""
+        gravity = np.cross(np.asarray(robot.gravity, dtype=float), FlangeLoad(robot).axes(position))
+        found = (pulls() if pulls else gravity_regressor(robot, position)) @ np.swapaxes(gravity, -1, -2)
+        return np.tril(found)
+
+    @cache
     def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray]:
-        turn = _TURN * np.eye(robot.joints)[axis]
-        pull = dynamics.gravity_torque(position + turn) - dynamics.gravity_torque(position - turn)
-        return masses()[..., axis], pull / (2 * _TURN)
+        by_angle = turned()[..., axis] + turned()[..., axis, :]
+        by_angle[..., axis] *= 0.5
+        return masses()[..., axis], by_angle
 
     return of_axis
 
