@@ -15,7 +15,8 @@ from jointwear.discovery.pipeline import split
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.shaken import frequencies, piece_of, shaken_shares
+from jointwear.discovery.shaken import shaken_shares
+from jointwear.discovery.spectra import frequencies, piece_of
 from jointwear.discovery.whitening import whiten
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics

@@ -141,7 +141,8 @@ def _late(
     limited = limited_state(problem, axis, timing)
     column = white(change_by_delay(limited, axis, LATE))
     energy = _beside_base(problem, axis, white, limited, timing, column)
-    return max(timing, _highest(white, np.stack([along, 2.0 * along]) * share, frequency, rate, energy))
+    end = _highest(white, np.stack([along, 2.0 * along]) * share, frequency, rate, energy)
+    return max(timing, min(end, float(problem.motion_ends[axis])))
 
 
 def _motion(problem: Problem, axis: int, white: Whitener, cutoff: float) -> float:

@@ -8,10 +8,12 @@ from functools import cache, cached_property
 
 import numpy as np
 
+from jointwear.discovery.motion_in_torque import motion_ends
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.shaken import frequencies, shaken_shares
+from jointwear.discovery.shaken import shaken_shares
 from jointwear.discovery.shared_drives import sticking
+from jointwear.discovery.spectra import frequencies
 from jointwear.effects import State, effect_torque, make_state
 from jointwear.measurement.filtering import low_pass
 from jointwear.measurement.motion import Measured, measure, runs
@@ -166,21 +168,29 @@ class Problem:
         """(n,) share of the noise of the torque of each axis that moves the arm, 0 where the problem is `still`."""
         if self.still:
             return np.zeros(self.robot.joints)
-        measured, state = self.measured, self.train_state
-        joints = range(self.robot.joints)
-        steps = np.stack([state.drive.coulomb(axis, state.velocity[:, axis]) for axis in joints], axis=1)
-        frequency = frequencies(measured.rate)
+        return shaken_shares(self.discrepancy[self.train], self._without_steps, *self._in_frequency)
+
+    @cached_property
+    def motion_ends(self) -> np.ndarray:
+        """(n,) frequency [Hz] from which most of the nominal torque of each axis is noise of derived accelerations."""
+        return motion_ends(self._without_steps, self.discrepancy[self.train], *self._in_frequency)
+
+    @cached_property
+    def _without_steps(self) -> np.ndarray:
+        """(N_train, n) nominal torque without Coulomb friction [N m]."""
+        state = self.train_state
+        steps = [state.drive.coulomb(axis, state.velocity[:, axis]) for axis in range(self.robot.joints)]
+        return state.torque - np.stack(steps, axis=1)
+
+    @cached_property
+    def _in_frequency(self) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+        """Usable samples, records, rate [Hz], and the density of the noise of derived accelerations in the torques."""
+        rate = self.measured.rate
+        frequency = frequencies(rate)
         derived = np.zeros((self.robot.joints, len(frequency)))
-        if measured.noise is not None:
-            derived[:, 1:] = self.mass_squares @ measured.noise.acceleration(frequency[1:])
-        return shaken_shares(
-            self.discrepancy[self.train],
-            state.torque - steps,
-            self.usable,
-            np.asarray(state.record),
-            measured.rate,
-            derived,
-        )
+        if self.measured.noise is not None:
+            derived[:, 1:] = self.mass_squares @ self.measured.noise.acceleration(frequency[1:])
+        return self.usable, np.asarray(self.train_state.record), rate, derived
 
     def rounding(self, axis: int) -> np.ndarray:
         """Return what the filter behind the derivatives may do to the torque of one axis, (N_train, 3) [N m].

@@ -11,11 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Longest and shortest piece, in samples, of which spectra are taken, and its length [s] between: runs of samples that
-#: can be judged end at reversals, and at a low rate are short. Pieces overlap by half.
-LONGEST, SHORTEST, SPAN = 128, 32, 0.64
-#: Pieces from which spectra say something.
-FEWEST = 8
+from jointwear.discovery.spectra import FEWEST, frequencies, pieces_of, scale_of, spectra
+
 #: Frequencies count where the nominal torque has at most this many times the power of the residual: above the motion.
 ABOVE = 2.0
 #: They count where noise of derived accelerations is at most this share of the residual, and above this one [Hz].
@@ -50,17 +47,17 @@ def shaken_shares(
     residual, torque : (N, n) [N m] recorded torque less the nominal one, and the nominal one without steps of friction.
     usable : (N, n) samples that can be judged. record : (N,) label of each sample. rate : [Hz].
     derived : (n, k) density [(N m)^2/Hz] of what noise of derived accelerations makes of the nominal torque, at
-        :func:`frequencies`.
+        :func:`jointwear.discovery.spectra.frequencies`.
     """
     shares = np.zeros(residual.shape[1])
-    frequency, length = frequencies(rate), piece_of(rate)
+    frequency = frequencies(rate)
     octave = np.frexp(frequency / LOWEST)[1]
     for axis in range(len(shares)):
-        pieces = _pieces(usable[:, axis], record, length)
+        pieces = pieces_of(usable[:, axis], record, rate)
         if len(pieces) < FEWEST:
             continue
-        left, moved = (_spectra(x[:, axis][pieces]) for x in (residual, torque))
-        scale = 2.0 / (rate * np.sum(np.hanning(length) ** 2))
+        left, moved = (spectra(x[:, axis][pieces]) for x in (residual, torque))
+        scale = scale_of(pieces.shape[1], rate)
         power, motion, common = (
             scale * np.mean(x, axis=0) for x in (np.abs(left) ** 2, np.abs(moved) ** 2, -(left * moved.conj()).real)
         )
@@ -79,30 +76,3 @@ def shaken_shares(
     others = [np.max(np.delete(shares, axis), initial=0.0) for axis in range(len(shares))]
     shares = np.minimum(shares, others)
     return np.where(shares < LEAST, 0.0, np.minimum(shares, 1.0))
-
-
-def piece_of(rate: float) -> int:
-    """Return the length [samples], a power of two, of the pieces of a recording of `rate` [Hz]."""
-    return int(np.clip(2 ** round(np.log2(SPAN * rate)), SHORTEST, LONGEST))
-
-
-def frequencies(rate: float) -> np.ndarray:
-    """Return the frequencies [Hz] of the spectra of a recording of `rate` [Hz]."""
-    return np.fft.rfftfreq(piece_of(rate), 1.0 / rate)
-
-
-def _pieces(usable: np.ndarray, record: np.ndarray, length: int) -> np.ndarray:
-    """Return the samples (p, length) of pieces that can be judged throughout, within records."""
-    index = np.flatnonzero(usable)
-    cuts = np.flatnonzero((np.diff(index) > 1) | (np.diff(record[index]) != 0)) + 1
-    starts = [run[k] for run in np.split(index, cuts) for k in range(0, len(run) - length + 1, length // 2)]
-    return np.array(starts, dtype=int)[:, None] + np.arange(length)
-
-
-def _spectra(pieces: np.ndarray) -> np.ndarray:
-    """Return the spectra of pieces (p, length) without their lines, under a Hann window."""
-    length = pieces.shape[1]
-    ramp = np.arange(length) - 0.5 * (length - 1)
-    level = pieces - pieces.mean(axis=1, keepdims=True)
-    level = level - np.outer(level @ ramp / (ramp @ ramp), ramp)
-    return np.fft.rfft(np.hanning(length) * level, axis=1)
