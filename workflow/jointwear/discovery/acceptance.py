@@ -21,7 +21,8 @@ from jointwear.discovery.candidates import (
     raw_torques,
 )
 from jointwear.discovery.crossval import CrossValidated, cross_validate
-from jointwear.discovery.linear import Fit, Term, gain, gain_of_one, posterior_mean
+from jointwear.discovery.harmless_band import where_noise_is_harmless
+from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.problem import Problem
@@ -174,7 +175,6 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             delay = float(trial.candidate.nonlinear[effect.scaled])
             nats = nats_of_time(white, beside, trial.candidate.axis, delay)
             gates.append(("nats of the recorded torque put forward in time", nats, half))
-        if effect.shifts(trial.candidate.nonlinear):
             nats, share = where_noise_is_harmless(white, beside, trial.candidate)
             gates.append(("nats in the band in which noise feigns no rate of torque", nats, half))
             gates.append(("share of what that band has of it at any size", share, settings.nearly_all))
@@ -355,19 +355,6 @@ def _levels_lead(white: White, beside: Fit, trial: Named) -> float:
     b, gram = beside.gram({candidate.axis: white.columns(candidate.axis, columns)})
     levels = gain(b, gram, prior_std(white, candidate, columns))
     return float(levels - gain(*beside.gram(trial.term.blocks), trial.term.std))
-
-
-def where_noise_is_harmless(white: White, beside: Fit, candidate: Candidate) -> tuple[float, float]:
-    """Return the nats of an effect below the cut-off of second derivatives, and their share in those at its best size.
-
-    What shifts torque in time is looked for in a wider band, where misfits beside reversals look like it too. A shift
-    is the same at all frequencies: below, where less is seen and nothing is feigned, it has to be as large.
-    """
-    effect, axis = get_effect(candidate.effect), candidate.axis
-    columns = effect.columns(white.state_of(effect, axis), axis, candidate.source, candidate.nonlinear)
-    b, gram = beside.gram({axis: white.columns(axis, columns)})
-    nats, best = gain_of_one(b, gram), 0.5 * float(b[0] ** 2 / gram[0, 0]) if gram[0, 0] > 0 else 0.0
-    return nats, nats / best if best > 0 else 0.0
 
 
 def _nats_with_swing(white: White, beside: Fit, trial: Named) -> float:

@@ -14,6 +14,7 @@ from jointwear.discovery.candidates import (
     raw_torques,
     whitened,
 )
+from jointwear.discovery.harmless_band import where_noise_is_harmless
 from jointwear.discovery.linear import Fit, gain, gain_of_one, posterior_mean
 from jointwear.discovery.whitening import White
 from jointwear.effects import Parameter, get_effect
@@ -76,7 +77,7 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     if others:
         trials = [candidate, *(replace(candidate, nonlinear=dict(p)) for p in others)]
         found = [refine(white, fit, c, other_form=True) for c in trials]
-        return max(found, key=lambda c: evidence_at(white, fit, c))
+        return _likeliest(white, fit, found)
     candidate = best_start(white, fit, candidate)
     best, value = candidate, evidence_at(white, fit, candidate)
     step = {p.name: 0.25 for p in free}
@@ -99,6 +100,19 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
             else:
                 step[p.name] *= 0.45
     return best
+
+
+def _likeliest(white: White, fit: Fit, found: list[Candidate]) -> Candidate:
+    """Return the form of most evidence out of those of an effect, refined.
+
+    Of late torque only the turn is compared above the cut-off of rates of torque, and a lag turns less than it takes
+    off: which of its forms it is, is told below, unless they are as good there.
+    """
+    if get_effect(found[0].effect).late:
+        nats = [where_noise_is_harmless(white, fit, c)[0] for c in found]
+        undecided = 0.5 * white.problem.settings.accept
+        found = [c for c, n in zip(found, nats, strict=True) if n >= max(nats) - undecided]
+    return max(found, key=lambda c: evidence_at(white, fit, c))
 
 
 def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:

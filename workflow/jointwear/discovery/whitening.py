@@ -69,8 +69,20 @@ class White:
             share = abs(float((nonlinear or {}).get(effect.scaled, 0.0)))
             return self._fused_state(axis, band * self._end_of_gear(axis, self.gears.get(axis, share)))
         if nonlinear is not None and effect.shifts(nonlinear):
-            return self._limited_state(axis, band * cutoffs.late)
+            return self._limited_state(axis, cutoffs.late)
+        if nonlinear is not None and effect.late:
+            return self._turned_state(axis)
         return self._limited_state(axis, band * cutoffs.timing) if effect.timing else self.axis_state(axis)
+
+    def _turned_state(self, axis: int) -> State:
+        """Return the training samples that a lag turns above the cut-off of rates of torque, where it would take noise
+        off, and filters below."""
+        slow, late = (self._limited_state(axis, end) for end in (self.cutoffs[axis].timing, self.cutoffs[axis].late))
+        if late is slow:
+            return slow
+        if (axis, "turned") not in self._states:
+            self._states[axis, "turned"] = replace(slow, above=late.torque - slow.torque)
+        return self._states[axis, "turned"]
 
     def axis_state(self, axis: int) -> State:
         """Return the training samples without the noise of derived accelerations on one axis."""

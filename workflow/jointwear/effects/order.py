@@ -8,6 +8,9 @@ from scipy.signal import lfilter
 from jointwear.effects.rests import SLOW
 from jointwear.effects.state import State, record_slices
 
+#: Samples by which a record is continued, turned about its ends, before its waves are turned in time.
+CONTINUED = 64
+
 
 def first_derivative(state: State, values: np.ndarray) -> np.ndarray:
     """Return the time derivative of `values` (m,) within each record, 0 without an order."""
@@ -73,6 +76,29 @@ def _lagged(t: np.ndarray, x: np.ndarray, lag: float, v: np.ndarray | None) -> n
     return np.concatenate([[start], lfilter([1.0], [1.0, -keep], drive, zi=[keep * start])[0]])
 
 
+def turned(state: State, values: np.ndarray, lag: float) -> np.ndarray:
+    """Return `values` (m,) turned in time as a first-order lag of time constant `lag` [s] turns each of their waves,
+    but with all of its size; unchanged without an order.
+
+    What a lag takes off a wave is what a filter takes off noise; by how much it turns it says as much of the lag, and
+    noise that is turned gains nothing. A negative lag turns the other way. Samples are evenly spaced but for jitter.
+    """
+    if state.record is None or lag == 0:
+        return values
+    result = np.array(values, dtype=float)
+    for part in record_slices(state):
+        count = part.stop - part.start
+        more = min(count - 1, CONTINUED)
+        if more < 1:
+            continue
+        # Turned about its ends: what begins with a step would ring.
+        padded = np.pad(result[part], more, mode="reflect", reflect_type="odd")
+        frequency = np.fft.rfftfreq(len(padded), float(np.median(np.diff(state.time[part]))))
+        spectrum = np.fft.rfft(padded) * np.exp(-1j * np.arctan(2 * np.pi * frequency * lag))
+        result[part] = np.fft.irfft(spectrum, len(padded))[more : more + count]
+    return result
+
+
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     """Return the nominal torque (m,) of one axis as it was `delay` [s] earlier; negative: as it will be.
 
@@ -102,8 +128,14 @@ def change_by_delay(state: State, axis: int, delay: float) -> np.ndarray:
 
 
 def change_by_lag(state: State, axis: int, lag: float) -> np.ndarray:
-    """Return what a first-order lag [s] changes of the nominal torque (m,) of one axis; see :func:`change_by_delay`."""
-    return smoothed_torque(state, axis, lag) - late_torque(state, axis, 0.0)
+    """Return what a first-order lag [s] changes of the nominal torque (m,) of one axis; see :func:`change_by_delay`.
+
+    Of torque whose size is not known it is what turning it changes.
+    """
+    change = smoothed_torque(state, axis, lag) - late_torque(state, axis, 0.0)
+    if state.above is None:
+        return change
+    return change + turned(state, state.above[..., axis], lag) - state.above[..., axis]
 
 
 def earlier_sense(state: State, axis: int, delay: float) -> np.ndarray:

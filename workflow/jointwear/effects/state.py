@@ -60,6 +60,8 @@ class State:
     derives : (axis, frequencies [Hz] (...,)) -> share that is left of a shaking of the axis in its derived
         acceleration; None where all is.
     encoder_side : whether positions are those of the "motor" (or unknown), or of the "link".
+    above : torque (..., n) [N m] of higher frequencies beside `torque`, of which noise leaves the size of a wave
+        unknown: a lag turns it and takes nothing off; None where there is none.
     """
 
     position: np.ndarray
@@ -78,6 +80,7 @@ class State:
     encoder_side: str = "motor"
     passes: Callable[[np.ndarray], np.ndarray] | None = None
     derives: Callable[[int, np.ndarray], np.ndarray] | None = None
+    above: np.ndarray | None = None
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
     _between: dict[int, Between] = field(init=False, repr=False, default_factory=dict)
@@ -174,6 +177,7 @@ class State:
             time=self.time[chosen],
             temperature=self.temperature[chosen],
             record=None if self.record is None else self.record[chosen],
+            above=None if self.above is None else self.above[chosen],
             tip_regressor=_part_of(self.tip_regressor, chosen),
             gravity_regressor=_part_of(self.gravity_regressor, chosen),
             wind_up_regressor=_part_of_wind_up(self.wind_up_regressor, chosen),
