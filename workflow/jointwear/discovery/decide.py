@@ -80,6 +80,8 @@ def _found_still(white: White) -> Outcome | None:
     weak = white.problem.settings.weak_nats
     if any(_swings(n) and (n.evidence > weak or n.candidate.axis not in lacking) for n in outcome.named):
         return outcome
+    if {int(a) for a in np.flatnonzero(white.problem.shaken)} in _shared_drives(outcome.named, weak):
+        return outcome
     sound = outcome.named and not outcome.unexplained and not any(of_timing(n.candidate) for n in outcome.named)
     return outcome if sound else None
 
@@ -88,6 +90,22 @@ def _swings(one: Named) -> bool:
     """Return whether an effect is a link that swings, which pulls on every joint."""
     candidate = one.candidate
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).spreads(candidate.nonlinear)
+
+
+def _shared_drives(named: list[Named], weak: float) -> list[set[int]]:
+    """Return the pairs of 0-based axes each of which names the other as turning one drive with it.
+
+    Parameters
+    ----------
+    weak : nats that the name of either axis needs.
+    """
+    sums = {}
+    for one in named:
+        candidate, axis, source = one.candidate, one.candidate.axis, one.candidate.source
+        if axis is None or source is None or one.evidence <= weak or not candidate.nonlinear.get("own"):
+            continue
+        sums[axis, source] = np.sign(candidate.nonlinear["own"] * candidate.nonlinear["other"])
+    return [{axis, source} for (axis, source), sign in sums.items() if sums.get((source, axis)) == sign]
 
 
 def _search(white: White) -> Outcome:
