@@ -13,6 +13,7 @@ from jointwear.discovery.fast_waves import lost_to_speed
 from jointwear.discovery.forms import Form, companion
 from jointwear.discovery.largest_torque import Fitted, all_columns, largest_torque
 from jointwear.discovery.linear import Fit, Term, posterior_mean
+from jointwear.discovery.noisy_columns import noise_share
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import spread
 from jointwear.discovery.refine import free_parameters
@@ -165,6 +166,17 @@ def _by_its_band(
     return {name: 0.5 * abs(found[name] - parameters[name]) for name in nothing}
 
 
+def _by_its_noise(
+    white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], names: Iterable[str]
+) -> dict[str, float]:
+    """Return what each linear parameter of a late torque may lack because its columns hold noise."""
+    nothing = dict.fromkeys(names, 0.0)
+    if candidate.axis is None or not get_effect(candidate.effect).late:
+        return nothing
+    share = noise_share(white, fit, candidate)
+    return {name: share * abs(parameters[name]) for name in nothing}
+
+
 def _in_the_bend(
     white: White,
     candidate: Candidate,
@@ -250,6 +262,7 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
             _other_forms(white, without, candidate, parameters, std),
             _in_the_bend(white, candidate, form, coefficients, parameters, std),
             _by_its_band(white, base, others, candidate, parameters, std),
+            _by_its_noise(white, without, candidate, parameters, std),
         ]
         if not scaled:
             unknown.append(_followed(white, without, candidate, spreads, set(std)))

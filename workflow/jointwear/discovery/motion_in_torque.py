@@ -13,34 +13,47 @@ import numpy as np
 from jointwear.discovery.spectra import FEWEST, density_of, frequencies, pieces_of
 
 
-def motion_ends(
-    torque: np.ndarray,
-    residual: np.ndarray,
-    usable: np.ndarray,
-    record: np.ndarray,
-    rate: float,
-    derived: np.ndarray,
+def noise_in_torque(
+    residual: np.ndarray, usable: np.ndarray, record: np.ndarray, rate: float, derived: np.ndarray
 ) -> np.ndarray:
-    """Return the lowest frequency (n,) [Hz] at which noise is most of the torque of an axis, infinite without one.
+    """Return the density (n, k) [(N m)^2/Hz] of the noise of derived accelerations in the nominal torque of each axis.
 
     The residual holds all of that noise: where its density, before any regression, is lower than what the floor of the
-    positions says, the floor is motion. Of too few pieces that can be judged nothing is said: infinite.
+    positions says, the floor is motion. Of too few pieces that can be judged the floor is all that is known.
 
     Parameters
     ----------
-    torque, residual : (N, n) [N m] nominal torque without steps of friction, and recorded torque less the nominal one.
-    usable : (N, n) samples that can be judged. record : (N,) label of each sample. rate : [Hz].
-    derived : (n, k) density [(N m)^2/Hz] of what noise of derived accelerations makes of the nominal torque, at
+    residual : (N, n) [N m] recorded torque less the nominal one. usable : (N, n) samples that can be judged.
+    record : (N,) label of each sample. rate : [Hz].
+    derived : (n, k) what noise of derived accelerations makes of the nominal torque by the floor of the positions, at
         :func:`jointwear.discovery.spectra.frequencies`.
+    """
+    noise = np.array(derived, dtype=float)
+    for axis in range(len(noise)):
+        pieces = pieces_of(usable[:, axis], record, rate)
+        if len(pieces) >= FEWEST:
+            noise[axis] = np.minimum(noise[axis], density_of(residual[:, axis][pieces], rate))
+    return noise
+
+
+def motion_ends(
+    torque: np.ndarray, usable: np.ndarray, record: np.ndarray, rate: float, noise: np.ndarray
+) -> np.ndarray:
+    """Return the lowest frequency (n,) [Hz] at which noise is most of the torque of an axis, infinite without one.
+
+    Of too few pieces that can be judged nothing is said: infinite.
+
+    Parameters
+    ----------
+    torque : (N, n) [N m] nominal torque without steps of friction. noise : (n, k) of :func:`noise_in_torque`.
+    usable, record, rate : as there.
     """
     ends, frequency = np.full(torque.shape[1], np.inf), frequencies(rate)
     for axis in range(len(ends)):
         pieces = pieces_of(usable[:, axis], record, rate)
         if len(pieces) < FEWEST:
             continue
-        whole, left = (density_of(x[:, axis][pieces], rate) for x in (torque, residual))
-        noise = np.minimum(derived[axis], left)
-        most = np.flatnonzero(noise > whole - noise)
+        most = np.flatnonzero(noise[axis] > density_of(torque[:, axis][pieces], rate) - noise[axis])
         if len(most):
             ends[axis] = frequency[most[0]]
     return ends

@@ -8,7 +8,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from jointwear.discovery.motion_in_torque import motion_ends
+from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shaken import shaken_shares
@@ -173,7 +173,13 @@ class Problem:
     @cached_property
     def motion_ends(self) -> np.ndarray:
         """(n,) frequency [Hz] from which most of the nominal torque of each axis is noise of derived accelerations."""
-        return motion_ends(self._without_steps, self.discrepancy[self.train], *self._in_frequency)
+        *samples, _ = self._in_frequency
+        return motion_ends(self._without_steps, *samples, self.noise_in_torque)
+
+    @cached_property
+    def noise_in_torque(self) -> np.ndarray:
+        """(n, k) density [(N m)^2/Hz] of noise in the nominal torque, at :func:`jointwear.discovery.spectra.frequencies`."""
+        return noise_in_torque(self.discrepancy[self.train], *self._in_frequency)
 
     @cached_property
     def _without_steps(self) -> np.ndarray:
