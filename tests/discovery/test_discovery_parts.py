@@ -1,14 +1,17 @@
 """Parts of discovery: splitting, differentiation, noise, evidence, files, inertial parameters."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jointwear.discovery.candidates import gain_about_one
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.noise import WIDE, Whitener, estimate, simulate, stable, whitenable
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.structure import hats
 from jointwear.files.errors import InputError
 from jointwear.measurement.motion import measure
@@ -162,3 +165,11 @@ def test_many_columns_are_whitened_as_each_of_them_is():
     alone = np.stack([white(column) for column in columns.T], axis=1)
     np.testing.assert_allclose(white(columns), alone, atol=1e-12)
     np.testing.assert_allclose(white(columns[:, :4]), alone[:, :4], atol=1e-12)
+
+
+def test_columns_that_would_have_to_turn_round_have_no_evidence():
+    white = SimpleNamespace(problem=SimpleNamespace(settings=Settings()))
+    gram = np.array([[300.0]])
+    right, turned = (gain_about_one(white, size * gram[0], gram) for size in (1.0, -5.0))
+    assert right == pytest.approx(150.0, rel=0.05)
+    assert turned == -np.inf

@@ -180,8 +180,8 @@ def test_a_dead_time_ends_higher_than_a_filter_and_a_bend(rough):
         dead, lag, bend = (
             rough.state_of(delay, axis, p) for p in ({"delay": 0.01, "lag": 0}, {"delay": 0.01, "lag": 1}, None)
         )
-        assert lag is bend
-        assert (dead is lag) == (cutoffs.late == cutoffs.timing)
+        assert (lag is bend) == (cutoffs.late == cutoffs.timing)
+        assert (dead is bend) == (cutoffs.late == cutoffs.timing)
     assert any(c.late > c.timing for c in rough.cutoffs)
     # The noise is asked for up to the longest dead time that a search starts from.
     starts = delay.grid(rough.problem.train_state, rough.problem.judged[0])
@@ -333,13 +333,15 @@ def test_columns_of_a_soft_gear_end_before_the_fused_load_is_spoilt():
     assert (ends[0], ends[-1]) == pytest.approx((14.0, 7.0))
 
 
-def test_what_a_late_torque_does_above_its_band_does_not_change_its_size(robot):
+def test_what_a_gear_does_above_its_band_does_not_change_its_size(robot):
     problem = build_problem(split(coarse(robot)), robot, Settings())
     white = whiten(problem, estimate_noise(problem))
     # Columns that end within the motion.
     white = replace(white, cutoffs=[replace(c, timing=1.0) for c in white.cutoffs])
     gear = Candidate("joint_flexibility", 1, None, {"inertia_over_stiffness": 1e-4, "inertia": 0.0, "side": 0})
-    (beside,) = beyond_band(white, [gear])
+    # A late torque has none: where its columns end what is above is noise.
+    late = Candidate("actuation_delay", 1, None, {"delay": 0.01, "lag": 1})
+    (beside,) = beyond_band(white, [gear, late])
     assert not np.any(beside.raw[1])
     state = white.state_of(effects.get_effect(gear.effect), 1, gear.nonlinear, OCTAVE)
     whole = white.columns(1, effects.get_effect(gear.effect).columns(state, 1, None, gear.nonlinear))[:, 0]

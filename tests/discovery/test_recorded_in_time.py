@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_instruments import RATE, coarse
 
-from jointwear.discovery.acceptance import where_noise_is_harmless
 from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.harmless_band import where_noise_is_harmless
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.recorded_in_time import bridged, change_in_time, nats_of_time, put_forward
 from jointwear.discovery.saturated import estimate_noise

@@ -1,7 +1,7 @@
-"""What effects of timing do above the band that their columns end at, as terms beside them.
+"""What elastic gears do above the band that their columns end at, as terms beside them.
 
-Columns of timing are low-passed, because above their cut-off they would feed on the noise of derived accelerations. The
-effect itself goes on there. A filter ends gradually: where a column has lost half of a swing, twice its coefficient
+Columns of a gear are low-passed, because above their cut-off they would feed on the noise of derived accelerations. The
+gear itself swings on there. A filter ends gradually: where a column has lost half of a swing, twice its coefficient
 fits best, and what no column has is taken by the motor inertia. The octave above the cut-off is therefore a term of its
 own with a free coefficient. It carries no evidence for the effect and no torque of the model.
 """
@@ -17,15 +17,15 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
-#: Times the cut-off of its columns up to which what an effect of timing does is a term beside it: further up it is
-#: noise that the term would follow.
+#: Times the cut-off of its columns up to which what a gear does is a term beside it: further up it is noise that the
+#: term would follow.
 OCTAVE = 2.0
 #: First words of the label of such a term.
 LABEL = "beyond the band of"
 
 
 def beyond_band(white: White, candidates: Iterable[Candidate]) -> list[Term]:
-    """Return a term for each effect of timing on one axis whose columns end below its torque."""
+    """Return a term for each elastic gear that acts on its own axis alone and whose columns end below its torque."""
     return [term for one in candidates if (term := _beyond(white, one)) is not None]
 
 
@@ -34,8 +34,12 @@ def within_band(terms: Iterable[Term]) -> list[Term]:
     return [t for t in terms if not t.label.startswith(LABEL)]
 
 
+def _is_gear(candidate: Candidate) -> bool:
+    return on_its_axis_alone(candidate) and get_effect(candidate.effect).of_load
+
+
 def _beyond(white: White, candidate: Candidate) -> Term | None:
-    if not on_its_axis_alone(candidate) or not get_effect(candidate.effect).timing:
+    if not _is_gear(candidate):
         return None
     axis = candidate.axis
     columns = raw_columns(white, candidate, OCTAVE) - raw_columns(white, candidate)
@@ -50,8 +54,8 @@ def _beyond(white: White, candidate: Candidate) -> Term | None:
 def with_gears(white: White, candidates: Iterable[Candidate]) -> White:
     """Return the problem in which a load that is fused of model and torque knows the elastic gears."""
     gears = {}
-    for one in filter(on_its_axis_alone, candidates):
-        effect = get_effect(one.effect)
-        if effect.of_load and effect.scaled and not one.nonlinear.get("side"):
-            gears[one.axis] = float(one.nonlinear[effect.scaled])
+    for one in filter(_is_gear, candidates):
+        scaled = get_effect(one.effect).scaled
+        if scaled and not one.nonlinear.get("side"):
+            gears[one.axis] = float(one.nonlinear[scaled])
     return white.beside_gears(gears)

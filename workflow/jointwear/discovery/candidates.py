@@ -292,8 +292,14 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
 
 
 def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray) -> float:
-    """Return the evidence that columns add whose coefficient is one, give or take the `usual` share."""
+    """Return the evidence that columns add whose coefficient is one, give or take the `usual` share.
+
+    Columns that would have to turn round are another torque, however much of the data they would then explain: none of
+    them may stand for its family, in which another size may be right.
+    """
     width = np.full(len(b), white.problem.settings.usual)
+    if np.any(1.0 + posterior_mean(b - gram.sum(axis=1), gram, width) <= 0):
+        return -np.inf
     return float(np.sum(b) - 0.5 * np.sum(gram)) + gain(b - gram.sum(axis=1), gram, width)
 
 
@@ -393,8 +399,11 @@ def _gram_each(
 
 def _gains_about_one(white: White, b: np.ndarray, square: np.ndarray) -> list[float]:
     """Return :func:`gain_about_one` of single columns with b and H (k,)."""
-    width = np.full((len(b), 1), white.problem.settings.usual)
-    return (b - 0.5 * square + gains((b - square)[:, None], square[:, None, None], width)).tolist()
+    usual = white.problem.settings.usual
+    width = np.full((len(b), 1), usual)
+    values = b - 0.5 * square + gains((b - square)[:, None], square[:, None, None], width)
+    turned_round = 1.0 + (b - square) / (square + usual**-2.0) <= 0
+    return np.where(turned_round, -np.inf, values).tolist()
 
 
 def contenders(found: list[Scored], settings: Settings) -> list[Scored]:

@@ -178,7 +178,7 @@ class Problem:
 
     @cached_property
     def noise_in_torque(self) -> np.ndarray:
-        """(n, k) density [(N m)^2/Hz] of noise in the nominal torque, at :func:`jointwear.discovery.spectra.frequencies`."""
+        """(n, k) density [(N m)^2/Hz] of noise in the nominal torque, at the frequencies of `discovery/spectra.py`."""
         return noise_in_torque(self.discrepancy[self.train], *self._in_frequency)
 
     @cached_property

@@ -1,0 +1,135 @@
+"""Columns of late torque end where the nominal torque is noise, lags only turn it there, and sizes know the noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import butter, sosfiltfilt
+from test_instruments import RATE, coarse
+
+from jointwear import effects
+from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.decide import _shared_drives
+from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
+from jointwear.discovery.noisy_columns import noise_share
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.problem import build_problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.settings import Settings
+from jointwear.discovery.spectra import density_of, frequencies, pieces_of
+from jointwear.discovery.whitening import whiten
+from jointwear.effects import make_state
+from jointwear.effects.order import turned
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import split
+from jointwear.robots.robot import load_robot
+
+N, LEVEL = 8000, 0.02
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("config/robots/puma560.yaml")
+
+
+def _samples():
+    """A torque of steps up to 10 Hz and noise of density LEVEL beside it, usable samples and records."""
+    rng = np.random.default_rng(11)
+    motion = sosfiltfilt(butter(8, 10.0, fs=RATE, output="sos"), rng.standard_normal((N, 1)), axis=0)
+    noise = np.sqrt(LEVEL * RATE / 2) * rng.standard_normal((N, 1))
+    return 20.0 * motion, noise, (np.ones((N, 1), dtype=bool), np.repeat([0, 1], N // 2), RATE)
+
+
+def test_a_density_is_that_of_white_noise():
+    _, noise, (usable, record, rate) = _samples()
+    density = density_of(noise[:, 0][pieces_of(usable[:, 0], record, rate)], rate)
+    assert np.mean(density[3:-3]) == pytest.approx(LEVEL, rel=0.05)
+
+
+def test_motion_ends_where_noise_is_most_of_the_torque():
+    motion, noise, samples = _samples()
+    derived = np.full((1, len(frequencies(RATE))), LEVEL)
+    (end,) = motion_ends(motion + noise, *samples, noise_in_torque(-noise, *samples, derived))
+    assert 10.0 < end < 25.0
+
+
+def test_a_floor_that_the_residual_does_not_hold_is_motion():
+    motion, noise, samples = _samples()
+    derived = np.full((1, len(frequencies(RATE))), LEVEL)
+    held = noise_in_torque(0.1 * noise, *samples, derived)
+    assert np.all(held < 0.05 * LEVEL)
+    assert motion_ends(motion + noise, *samples, held) == np.inf
+
+
+def test_of_short_stretches_nothing_is_said():
+    motion, noise, (usable, *told) = _samples()
+    usable[::20] = False
+    derived = np.full((1, len(frequencies(RATE))), LEVEL)
+    np.testing.assert_array_equal(noise_in_torque(0.1 * noise, usable, *told, derived), derived)
+    assert motion_ends(motion + noise, usable, *told, derived) == np.inf
+
+
+@given(st.floats(1.0, 40.0), st.floats(-0.03, 0.03), st.floats(0.0, 6.0))
+def test_a_wave_is_turned_as_a_lag_turns_it_and_keeps_its_size(robot, frequency, lag, phase):
+    time = np.arange(400) / RATE
+    state = make_state(robot, *np.zeros((4, 400, 6)), time=time, record=np.zeros(400, dtype=int))
+    angle = 2 * np.pi * frequency * time + phase
+    middle, wanted = slice(100, 300), np.sin(angle - np.arctan(2 * np.pi * frequency * lag))
+    np.testing.assert_allclose(turned(state, np.sin(angle), lag)[middle], wanted[middle], atol=0.06)
+    np.testing.assert_array_equal(turned(replace(state, record=None), wanted, lag), wanted)
+
+
+def test_noise_that_is_turned_gains_nothing_and_filtered_noise_does(robot):
+    time = np.arange(N) / RATE
+    state = make_state(robot, *np.zeros((4, N, 6)), time=time, record=np.zeros(N, dtype=int))
+    noise = np.random.default_rng(3).standard_normal(N)
+    change = turned(state, noise, 0.01) - noise
+    # The residual holds the noise with the other sign; the coefficient is one.
+    assert abs(change @ -noise - 0.5 * change @ change) < 0.01 * N
+
+
+def test_a_lag_is_filtered_below_and_turned_above_where_a_dead_time_ends(robot):
+    white = filtered(robot, 15)
+    delay = effects.get_effect("actuation_delay")
+    ends = [(c.timing, c.late) for c in white.cutoffs]
+    assert any(late > timing for timing, late in ends)
+    for axis, (timing, late) in enumerate(ends):
+        assert late <= max(timing, white.problem.motion_ends[axis])
+        state = white.state_of(delay, axis, {"delay": 0.01, "lag": 1})
+        assert (state.above is None) == (late == timing)
+        if state.above is not None:
+            dead = white.state_of(delay, axis, {"delay": 0.01, "lag": 0})
+            np.testing.assert_allclose((state.torque + state.above)[:, axis], dead.torque[:, axis])
+            with_lag = Candidate("actuation_delay", axis, None, {"delay": 0.01, "lag": 1})
+            below = delay.columns(white.timing_state(axis), axis, None, with_lag.nonlinear)
+            assert np.any(raw_columns(white, with_lag) != below)
+
+
+def filtered(robot, bits):
+    """The whitened problem of a coarse encoder whose positions, one of them missing, are filtered: no splines."""
+    recording = coarse(robot, seed=6, step=2 * np.pi / 2**bits)
+    recording.position[700, 5] = np.nan
+    problem = build_problem(split(recording), robot, Settings(), measure(recording))
+    return whiten(problem, estimate_noise(problem))
+
+
+def test_the_share_of_noise_in_a_late_torque_grows_with_the_step_of_the_encoder(robot):
+    late = Candidate("actuation_delay", 1, None, {"delay": 0.01, "lag": 0})
+    shares = [noise_share(w, w.fit(), late) for w in (filtered(robot, bits) for bits in (20, 15))]
+    assert 0.0 <= shares[0] < 0.5 * shares[1] <= 0.5
+
+
+def test_two_joints_share_a_drive_where_each_names_the_other_for_the_same_sum():
+    def name(axis, source, own, other, evidence=500.0):
+        return Named(Candidate("drive_coupling", axis, source, {"own": own, "other": other}), None, None, evidence)
+
+    both = [name(4, 5, 1.0, -1.0), name(5, 4, 1.0, -1.0)]
+    assert _shared_drives(both, 100.0) == [{4, 5}, {4, 5}]
+    assert not _shared_drives(both[:1], 100.0)
+    assert not _shared_drives([both[0], name(5, 4, 1.0, 1.0)], 100.0)
+    assert not _shared_drives([both[0], name(5, 4, 0.0, -1.0)], 100.0)
+    assert not _shared_drives([both[0], name(5, 4, 1.0, -1.0, evidence=50.0)], 100.0)
+    spring = Named(Candidate("joint_spring", 5, None), None, None, 500.0)
+    assert not _shared_drives([both[0], spring], 100.0)
