@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import butter, sosfiltfilt
 from test_instruments import RATE, coarse
@@ -21,7 +21,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.spectra import density_of, frequencies, pieces_of
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import make_state
-from jointwear.effects.order import turned
+from jointwear.effects.order import turn_by_lag
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
@@ -32,6 +32,12 @@ N, LEVEL = 8000, 0.02
 @pytest.fixture(scope="module")
 def robot():
     return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.fixture(scope="module")
+def still(robot):
+    """A state of 400 samples in which only the time matters."""
+    return make_state(robot, *np.zeros((4, 400, 6)), time=np.arange(400) / RATE, record=np.zeros(400, dtype=int))
 
 
 def _samples():
@@ -71,23 +77,34 @@ def test_of_short_stretches_nothing_is_said():
     assert motion_ends(motion + noise, usable, *told, derived) == np.inf
 
 
-@given(st.floats(1.0, 40.0), st.floats(-0.03, 0.03), st.floats(0.0, 6.0))
-def test_a_wave_is_turned_as_a_lag_turns_it_and_keeps_its_size(robot, frequency, lag, phase):
-    time = np.arange(400) / RATE
-    state = make_state(robot, *np.zeros((4, 400, 6)), time=time, record=np.zeros(400, dtype=int))
-    angle = 2 * np.pi * frequency * time + phase
-    middle, wanted = slice(100, 300), np.sin(angle - np.arctan(2 * np.pi * frequency * lag))
-    np.testing.assert_allclose(turned(state, np.sin(angle), lag)[middle], wanted[middle], atol=0.06)
-    np.testing.assert_array_equal(turned(replace(state, record=None), wanted, lag), wanted)
+@settings(max_examples=25, deadline=None)
+@given(st.floats(1.0, 40.0), st.floats(0.0, 0.03), st.floats(0.0, 6.0))
+def test_what_turns_a_wave_is_the_part_of_a_lag_along_turning_it(still, frequency, lag, phase):
+    angle = 2 * np.pi * frequency * still.time + phase
+    turn = np.arctan(2 * np.pi * frequency * lag)
+    middle, wave = slice(100, 300), np.sin(angle)
+    along, lagged = np.sin(angle - turn) - wave, np.cos(turn) * np.sin(angle - turn) - wave
+    found = turn_by_lag(still, wave, lag)[middle]
+    np.testing.assert_allclose(found, (0.5 * (1 + np.cos(turn)) * along)[middle], atol=0.06)
+    # A coefficient of one on it is that of the lag.
+    period = slice(100, 100 + round(RATE / frequency) * max(1, round(100 * frequency / RATE)))
+    if turn > 0.3:
+        part = 0.5 * (1 + np.cos(turn)) * along[period]
+        assert (part @ lagged[period]) / (part @ part) == pytest.approx(1.0, abs=0.15)
+    assert not turn_by_lag(replace(still, record=None), wave, lag).any()
 
 
-def test_noise_that_is_turned_gains_nothing_and_filtered_noise_does(robot):
-    time = np.arange(N) / RATE
-    state = make_state(robot, *np.zeros((4, N, 6)), time=time, record=np.zeros(N, dtype=int))
-    noise = np.random.default_rng(3).standard_normal(N)
-    change = turned(state, noise, 0.01) - noise
+def test_noise_that_is_turned_hardly_gains_and_filtered_noise_does(still):
+    noise, lag = np.random.default_rng(3).standard_normal(len(still.time)), 0.01
+    turn = np.arctan(2 * np.pi * lag * np.fft.rfftfreq(len(noise), 1 / RATE))
+    filtered = np.fft.irfft(np.fft.rfft(noise) * (np.cos(turn) * np.exp(-1j * turn) - 1), len(noise))
     # The residual holds the noise with the other sign; the coefficient is one.
-    assert abs(change @ -noise - 0.5 * change @ change) < 0.01 * N
+    gains = [change @ -noise - 0.5 * change @ change for change in (turn_by_lag(still, noise, lag), filtered)]
+    assert gains[1] > 0.3 * len(noise)
+    assert 0.0 < gains[0] < 0.5 * gains[1]
+    # Before a lag it speaks against itself.
+    change = turn_by_lag(still, noise, -0.002)
+    assert change @ -noise - 0.5 * change @ change < 0.0
 
 
 def test_a_lag_is_filtered_below_and_turned_above_where_a_dead_time_ends(robot):

@@ -76,25 +76,27 @@ def _lagged(t: np.ndarray, x: np.ndarray, lag: float, v: np.ndarray | None) -> n
     return np.concatenate([[start], lfilter([1.0], [1.0, -keep], drive, zi=[keep * start])[0]])
 
 
-def turned(state: State, values: np.ndarray, lag: float) -> np.ndarray:
-    """Return `values` (m,) turned in time as a first-order lag of time constant `lag` [s] turns each of their waves,
-    but with all of its size; unchanged without an order.
+def turn_by_lag(state: State, values: np.ndarray, lag: float) -> np.ndarray:
+    """Return what a first-order lag [s] changes of `values` (m,) as far as that lies along turning them in time.
 
-    What a lag takes off a wave is what a filter takes off noise; by how much it turns it says as much of the lag, and
-    noise that is turned gains nothing. A negative lag turns the other way. Samples are evenly spaced but for jitter.
+    With f the angle by which the lag turns a wave it is (1 + cos f) / 2 of what turning it alone changes. What a lag
+    takes off a wave a filter takes off noise too; noise that is turned hardly gains. A negative lag turns the other way
+    and adds: 1 / cos f as much. 0 without an order. Samples are evenly spaced but for jitter.
     """
+    result = np.zeros(np.shape(values))
     if state.record is None or lag == 0:
-        return values
-    result = np.array(values, dtype=float)
+        return result
     for part in record_slices(state):
         count = part.stop - part.start
         more = min(count - 1, CONTINUED)
         if more < 1:
             continue
         # Turned about its ends: what begins with a step would ring.
-        padded = np.pad(result[part], more, mode="reflect", reflect_type="odd")
+        padded = np.pad(values[part], more, mode="reflect", reflect_type="odd")
         frequency = np.fft.rfftfreq(len(padded), float(np.median(np.diff(state.time[part]))))
-        spectrum = np.fft.rfft(padded) * np.exp(-1j * np.arctan(2 * np.pi * frequency * lag))
+        angle = np.arctan(2 * np.pi * frequency * lag)
+        along = 0.5 * (1.0 + np.cos(angle)) / (np.cos(angle) if lag < 0 else 1.0)
+        spectrum = np.fft.rfft(padded) * along * (np.exp(-1j * angle) - 1.0)
         result[part] = np.fft.irfft(spectrum, len(padded))[more : more + count]
     return result
 
@@ -130,12 +132,10 @@ def change_by_delay(state: State, axis: int, delay: float) -> np.ndarray:
 def change_by_lag(state: State, axis: int, lag: float) -> np.ndarray:
     """Return what a first-order lag [s] changes of the nominal torque (m,) of one axis; see :func:`change_by_delay`.
 
-    Of torque whose size is not known it is what turning it changes.
+    Of torque of which noise hides the size it is :func:`turn_by_lag`.
     """
     change = smoothed_torque(state, axis, lag) - late_torque(state, axis, 0.0)
-    if state.above is None:
-        return change
-    return change + turned(state, state.above[..., axis], lag) - state.above[..., axis]
+    return change if state.above is None else change + turn_by_lag(state, state.above[..., axis], lag)
 
 
 def earlier_sense(state: State, axis: int, delay: float) -> np.ndarray:

@@ -60,8 +60,8 @@ class State:
     derives : (axis, frequencies [Hz] (...,)) -> share that is left of a shaking of the axis in its derived
         acceleration; None where all is.
     encoder_side : whether positions are those of the "motor" (or unknown), or of the "link".
-    above : torque (..., n) [N m] of higher frequencies beside `torque`, of which noise leaves the size of a wave
-        unknown: a lag turns it and takes nothing off; None where there is none.
+    above : torque (..., n) [N m] of higher frequencies beside `torque`, of which noise hides the size of a wave: a lag
+        turns it, and what it takes off does not count; None where there is none.
     """
 
     position: np.ndarray
