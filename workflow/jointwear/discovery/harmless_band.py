@@ -1,9 +1,16 @@
-"""What effects of late torque are worth below the cut-off of rates of torque, where noise feigns nothing."""
+"""What effects of late torque are worth below the cut-off of rates of torque, where noise feigns nothing.
+
+The columns of that band are an instrument for those of the whole one: a filter ends gradually, and where most of an
+effect lies in its flank the coefficient that fits best is not one but what columns of the whole band have on them
+(Soderstrom and Stoica 1983).
+"""
 
 from __future__ import annotations
 
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.linear import Fit, gain_of_one
+import numpy as np
+
+from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.linear import Fit
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
@@ -15,7 +22,11 @@ def where_noise_is_harmless(white: White, beside: Fit, candidate: Candidate) -> 
     is the same at all frequencies: below, where less is seen and nothing is feigned, it has to be as large.
     """
     effect, axis = get_effect(candidate.effect), candidate.axis
-    columns = effect.columns(white.timing_state(axis), axis, candidate.source, candidate.nonlinear)
+    below = effect.columns(white.timing_state(axis), axis, candidate.source, candidate.nonlinear)
+    columns = np.concatenate([below, raw_columns(white, candidate)], axis=1)
     b, gram = beside.gram({axis: white.columns(axis, columns)})
-    nats, best = gain_of_one(b, gram), 0.5 * float(b[0] ** 2 / gram[0, 0]) if gram[0, 0] > 0 else 0.0
+    if gram[0, 0] <= 0 or gram[0, 1] <= 0:
+        return 0.0, 0.0
+    size, best = float(gram[0, 1] / gram[0, 0]), 0.5 * float(b[0] ** 2 / gram[0, 0])
+    nats = size * float(b[0]) - 0.5 * size**2 * float(gram[0, 0])
     return nats, nats / best if best > 0 else 0.0
