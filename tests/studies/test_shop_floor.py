@@ -189,9 +189,9 @@ def test_only_events_that_were_told_are_in_the_config():
 # ---------------------------------------------------------------------------------------------------------- scores
 
 
-def record(hour, axis, low=None, middle=None, high=None, quantity="coulomb friction", detector="model"):
+def record(hour, axis, low=None, middle=None, high=None, quantity="coulomb friction", detector="model", sure=0.9):
     return {
-        "time": START + HOUR * hour, "axis": axis, "quantity": quantity, "detector": detector,
+        "time": START + HOUR * hour, "axis": axis, "quantity": quantity, "detector": detector, "probability_axis": sure,
         "hours_to_limit_low": low, "hours_to_limit": middle, "hours_to_limit_high": high,
     }  # fmt: skip
 
@@ -235,6 +235,20 @@ def test_alarms_before_the_onset_are_false_and_others_are_told_apart(worn):
     assert at_alarm["high"] is None
     assert not later["held"]
     assert later["true"] == pytest.approx(110.0)
+
+
+@pytest.mark.parametrize(("others", "own", "named"), [(0.8, 0.9, True), (0.99, 0.9, False), (float("nan"), 0.4, True)])
+def test_the_axis_is_named_if_it_is_the_likeliest_when_it_is_found(worn, others, own, named):
+    records = [
+        record(350, 5, sure=1.0),
+        record(380, 5, sure=others),
+        record(400, 4, sure=own),
+        record(430, 5, sure=1.0),
+    ]
+    facts = outcome_of(worn, records)
+    assert facts["likeliest"] is named
+    assert detection([facts])["named"]["count"] == named
+    assert detection([facts])["right"]["count"] == 0
 
 
 def test_an_axis_that_is_not_found_counts_as_missed(worn):

@@ -83,6 +83,7 @@ def _worn(cell: Cell, after: list[tuple], status: np.ndarray, end: np.ndarray) -
         "observed": int(((end > wear.onset) & (end <= wear.onset + 336)).sum()),
         "first_axis": after[0][1] if after else None,
         "others": len({a[1] for a in after} - {axis}),
+        "likeliest": None,
         "delay": None,
         "forecasts": [],
     }
@@ -92,11 +93,21 @@ def _worn(cell: Cell, after: list[tuple], status: np.ndarray, end: np.ndarray) -
         facts["operating"] = int(((end > wear.onset) & (end <= first[0])).sum())
         facts["growth"] = float(wear.growth(np.array(first[0])))
         facts["quantity"] = first[2]
+        facts["likeliest"] = _likeliest([a for a in after if a[0] <= first[0]]) == axis
         again = [a for a in mine if LATER <= a[0] - first[0] <= 4 * LATER]
         for later, alarm in ((0, first), (LATER, again[0] if again else None)):
             if alarm is not None:
                 facts["forecasts"].append(_forecast(wear.onset + wear.duration - alarm[0], alarm[3], later))
     return facts
+
+
+def _likeliest(told: list[tuple]) -> int:
+    """Return the axis whose newest alarm states the largest probability; the later one where they are alike.
+
+    Viscous friction alone states none, which counts as 0.
+    """
+    newest = {axis: (np.nan_to_num(alarm["probability_axis"] or 0.0), hour) for hour, axis, _, alarm in told}
+    return max(newest, key=lambda axis: newest[axis])
 
 
 def _forecast(true: float, alarm: dict[str, Any], later: float) -> dict[str, Any]:

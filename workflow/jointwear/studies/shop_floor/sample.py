@@ -53,7 +53,10 @@ def table(s: dict[str, Any]) -> str:
             )
     for key in ("coulomb_in_two_weeks", "coulomb", "together", "viscous"):
         d = s[key]
-        lines.append(f"  {key.replace('_', ' '):24s} found {_share(d['found'])}; axis right {_share(d['right'])}")
+        lines.append(
+            f"  {key.replace('_', ' '):24s} found {_share(d['found'])}; axis right first {_share(d['right'])}, "
+            f"when found {_share(d['named'])}"
+        )
         lines.append(
             f"{'':27s}delay {_range(d['delay'], 'h')}; in operation {_range(d['operating'], 'h')}; "
             f"at growth {_range(d['growth'], '%')}; {d['unjudgeable']} hardly judged"

@@ -40,13 +40,19 @@ def _quantiles(values: Sequence[float]) -> dict[str, Any]:
 
 
 def detection(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return `found` within two weeks, `right` axis of the first alarm after the onset, `delay` [h], `growth`."""
+    """Return `found` within two weeks, `right` axis of the first alarm after the onset, `delay` [h], `growth`.
+
+    A false alarm of another axis between onset and alarm makes a first alarm wrong, and at a stated rate there are so
+    many of them. `named`: of the worn axes that alarmed, those that then were the likeliest of all told so far.
+    """
     worn = [f for f in facts if f["worn"]]
+    told = [f["likeliest"] for f in worn if f["likeliest"] is not None]
     found = [f for f in worn if f["delay"] is not None and f["delay"] <= TWO_WEEKS]
     alarmed = [f for f in worn if f["first_axis"] is not None]
     return {
         "found": counted_share(len(found), len(worn)),
         "right": counted_share(sum(f["first_axis"] == f["axis"] for f in alarmed), len(alarmed)),
+        "named": counted_share(sum(told), len(told)),
         "delay": _quantiles([f["delay"] for f in found]),
         "operating": _quantiles([f["operating"] for f in found]),
         "growth": _quantiles([100 * f["growth"] for f in found]),
