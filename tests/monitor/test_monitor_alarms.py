@@ -3,6 +3,7 @@
 import csv
 from dataclasses import replace
 
+import pytest
 from monitor_logs import START
 from monitor_states import WORN, changed
 
@@ -10,6 +11,7 @@ from jointwear.monitor.condition import axis_conditions
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.page import write_page
+from jointwear.monitor.records import _is_news, _Told
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms
 
 
@@ -35,6 +37,23 @@ def test_alarms_of_the_paper_since_a_changed_scale_may_be_that(monitored):
         assert ("alarms of this detector since then may be that step" in (folder / "s.html").read_text()) == told
         asked = [c.check for c in axis_conditions(stepped) if c.episodes]
         assert any("torque constant and firmware" in check for check in asked) == told
+
+
+@pytest.mark.parametrize(
+    ("last", "now", "news"),
+    [
+        (_Told(0.0, 1, True, 0.03), _Told(23.0, 1, True, 0.200), False),
+        (_Told(0.0, 1, True, 0.03), _Told(24.0, 1, True, 0.035), False),
+        (_Told(0.0, 1, True, 0.03), _Told(24.0, 1, True, 0.041), True),
+        (_Told(0.0, 1, True, 0.03, again=True), _Told(24.0, 1, True, 0.045), False),
+        (_Told(0.0, 1, True, 0.03, again=True), _Told(24.0, 1, True, 0.051), True),
+        (_Told(0.0, 1, True, 0.03, again=True), _Told(168.0, 1, True, 0.030), True),
+        (_Told(0.0, 1, False, 0.03), _Told(24.0, 1, True, 0.010), True),
+        (_Told(0.0, 1, True, 0.03), _Told(24.0, 1, False, 0.200), False),
+    ],
+)
+def test_an_alarm_is_told_again_where_its_growth_goes_on(last, now, news):
+    assert _is_news(last, now, 0.01) is news
 
 
 def test_alarms_of_one_story_are_one_episode():

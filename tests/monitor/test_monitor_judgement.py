@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from jointwear.monitor.events import Event
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, judge
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
-from jointwear.monitor.records import Reason
+from jointwear.monitor.records import Reason, Teller
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.watching import watch
 
@@ -164,6 +165,25 @@ def test_thicker_oil_adds_to_the_viscous_part_of_each_axis_its_share_of_it(monke
     monkeypatch.setattr(judge_module, "watch", lambda *a, **k: units.append(k.get("unit")) or watch(*a, **k))
     judge(statistics_of(residuals(200, np.zeros((200, 3)), 23)), 120, SETTINGS)
     assert units[-1] == pytest.approx(VISCOUS * 0.6 / (VISCOUS * 0.6 + [8.0, 2.0, 1.25]), rel=0.2)
+
+
+def test_a_rise_of_viscous_friction_beside_a_fallen_level_is_new_grease():
+    level = SimpleNamespace(
+        axes=[1, 1, 1], mean=np.array([[-0.03, -0.01, 0.0]]), mean_std=np.array([[0.01, 0.01, np.inf]]),
+        shared=SimpleNamespace(common=np.zeros(1)),
+    )  # fmt: skip
+    viscous = SimpleNamespace(alarm=np.ones((1, 3), dtype=bool))
+    told = Teller._viscous_alarm(SimpleNamespace(_level=level, _viscous=viscous))
+    assert told.tolist() == [[False, True, True]]
+
+
+def test_an_alarm_that_stays_as_it_is_is_told_once_a_week():
+    growth = np.zeros((200, 3))
+    growth[120:, 0] = 0.1
+    result = judge(statistics_of(residuals(200, growth, 13)), 120, SETTINGS)
+    mine = [a for a in result.alarms if a["detector"] == "model"]
+    assert [a["axis"] for a in mine] == [1]
+    assert set(result.status[130:, 0]) == {CHANGED}
 
 
 def test_a_robot_without_friction_parameters_grows_from_its_own_baseline():

@@ -40,11 +40,10 @@ from jointwear.monitor.windows import WindowStatistics
 #: Rounds in which changed scales of the torque are looked for, and at which rate of false alarms per 1,000 h: a scale
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
 MOST_STEPS, SCALE_RATE = 3, 1.0
-#: Shares of the allowance: of the charts for viscous friction alone, where the level that is judged leaves it out, and
-#: for backlash; the rest is that of the level. The viscous part takes many times its share: its law has heavier tails
-#: than the null runs', as oil and loads move it (docs/decisions/normal_state.md, *Seventh*).
-VISCOUS_SHARE, BACKLASH_SHARE = 0.01, 0.1
-LEVEL_SHARE = 1.0 - VISCOUS_SHARE - BACKLASH_SHARE
+#: Shares of the allowance of the charts of the level, of viscous friction alone, where the level that is judged leaves
+#: it out, and of backlash. The level has the whole: the others take little of theirs beside it
+#: (docs/decisions/normal_state.md, *Eighth*).
+LEVEL_SHARE, VISCOUS_SHARE, BACKLASH_SHARE = 1.0, 0.1, 0.1
 
 
 @dataclass(frozen=True)

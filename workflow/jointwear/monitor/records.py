@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any
 
@@ -24,9 +25,12 @@ from jointwear.monitor.windows import WindowStatistics
 
 HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
 DETECTORS = ("model", "paper")
-#: An alarm that lasts is told again after this many hours, with a new forecast; after that when growth has risen by
-#: this much more, or after a week.
-REPEAT_HOURS, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 0.02, 168.0
+#: An alarm that lasts is told again, with a new forecast, after this many hours where growth has gone on since by this
+#: many of its standard errors; after that when it has risen by this much more; or after a week. What is no wear does
+#: not go on (docs/decisions/normal_state.md, *Eighth*).
+REPEAT_HOURS, REPEAT_CLEAR, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 1.0, 0.02, 168.0
+#: Standard errors by which the level lies below normal where a rise of viscous friction is that of new grease.
+GREASED = 2.0
 
 
 class Reason(IntEnum):
@@ -38,6 +42,29 @@ class Reason(IntEnum):
     CONDITIONS = 3
     LOUD = 4
     DRIVES = 5
+
+
+@dataclass(frozen=True)
+class _Told:
+    """An alarm that was told: at `hour`, in which `segment` between starts, of the level or of viscous friction alone
+    (`by_level`), with the `mean` of its shifts; `again`: it had been told before in that segment."""
+
+    hour: float
+    segment: int
+    by_level: bool
+    mean: float
+    again: bool = False
+
+
+def _is_news(last: _Told, now: _Told, error: float) -> bool:
+    """Return whether an alarm that was told as `last` is told again as `now`; `error`: standard error of its mean."""
+    since = now.hour - last.hour
+    if since < REPEAT_HOURS:
+        return False
+    least = max(REPEAT_CLEAR * error, REPEAT_GROWTH if last.again else 0.0)
+    # Level and viscous part have different units. Where the level has joined in, growth has gone on.
+    risen = now.mean - last.mean > least if now.by_level == last.by_level else now.by_level
+    return risen or since >= REPEAT_LATEST
 
 
 class Teller:
@@ -75,11 +102,13 @@ class Teller:
 
         Also of axes whose judged level holds viscous friction: there it may drown in what Coulomb friction does from
         shift to shift. None where all axes have moved together: another gain or colder oil raises what grows with
-        speed as well.
+        speed as well. None where the level has fallen: new grease is thicker, and what wears does not fall.
         """
         alone = np.array([a is not None for a in self._level.axes])
         together = np.abs(self._level.shared.common) > FINDING
-        return self._viscous.alarm & alone & ~together[:, None]
+        with np.errstate(invalid="ignore"):
+            greased = self._level.mean < -GREASED * self._level.mean_std
+        return self._viscous.alarm & alone & ~together[:, None] & ~greased
 
     def _least_seen(self) -> np.ndarray:
         """Return the growth (n,) of Coulomb friction from which on two shifts alarm, NaN where no normal is known."""
@@ -101,20 +130,17 @@ class Teller:
         told, hour = np.zeros_like(self._alarm), self._s.end / 3600
         for j in range(told.shape[1]):
             starts = [0, *[s.window for s in self._level.starts[j]], len(hour)]
-            last = size = None
-            count = 0
+            last: _Told | None = None
             for k in np.flatnonzero(self._alarm[:, j]):
                 segment = int(np.searchsorted(starts, k, side="right"))
-                if last is not None and last[1] != segment:
-                    last, count = None, 0
-                mean = self._level.mean[k, j]
-                if last is not None:
-                    since = hour[k] - last[0]
-                    risen = np.isfinite(mean) and np.isfinite(size) and mean - size > REPEAT_GROWTH
-                    due = since >= REPEAT_HOURS and (count == 1 or risen or since >= REPEAT_LATEST)
-                    if not due:
+                by_level = bool(self._level.alarm[k, j])
+                watched = self._level if by_level else self._viscous
+                now = _Told(float(hour[k]), segment, by_level, float(watched.mean[k, j]))
+                if last is not None and last.segment == segment:
+                    if not _is_news(last, now, float(watched.mean_std[k, j])):
                         continue
-                told[k, j], last, size, count = True, (hour[k], segment), mean, count + 1
+                    now = replace(now, again=True)
+                told[k, j], last = True, now
         return told
 
     def _states(self) -> np.ndarray:

@@ -18,21 +18,22 @@ from jointwear.monitor.forecast import Forecast
 #: is past: at an alarm a small part of the way is gone, on which any law is nearly straight, and a prior of the bend
 #: so far would let a good part of the laws come to rest below the limit.
 BENDS = np.linspace(-4.0, 5.0, 15)
-BEND, BEND_SPREAD = 0.8, 1.85
+BEND, BEND_SPREAD = 0.4, 1.5
 #: Probability a priori that growth comes to rest below the limit, at one of these shares of it.
 REST, RESTS = 0.01, (0.1, 0.2, 0.35, 0.5, 0.7, 0.9)
 #: Onsets between the normal period and now, as shares of the time between.
 ONSETS = np.concatenate([np.linspace(0.0, 0.9, 13), [0.94, 0.97]])
 #: Times from onset to limit over that from onset to now, as likely a priori per log of them as this power of their rate
-#: says: 0 would be flat in the log of the time, which leaves a quarter of the ends open, 1 in the rate.
-LENGTHS, HASTE = np.geomspace(0.25, 100.0, 45), 0.5
+#: says: 0 would be flat in the log of the time, which leaves a quarter of the ends open, 1 in the rate. This, the bend,
+#: :data:`SCALE` and :data:`UNEVEN` together have the best interval score (docs/decisions/normal_state.md, *Forecasts*).
+LENGTHS, HASTE = np.geomspace(0.25, 100.0, 45), 0.3
 #: Standard deviation of the log of what growth is told as over what it is: its share in the friction that is judged
 #: and its size under the conditions of the day are known no better. Points and weights of the normal law for it.
-SCALE = 0.25
+SCALE = 0.15
 _POINTS = ((-1.35, 0.25), (0.0, 0.5), (1.35, 0.25))
 #: Relative standard deviation of growth about its law. The level of a healthy axis has no wander beside it: what its
 #: shifts leave does not grow with the days since the baseline.
-UNEVEN = 0.15
+UNEVEN = 0.2
 #: A limit farther away than this many times the history may never be reached.
 FARTHEST = 30.0
 
