@@ -28,6 +28,7 @@ def test_the_example_shows_the_steps_of_all_joints():
         (lambda q: q, 1.0),
         (np.radians, np.pi / 180),
         (lambda q: np.round(q, 6), 1.0),
+        (lambda q: np.round(q, 5), 1.0),
         (lambda q: q.astype(np.float32).astype(float), 1.0),
         (lambda q: np.where(np.arange(len(q)) % 90 == 0, np.nan, q), 1.0),
     ],

@@ -9,9 +9,23 @@ from jointwear.files.json_values import six_digits
 #: Fewest different positions that a step is told from, most steps that may lie between the two that are nearest, and
 #: share of the positions that must be multiples of it, to a share of a step.
 FEWEST, NEAREST, NEARLY_ALL, CLOSE = 20, 16, 0.98, 0.05
+#: Steps that gaps may hold from which a step is told, one after the other.
+WIDER = (16, 256, 4096)
 #: Multiple of the spacing of floats that is no step of an encoder but of the numbers themselves, and step [rad] finer
 #: than which there is none: 25 bits a turn of a motor behind a gear of 160.
 FLOATS, FINEST = 8.0, 1e-9
+
+
+def _fitted(gaps: np.ndarray, step: float) -> float:
+    """Return a `step` [rad] fitted to gaps (k,) [rad] that are multiples of it, wider ones as it gets better known.
+
+    The nearest gap is as wrong as the last digit that was written: of wide ones it would count one step more or less.
+    """
+    for most in (*WIDER, np.inf):
+        counts = np.round(gaps / step)
+        near = counts <= most
+        step = float(gaps[near].sum() / counts[near].sum())
+    return step
 
 
 def encoder_step(values: np.ndarray) -> float | None:
@@ -32,8 +46,7 @@ def encoder_step(values: np.ndarray) -> float | None:
     if len(gaps) < FEWEST - 1:
         return None
     for parts in range(1, NEAREST + 1):
-        counts = np.round(gaps / (gaps.min() / parts))
-        step = float(gaps.sum() / counts.sum())
+        step = _fitted(gaps, gaps.min() / parts)
         if step <= max(FLOATS * spacing, FINEST):
             return None
         whole = (known - known[0]) / step

@@ -13,8 +13,9 @@ from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.structure import Basis, strongest_line
+from jointwear.discovery.structure import TIME_BIN, Basis, Line, strongest_line, time_bins
 from jointwear.discovery.tolerance import with_tolerances
+from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
 from jointwear.files.wording import numbered
@@ -28,6 +29,8 @@ MOST = 0.5
 BASIS_SIZE = 2.0
 #: Argument of structure that is a wave or a linear chirp.
 LINE = "line over time"
+#: Waves over one step of an encoder that are no structure, and samples of a bin of time for each of their columns.
+STEP_ORDERS, FEWEST_OF_WAVE = 2, 5
 #: A residual counts as structure with at most this many standard deviations of its noise: one sample that jumps, at a
 #: start or a spike of the log, is no regime, and a regime of many samples loses nothing that decides.
 OUTLYING = 4.0
@@ -53,7 +56,6 @@ def unexplained(
     if robust:
         fit = _without_outliers(fit)
     settings = problem.settings
-    state = problem.train_state
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
         least = _least_square(outcome, axis)
@@ -85,7 +87,7 @@ def unexplained(
                     found.append(entry)
         if asked is not None and (axis, LINE) not in asked:
             continue
-        line = strongest_line(fit.residual[axis], white.whiteners[axis].rows, state, problem.measured.rate)
+        line = _line(white, fit, axis)
         if line is not None:
             entry = Unexplained(
                 axis,
@@ -107,6 +109,38 @@ def unexplained(
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
     return found, profile
+
+
+def _line(white: White, fit: Fit, axis: int) -> Line | None:
+    """Return the strongest line over time that is left on an axis, without those that the steps of its encoder make."""
+    problem, rows, residual = white.problem, white.whiteners[axis].rows, fit.residual[axis]
+    state, rate = problem.train_state, problem.measured.rate
+    line, step = strongest_line(residual, rows, state, rate), problem.encoder_steps[axis]
+    if line is None or line.p_value >= problem.settings.unexplained_p or not np.isfinite(step):
+        return line
+    return strongest_line(without_steps(white, axis, residual, step), rows, state, rate)
+
+
+def without_steps(white: White, axis: int, residual: np.ndarray, step: float) -> np.ndarray:
+    """Return the whitened residual (m,) of an axis without waves over the steps of its encoder.
+
+    A controller that reads its positions in steps answers with a torque of their period, which at a constant speed is a
+    line over time, folded into the band of the log. How large it is, and how late, depends on the speed: each bin of
+    time has waves of its own.
+
+    Parameters
+    ----------
+    step : of the encoder [rad].
+    """
+    state, rows = white.problem.train_state, white.whiteners[axis].rows
+    angle = 2 * np.pi * np.outer(state.position[:, axis] / step, np.arange(1, STEP_ORDERS + 1))
+    waves = white.columns(axis, np.concatenate([np.sin(angle), np.cos(angle)], axis=1))
+    left = residual.copy()
+    for inside in time_bins(state, TIME_BIN)[rows].T > 0:
+        if np.count_nonzero(inside) > FEWEST_OF_WAVE * waves.shape[1]:
+            own = waves[inside]
+            left[inside] -= own @ np.linalg.lstsq(own, residual[inside], rcond=None)[0]
+    return left
 
 
 def _beside(fit: Fit, axis: int, columns: np.ndarray, raw: np.ndarray, theta: np.ndarray) -> np.ndarray:

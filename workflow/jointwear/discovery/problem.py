@@ -8,6 +8,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
+from jointwear.discovery.encoder_step import encoder_step
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
@@ -51,6 +52,8 @@ class Problem:
     smear : (N, n, 3) what the filter behind the derivatives does to the rigid-body torque [N m], 0 if given.
     moving : (N, n) samples in motion: those that can be judged, and those beside reversals and in shared stops too.
     judged : 0-based axes with enough usable training samples.
+    positions : positions [rad] of the log as they came, one array for each joint.
+    encoder_step : resolution of the positions [rad] that the user gave, None where it is told from them.
     body_prior : identifier -> prior standard deviations of an effect on the whole arm, where they are not the usual.
     still : that nothing which shakes the arm is noise.
     """
@@ -69,6 +72,8 @@ class Problem:
     smear: np.ndarray
     moving: np.ndarray
     judged: tuple[int, ...]
+    positions: tuple[np.ndarray, ...] = ()
+    encoder_step: float | None = None
     body_prior: Mapping[str, np.ndarray] = field(default_factory=dict)
     still: bool = False
     #: (axis, cut-off [Hz]) -> training samples; see :func:`jointwear.discovery.instruments.limited_state`.
@@ -97,6 +102,14 @@ class Problem:
         bare = self.train_state.gravity_regressor if robot.payload is None else None
         without = bare() if bare else gravity_regressor(replace(robot, payload=None), position)
         return gravity_regressor(body, position) - without
+
+    @cached_property
+    def encoder_steps(self) -> np.ndarray:
+        """(n,) step of the encoder of every joint [rad], nan where there is none that can be told."""
+        if self.encoder_step is not None:
+            return np.full(self.robot.joints, self.encoder_step)
+        found = [encoder_step(values) for values in self.positions]
+        return np.array([np.nan if step is None else step for step in found] or [np.nan] * self.robot.joints)
 
     @cached_property
     def middle_speed(self) -> dict[int, float]:
@@ -305,6 +318,8 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         smear=_smear(measured, state),
         moving=moving,
         judged=tuple(int(j) for j in np.flatnonzero(counts >= FEWEST_SAMPLES)),
+        positions=tuple(recording.position.T),
+        encoder_step=recording.encoder_step,
     )
 
 
