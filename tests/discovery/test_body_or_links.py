@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery.acceptance import refusals
+from jointwear.discovery.acceptance import _nats_of_links, refusals
 from jointwear.discovery.candidates import build_dictionary, raw_blocks
-from jointwear.discovery.linear import Term
+from jointwear.discovery.linear import Term, gain
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.whitening import whiten
+from jointwear.discovery.whitening import INERTIAL, whiten
 from jointwear.effects import get_effect
 from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body
 from jointwear.robots.robot import load_robot
@@ -76,3 +76,16 @@ def test_the_nearest_body_is_one(seed):
         [[0.5 * np.trace(spread) * np.eye(3) - spread, found[1:4, None]], [found[None, 1:4], found[None, :1]]]
     )
     assert np.linalg.eigvalsh(pseudo)[0] > -1e-9 * np.abs(pseudo).max()
+
+
+@pytest.mark.parametrize(("share", "counts"), [(0.5, True), (-0.5, True), (0.7, False), (-0.7, False)])
+def test_links_are_known_less_only_as_far_as_a_mass_may_be_wrong(white, share, counts):
+    """A body of most of the last link is a body, however well a table of links that are all off would say it."""
+    problem, links = white.problem, next(t for t in white.base if t.label == INERTIAL)
+    masses = np.array([body[0] for body in bodies(problem.robot)])
+    change = problem.factor[::10] @ white.directions
+    theta = np.linalg.pinv(change) @ np.where(np.arange(len(masses)) == len(masses) - 1, share * masses, 0.0)
+    gram = 1e9 * np.eye(len(theta))
+    said, wide = (gain(gram @ theta, gram, k * links.std) for k in (1.0, problem.settings.mass_sigmas))
+    assert wide > said
+    assert _nats_of_links(white, links.std, gram @ theta, gram) == (wide if counts else said)

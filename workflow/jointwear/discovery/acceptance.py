@@ -30,6 +30,7 @@ from jointwear.discovery.recorded_in_time import nats_of_time
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import INERTIAL, Folds, White
 from jointwear.effects import get_effect
+from jointwear.robots.inertia import bodies
 
 #: The gate that asks every record alone.
 ONE_RECORD = "nats gained on the record left out that gains least"
@@ -228,7 +229,7 @@ def _lead_over_links(white: White, before: list[Term], trial: Named) -> float:
 
     Either way the links are as well known as said, or as much worse as a link that is off without being told, whichever
     the data ask for (MacKay 1992, Bayesian interpolation): a last link far off alone is a body, a whole table of links
-    that are off is none.
+    that are off is none. So is no table in which the mass of a link would be off by more than as a parameter it may be.
     """
     links = next((t for t in white.base if t.label == INERTIAL), None)
     rest = [t for t in white.base if t.label != INERTIAL]
@@ -237,9 +238,24 @@ def _lead_over_links(white: White, before: list[Term], trial: Named) -> float:
     without = Fit(white.targets, [*rest, *before]).gram(links.blocks)
     beside = Fit(white.targets, [*rest, *before, trial.term]).gram(links.blocks)
     body = gain(*Fit(white.targets, [*rest, *before]).gram(trial.term.blocks), trial.term.std)
-    widths = (1.0, white.problem.settings.mass_sigmas)
-    best, other = (max(gain(*sums, width * links.std) for width in widths) for sums in (beside, without))
+    best, other = (_nats_of_links(white, links.std, *sums) for sums in (beside, without))
     return body + best - other
+
+
+def _nats_of_links(white: White, std: np.ndarray, b: np.ndarray, gram: np.ndarray) -> float:
+    """Return the nats of the links, as well known as said or less well, of their sums `b` (r,) and `gram` (r, r).
+
+    Parameters
+    ----------
+    std : (r,) of the inertial directions of the fit, as well known as said.
+    """
+    problem, settings = white.problem, white.problem.settings
+    said, wide = gain(b, gram, std), settings.mass_sigmas * std
+    masses = np.array([body[0] for body in bodies(problem.robot)])[:, None]
+    change = problem.factor[::10] @ white.directions @ posterior_mean(b, gram, wide)[:, None]
+    if np.any(np.abs(change) > settings.wrongest_mass * masses):
+        return said
+    return max(said, gain(b, gram, wide))
 
 
 def _impossible_nats(white: White, beside: Fit, trial: Named) -> float:
