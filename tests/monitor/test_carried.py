@@ -56,6 +56,45 @@ def test_mass_and_switches_are_found_whatever_the_friction(motion, mass, begin, 
     assert np.mean(load.carried == carried) > 0.97
 
 
+def program(seed, samples=300):
+    """Three moves of 3 s from rest to rest, again and again: position, velocity, acceleration, and the move."""
+    span = 3.0
+    points = np.array(LIGHT.home) + np.array(LIGHT.reach) * np.random.default_rng(seed).uniform(-0.7, 0.7, (3, 6))
+    time = STEP * np.arange(samples) + 0.5 * STEP
+    move, s = (time // span).astype(int) % 3, ((time % span) / span)[:, None]
+    way = points[(move + 1) % 3] - points[move]
+    position = points[move] + way * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    velocity = way * (30 * s**2 - 60 * s**3 + 30 * s**4) / span
+    return position, velocity, way * (60 * s - 180 * s**2 + 120 * s**3) / span**2, move
+
+
+def test_a_load_on_one_move_of_three_is_found():
+    """What is fitted along (friction, gravity, inertia) swallows most of a load as long as its switch is wrong."""
+    found = []
+    for seed in range(20):
+        position, velocity, acceleration, move = program(seed)
+        unit = FlangeLoad(robot_of(robot_data(LIGHT))).unit(position, velocity, acceleration)
+        noise = 0.2 * np.random.default_rng(seed).standard_normal(velocity.shape)
+        torque = np.einsum("smkn,k->mn", unit, [3.0, 0.0, 0.0, 0.24]) * (move == 0)[:, None] + noise
+        load = find_load(torque, columns_of(velocity), unit.sum(axis=0), np.abs(velocity) > 0.02, STEP)
+        same = load is not None and np.mean(load.carried == (move == 0)) > 0.95
+        found.append(same and load.moments[0] == pytest.approx(3.0, rel=0.1))
+        assert find_load(noise, columns_of(velocity), unit.sum(axis=0), np.abs(velocity) > 0.02, STEP) is None
+    assert sum(found) >= 19
+
+
+def test_such_a_load_is_found_in_a_long_window_that_begins_at_rest():
+    samples = 9000
+    position, velocity, acceleration, move = program(4, samples)
+    unit = FlangeLoad(robot_of(robot_data(LIGHT))).unit(position, velocity, acceleration).sum(axis=0)
+    noise = 0.2 * np.random.default_rng(2).standard_normal(velocity.shape)
+    torque = np.einsum("mkn,k->mn", unit, [3.0, 0.0, 0.0, 0.24]) * (move == 0)[:, None] + noise
+    used = (np.abs(velocity) > 0.02) & (np.arange(samples) >= 3000)[:, None]
+    load = find_load(torque, columns_of(velocity) * used.T[:, None], unit, used, STEP)
+    assert load.moments[0] == pytest.approx(3.0, rel=0.05)
+    assert np.mean((load.carried == (move == 0))[3000:]) > 0.98
+
+
 def test_a_load_does_not_turn_on_round_off_where_gravity_does_not_act(motion):
     velocity, unit = motion[1], motion[3]
     random = np.random.default_rng(3)

@@ -9,12 +9,17 @@ which is a switch c(t) in {0, 1}:
 with the nuisances of the regression (friction both ways and viscous, gravity and inertial torque) free in every axis.
 Switch and moments are found in turn, all axes together. A load is accepted only where it explains most of what the
 model leaves; then its torque belongs to the model, and what a load does to the estimates of friction goes with it.
+
+One sample turns its switch with the nuisances held, which have swallowed much of a load under a wrong switch: a search
+from afar then ends in a switch of its own making. Where it finds nothing, it begins once more from a switch that is any
+number in each second, found with the nuisances free.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -31,6 +36,13 @@ SMOOTH, EDGE = 0.5, 0.3
 CLEAR = 4.0
 #: Time [s] between samples that suffices to find a load. Fewest of them.
 STEP, FEWEST = 0.1, 60
+#: Time [s] over which a switch that is any number keeps its value, rounds of finding it, and what is added to its
+#: normal equations, of their mean diagonal: the nuisances hardly tell a load that is carried throughout from none.
+SEGMENT, RELAXED_ROUNDS, RELAXED_RIDGE = 1.0, 4, 1e-3
+#: Time [s] of a window in which such a switch is looked for: the work grows with the square of the number of segments.
+LONGEST = 60.0
+#: Quantiles of the shares of the segments half way between which a load counts as carried.
+OUTER = (0.1, 0.9)
 #: Share of the residual (root mean square) below which gravity or inertia of the model could not matter even if all
 #: wrong, and share of the largest torque of a unit load below which one of its moments is not seen: an axis on which
 #: gravity does not act has nothing but round-off there.
@@ -159,13 +171,40 @@ def find_load(
     before = np.maximum((plain**2).sum(axis=1) / count, 1e-12)
     loads = unit[:, :, axes].transpose(2, 0, 1) * on[..., None]
     width = max(round(SMOOTH / step), 1)
+    near = partial(_nearest, plain, loads, bases, count, before, width, least)
+    found = near(_starts(plain, loads, before, width))
+    if found is not None:
+        return found
+    longest = round(LONGEST / step)
+    if len(used) <= longest:
+        return near(_relaxed_starts(plain, loads, bases, count, before, step))
+    start = _start_from_stretch(residual, columns, unit, used, step, least, longest)
+    return None if start is None else near([start])
+
+
+def _nearest(
+    plain: np.ndarray,
+    loads: np.ndarray,
+    bases: np.ndarray,
+    count: np.ndarray,
+    before: np.ndarray,
+    width: int,
+    least: float,
+    starts: Iterable[np.ndarray],
+) -> Load | None:
+    """Return the best load that is found from any of the switches (m,) of `starts`, None where it explains too little.
+
+    Parameters
+    ----------
+    plain : (n, m) residual [N m] without the nuisances. loads : (n, m, 4) torque of unit loads. bases : (n, m, p) of
+        the nuisances. count : (n,) samples. before : (n,) mean square of `plain`. width : of smoothing, in samples.
+    """
     best, lowest = None, 0.0
-    for start in _starts(plain, loads, before, width):
+    for start in starts:
         carried, weight = start, 1.0 / before
         for _ in range(ROUNDS):
             shown = _without(bases, loads * carried[None, :, None])
-            turned = shown.transpose(0, 2, 1) * weight[:, None, None]
-            moments = _moments((turned @ shown).sum(axis=0), (turned @ plain[..., None]).sum(axis=0)[:, 0])
+            moments = _least_squares(shown, plain, weight)
             error = plain - shown @ moments
             after = np.maximum((error**2).sum(axis=1) / count, 1e-12)
             torque = loads @ moments
@@ -179,6 +218,12 @@ def find_load(
         if carried.any() and moments[0] > least and left < lowest:
             best, lowest = Load(moments, carried), left
     return best if lowest < -np.log(CLEAR) else None
+
+
+def _least_squares(shown: np.ndarray, plain: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return the moments (4,) that explain `plain` (n, m) by `shown` (n, m, 4); `weight` (n,) of the axes."""
+    turned = shown.transpose(0, 2, 1) * weight[:, None, None]
+    return _moments((turned @ shown).sum(axis=0), (turned @ plain[..., None]).sum(axis=0)[:, 0])
 
 
 def _that_matter(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:
@@ -210,6 +255,64 @@ def _starts(plain: np.ndarray, loads: np.ndarray, variance: np.ndarray, width: i
     """Switches (m,) to begin with: carried throughout, and where the residual looks like a mass."""
     inner = _positive(np.einsum("jm,jm->m", plain / variance[:, None], loads[..., 0]), width)
     return [np.ones(plain.shape[1], dtype=bool), inner]
+
+
+def _relaxed_starts(
+    plain: np.ndarray, loads: np.ndarray, bases: np.ndarray, count: np.ndarray, before: np.ndarray, step: float
+) -> list[np.ndarray]:
+    """Switches (m,) to begin with, one the other turned round: of a load carried by any share in each segment.
+
+    Moments and shares are found in turn, either with the nuisances free; arrays as of :func:`_nearest`.
+    """
+    m = plain.shape[1]
+    segments = max(round(m * step / SEGMENT), 2)
+    segment = np.arange(m) * segments // m
+    inside = np.eye(segments)[segment]
+    share, weight = np.ones(segments), 1.0 / before
+    for _ in range(RELAXED_ROUNDS):
+        moments = _least_squares(_without(bases, loads * share[segment][None, :, None]), plain, weight)
+        shown = _without(bases, (loads @ moments)[..., None] * inside)
+        turned = shown.transpose(0, 2, 1) * weight[:, None, None]
+        gram = (turned @ shown).sum(axis=0)
+        mean = gram.trace() / segments
+        if not mean > 0:
+            return []
+        gram.flat[:: segments + 1] += RELAXED_RIDGE * mean
+        share = np.linalg.solve(gram, (turned @ plain[..., None]).sum(axis=0)[:, 0])
+        weight = 1.0 / np.maximum(((plain - shown @ share) ** 2).sum(axis=1) / count, 1e-12)
+    low, high = np.quantile(share, OUTER)
+    carried = share[segment] > 0.5 * (low + high)
+    return [carried, ~carried]
+
+
+def _start_from_stretch(
+    residual: np.ndarray,
+    columns: np.ndarray,
+    unit: np.ndarray,
+    used: np.ndarray,
+    step: float,
+    least: float,
+    longest: int,
+) -> np.ndarray | None:
+    """Return the switch (m,) that the load and the nuisances of the busiest stretch of a window speak for in all of it.
+
+    None where the stretch shows no load. `longest` : its samples; the other arguments are those of :func:`find_load`.
+    """
+    begin = max(range(0, len(used), longest), key=lambda k: int(used[k : k + longest].sum()))
+    own = slice(begin, begin + longest)
+    load = find_load(residual[own], columns[:, :, own], unit[own], used[own], step, least)
+    if load is None:
+        return None
+    torque = np.where(used, np.einsum("mkn,k->mn", unit, load.moments), 0.0)
+    gain = np.zeros(len(used))
+    for j in np.flatnonzero(used[own].sum(axis=0) >= FEWEST):
+        whole = np.where(used[:, j], residual[:, j], 0.0)
+        rest = whole[own] - load.carried * torque[own, j]
+        error = whole - np.linalg.lstsq(columns[j][:, own].T, rest, rcond=1e-6)[0] @ columns[j]
+        left = error[own] - load.carried * torque[own, j]
+        variance = max(float(left @ left) / used[own, j].sum(), 1e-12)
+        gain += torque[:, j] * (2 * error - torque[:, j]) / variance
+    return _positive(gain, max(round(SMOOTH / step), 1))
 
 
 def _bases(columns: Sequence[np.ndarray]) -> np.ndarray:
