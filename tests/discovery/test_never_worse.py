@@ -278,3 +278,19 @@ def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_st
     assert {f.model for f in final.fallbacks if f.step.startswith("everything as given")} == {"augmented", "retuned"}
     told = next(f.step for f in final.fallbacks if f.model == "augmented" and f.step.startswith("everything"))
     assert "named but not written: nonlinear_viscous_friction" in told
+
+
+def test_a_file_that_a_few_samples_speak_for_is_worse(found):
+    """Friction that turns at ten samples outweighs a column that is noise everywhere else."""
+    problem, axis, rng = found.problem, 1, np.random.default_rng(3)
+    used = np.flatnonzero(problem.train)[problem.usable[:, axis]]
+    lacking = np.zeros_like(problem.discrepancy)
+    lacking[used, axis] = 0.1 * rng.standard_normal(len(used))
+    lacking[used[:10], axis] = 100.0
+    odd, useful = replace(problem, discrepancy=lacking), problem.measured.torque - lacking
+    useful[used[:10], axis] += 60.0
+    noisy = useful.copy()
+    noisy[used[10:], axis] += 0.3 * rng.standard_normal(len(used) - 10)
+    assert not sound_files._worse(odd, useful)
+    assert sound_files._worse(odd, noisy)[axis] == pytest.approx(np.sqrt(10.0), rel=0.1)
+    assert np.sum((problem.measured.torque - noisy)[used, axis] ** 2) < 0.5 * np.sum(lacking[used, axis] ** 2)

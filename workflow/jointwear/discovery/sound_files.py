@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.estimation import Final, finalise
+from jointwear.discovery.left_out import mean_squares
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.verdict import FallBack
@@ -118,7 +119,9 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
 def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
     """Return the axes on which a model follows the training motion worse than the given robot, with the ratio.
 
-    Asked are the samples that can be judged, and all in motion: a file is used beside reversals too.
+    Asked are the samples that can be judged, and all in motion: a file is used beside reversals too. Of what can be
+    judged the block of time in the middle is asked as well: a few samples at which friction turns outweigh all others
+    together, and so hide a column of rates of torque that is noise everywhere else.
     """
     worst = np.zeros(problem.robot.joints)
     for samples in (problem.measured.usable, problem.moving):
@@ -126,4 +129,20 @@ def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
         error = np.sum(np.where(used, (problem.measured.torque - torque) ** 2, 0.0), axis=0)
         given = np.sum(np.where(used, problem.discrepancy**2, 0.0), axis=0)
         worst = np.maximum(worst, np.sqrt(error / np.maximum(given, 1e-300)) * used.any(axis=0))
+    for axis in problem.judged:
+        worst[axis] = max(worst[axis], middle_ratio(problem, axis, torque))
     return {axis: float(worst[axis]) for axis in problem.judged if worst[axis] > problem.settings.not_worse}
+
+
+def middle_ratio(problem: Problem, axis: int, torque: np.ndarray) -> float:
+    """Return the RMS error on one axis in the training block of time in the middle, over that of the given robot.
+
+    Parameters
+    ----------
+    torque : (m, n) of a file at the samples of `problem` [N m].
+    """
+    used = problem.usable[:, axis]
+    left = (problem.measured.torque - torque)[problem.train, axis][used]
+    means, _ = mean_squares(problem.block_of_sample[used], left, problem.discrepancy[problem.train, axis][used])
+    error, given = np.median(means, axis=1)
+    return float(np.sqrt(error / max(given, 1e-300)))
