@@ -41,9 +41,8 @@ from jointwear.monitor.windows import WindowStatistics
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
 MOST_STEPS, SCALE_RATE = 3, 1.0
 #: Shares of the allowance of the charts of the level, of viscous friction alone, where the level that is judged leaves
-#: it out, and of backlash. The level has the whole: the others take little of theirs beside it
-#: (docs/decisions/normal_state.md, *Eighth*).
-LEVEL_SHARE, VISCOUS_SHARE, BACKLASH_SHARE = 1.0, 0.1, 0.1
+#: it out, and of backlash (docs/decisions/normal_state.md, *Eighth*).
+LEVEL_SHARE, VISCOUS_SHARE, BACKLASH_SHARE = 0.9, 0.05, 0.05
 
 
 @dataclass(frozen=True)
