@@ -42,7 +42,7 @@ from jointwear.monitor.windows import WindowStatistics
 MOST_STEPS, SCALE_RATE = 3, 1.0
 #: Shares of the allowance of the charts of the level, of viscous friction alone, where the level that is judged leaves
 #: it out, and of backlash (docs/decisions/normal_state.md, *Eighth*).
-LEVEL_SHARE, VISCOUS_SHARE, BACKLASH_SHARE = 0.9, 0.05, 0.05
+LEVEL_SHARE, VISCOUS_SHARE, BACKLASH_SHARE = 0.75, 0.05, 0.05
 
 
 @dataclass(frozen=True)
