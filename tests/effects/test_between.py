@@ -46,7 +46,7 @@ def test_times_that_do_not_rise_and_values_that_are_unknown_are_named(count, bro
 
 @pytest.mark.parametrize("delay", [0.013, -0.0027, 0.02, -0.06, 0.0])
 def test_even_samples_are_read_as_the_spline_says(delay):
-    """Inside a record even samples share their weights; beside its ends, and where they are not even, they do not."""
+    """At the ends of a record too, and where samples are not even."""
     time = 3.0 + 0.004 * np.arange(300)
     values = np.random.default_rng(5).standard_normal((300, 2))
     wanted = make_interp_spline(time, values, k=5)(np.clip(time - delay, time[0], time[-1]))

@@ -38,7 +38,7 @@ from jointwear.robots.inertia import mass_direction
 WITHOUT = "without"
 #: Up to this relative error of the drive parameters they are taken as right.
 RIGHT_PARAMETERS = 0.03
-#: How often effects of timing are refined at most, each time beside what the last one does above its band.
+#: How often effects are refined at most, each time beside what the last elastic gears do above their band.
 REFINEMENTS = 3
 
 
@@ -126,7 +126,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
 
 
 def _in_band(plain: White, candidates: list[Candidate]) -> White:
-    """Return the problem with what effects of timing do above the band of their columns, and a load that knows them."""
+    """Return the problem with what elastic gears do above the band of their columns, and a load that knows them."""
     white = with_gears(plain, candidates)
     beside = beyond_band(white, candidates)
     return replace(white, base=[*white.base, *beside]) if beside else white

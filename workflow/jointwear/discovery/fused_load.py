@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jointwear.discovery.instruments import FREQUENCIES
+from jointwear.effects.order import continued
 from jointwear.measurement.even_steps import runs
 
 if TYPE_CHECKING:
     from jointwear.discovery.noise import Whitener
     from jointwear.discovery.problem import Problem
 
-#: Samples by which a record is continued, turned about its ends, before its spectrum is multiplied.
-CONTINUED = 64
 #: How many ends the columns of an elastic gear may have between that of columns of timing and that of a swing.
 ENDS = 9
 
@@ -92,8 +91,7 @@ def _gain(problem: Problem, axis: int, density: np.ndarray, frequency: np.ndarra
 
 def _shaped(values: np.ndarray, frequency: np.ndarray, gain: np.ndarray, rate: float) -> np.ndarray:
     """Return values (m,) with their spectrum multiplied by a gain (k,) at frequencies (k,) [Hz]."""
-    more = min(len(values) - 1, CONTINUED)
-    whole = np.pad(values, more, mode="reflect", reflect_type="odd")
+    whole, inside = continued(values)
     spectrum = np.fft.rfft(whole)
     spectrum *= np.interp(np.fft.rfftfreq(len(whole), 1 / rate), frequency, gain)
-    return np.fft.irfft(spectrum, len(whole))[more : more + len(values)]
+    return np.fft.irfft(spectrum, len(whole))[inside]

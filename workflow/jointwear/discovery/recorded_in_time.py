@@ -17,26 +17,23 @@ from scipy.ndimage import fourier_shift
 
 from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
-from jointwear.effects.order import earlier_sense, level_between
+from jointwear.effects.order import continued, earlier_sense, level_between
 from jointwear.effects.state import State
 from jointwear.measurement.even_steps import runs
 
-#: Samples by which a record is continued, turned about its ends, before it is shifted.
-CONTINUED = 64
 #: Shares of a delay that are tried: a lag is nearly a dead time of its own length, less where torque changes fast.
 SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)
 
 
 def put_forward(values: np.ndarray, delay: float, rate: float) -> np.ndarray:
     """Return values (m,), evenly sampled at `rate` [Hz], as they are `delay` [s] later."""
-    more = min(len(values) - 1, CONTINUED)
-    padded = np.pad(values, more, mode="reflect", reflect_type="odd")
+    padded, inside = continued(values)
     # A line is shifted exactly: what is left ends as it begins, as a Fourier series does.
     time = np.arange(len(padded))
     slope = (padded[-1] - padded[0]) / max(len(padded) - 1, 1)
     spectrum = fourier_shift(np.fft.rfft(padded - slope * time), -delay * rate, n=len(padded))
     shifted = np.fft.irfft(spectrum, len(padded)) + slope * (time + delay * rate)
-    return shifted[more : more + len(values)]
+    return shifted[inside]
 
 
 def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:

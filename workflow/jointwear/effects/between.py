@@ -11,8 +11,6 @@ from jointwear.files.errors import InputError
 
 #: Degree of the splines between samples.
 DEGREE = 5
-#: Share of a step by which samples may miss an even grid that counts as even: round-off of their times.
-EVEN = 1e-9
 
 
 class Between:
@@ -40,41 +38,9 @@ class Between:
             return np.array(self._values, dtype=float)
         result = np.empty(np.shape(self._values))
         for part, spline in self._records:
-            result[part] = _earlier(self._time[part], spline, delay)
+            time = self._time[part]
+            result[part] = spline(np.clip(time - delay, time[0], time[-1]))
         return result
-
-
-def _earlier(time: np.ndarray, spline: BSpline, delay: float) -> np.ndarray:
-    """Return the values (m, ...) of the spline of one record `delay` [s] before its times (m,)."""
-    count = len(time)
-    step = (time[-1] - time[0]) / max(count - 1, 1)
-    inner = range(0)
-    if spline.k == DEGREE and np.abs(time - np.linspace(time[0], time[-1], count)).max() <= EVEN * step:
-        # On an even grid all samples whose neighbours are no end have the same weights. Knots are the samples but for
-        # the two beside each end.
-        before = int(np.ceil(delay / step))
-        inner = range(max(before + 2 * DEGREE - 2, 0), min(count + before - 2 * DEGREE + 1, count))
-    if len(inner) <= 0:
-        return spline(np.clip(time - delay, time[0], time[-1]))
-    result = np.empty((count, *spline.c.shape[1:]))
-    first = inner.start - before - 2
-    result[inner.start : inner.stop] = sum(
-        weight * spline.c[first + k : first + k + len(inner)]
-        for k, weight in enumerate(_weights(before - delay / step, DEGREE))
-    )
-    ends = np.r_[: inner.start, inner.stop : count]
-    result[ends] = spline(np.clip(time[ends] - delay, time[0], time[-1]))
-    return result
-
-
-def _weights(share: float, degree: int) -> list[float]:
-    """Return the weights of the `degree` + 1 coefficients of a spline on even knots, `share` of a step after a knot."""
-    weights = [1.0]
-    for p in range(1, degree + 1):
-        rise = [(share + p - 1 - k) / p * w for k, w in enumerate(weights)]
-        fall = [(k + 1 - share) / p * w for k, w in enumerate(weights)]
-        weights = [a + b for a, b in zip([*fall, 0.0], [0.0, *rise], strict=True)]
-    return weights
 
 
 def _spline(time: np.ndarray, values: np.ndarray, part: slice) -> BSpline:

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 from jointwear.effects.rests import SLOW
 from jointwear.effects.state import State, record_slices
 
-#: Samples by which a record is continued, turned about its ends, before its waves are turned in time.
+#: Samples by which a record is continued before its waves are changed.
 CONTINUED = 64
 
 
@@ -87,18 +87,24 @@ def turn_by_lag(state: State, values: np.ndarray, lag: float) -> np.ndarray:
     if state.record is None or lag == 0:
         return result
     for part in record_slices(state):
-        count = part.stop - part.start
-        more = min(count - 1, CONTINUED)
-        if more < 1:
+        if part.stop - part.start < 2:
             continue
-        # Turned about its ends: what begins with a step would ring.
-        padded = np.pad(values[part], more, mode="reflect", reflect_type="odd")
+        padded, inside = continued(values[part])
         frequency = np.fft.rfftfreq(len(padded), float(np.median(np.diff(state.time[part]))))
         angle = np.arctan(2 * np.pi * frequency * lag)
         along = 0.5 * (1.0 + np.cos(angle)) / (np.cos(angle) if lag < 0 else 1.0)
         spectrum = np.fft.rfft(padded) * along * (np.exp(-1j * angle) - 1.0)
-        result[part] = np.fft.irfft(spectrum, len(padded))[more : more + count]
+        result[part] = np.fft.irfft(spectrum, len(padded))[inside]
     return result
+
+
+def continued(values: np.ndarray) -> tuple[np.ndarray, slice]:
+    """Return the samples (m,) of a record continued beyond both ends, and where they are in that.
+
+    Turned about the ends: what begins with a step would ring when its spectrum is changed.
+    """
+    more = min(len(values) - 1, CONTINUED)
+    return np.pad(values, more, mode="reflect", reflect_type="odd"), slice(more, more + len(values))
 
 
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:

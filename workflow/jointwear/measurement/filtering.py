@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, sosfiltfilt
 
 #: Fewest samples that are filtered.
 SHORTEST = 24
@@ -19,10 +19,9 @@ RINGING = 30
 
 
 @lru_cache(maxsize=512)
-def _butterworth(cutoff: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Sections (2, 6) of a Butterworth filter of order 4, and their state (2, 2) that has settled at a value of one."""
-    sections = butter(4, cutoff, fs=rate, output="sos")
-    return sections, sosfilt_zi(sections)
+def _butterworth(cutoff: float, rate: float) -> np.ndarray:
+    """Sections of a Butterworth filter of order 4."""
+    return butter(4, cutoff, fs=rate, output="sos")
 
 
 def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
@@ -31,21 +30,8 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
         return values
     # Rates that were found from stamps differ in their last digits from stretch to stretch.
     pad = min(len(values) - 1, max(int(3 * rate / cutoff + 1e-6), RINGING))
-    return _both_ways(values, *_butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}")), pad)
-
-
-def _both_ways(values: np.ndarray, sections: np.ndarray, settled: np.ndarray, pad: int) -> np.ndarray:
-    """Return `scipy.signal.sosfiltfilt` (k, ...) along the first axis to the bit.
-
-    SciPy works out the settled state at every call, which for one record takes as long as the filter.
-    """
-    x = np.ascontiguousarray(np.moveaxis(values, 0, -1), dtype=float)
-    before, after = 2 * x[..., :1] - x[..., pad:0:-1], 2 * x[..., -1:] - x[..., -2 : -pad - 2 : -1]
-    start = settled.reshape(len(sections), *[1] * (x.ndim - 1), 2)
-    y = np.concatenate([before, x, after], axis=-1)
-    for _ in range(2):
-        y = sosfilt(sections, y, zi=start * y[..., :1])[0][..., ::-1]
-    return np.moveaxis(y[..., pad:-pad], -1, 0)
+    sections = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
+    return sosfiltfilt(sections, values, axis=0, padlen=pad)
 
 
 def zero_phase_gain(frequency: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
