@@ -32,7 +32,14 @@ from jointwear.studies.shop_floor.month import DAY, HOURS
 from jointwear.studies.shop_floor.plan import FIRST, REPORTED, batch_of, batches, robots_of
 from jointwear.studies.shop_floor.plant_entry import entry_of
 from jointwear.studies.shop_floor.programs import Jobs, draw_program
-from jointwear.studies.shop_floor.scores import detection, false_alarms, forecasts, poisson_rate, summary
+from jointwear.studies.shop_floor.scores import (
+    detection,
+    false_alarms,
+    forecasts,
+    poisson_rate,
+    rate_over_robots,
+    summary,
+)
 from jointwear.studies.shop_floor.sensing import START
 
 HOUR = 3600.0
@@ -272,6 +279,22 @@ def test_poisson_interval_is_garwoods():
     rate = poisson_rate(3, 1000)
     assert rate["low"] == pytest.approx(0.6187, abs=1e-3)
     assert rate["high"] == pytest.approx(8.7673, abs=1e-3)
+
+
+def test_alarms_that_come_together_widen_the_interval_over_robots():
+    hours = np.full(100, 200.0)
+    apart, together = np.r_[np.ones(20), np.zeros(80)], np.r_[np.full(4, 5.0), np.zeros(96)]
+    rate = poisson_rate(20, hours.sum())
+    alone, crowded = rate_over_robots(apart, hours), rate_over_robots(together, hours)
+    for spread in (alone, crowded):
+        assert spread["robots_low"] < rate["per_1000_h"] < spread["robots_high"]
+    widths = [x["robots_high"] - x["robots_low"] for x in (alone, crowded)]
+    assert widths[0] < 1.2 * (rate["high"] - rate["low"]) < widths[1]
+    assert rate_over_robots(together, hours) == crowded
+
+
+def test_one_robot_with_alarms_tells_no_scatter():
+    assert rate_over_robots([3, 0, 0], [100.0, 100.0, 100.0]) == {"robots_low": None, "robots_high": None}
 
 
 def test_false_alarms_count_robots_and_axes(worn):

@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import bootstrap, chi2
 
 from jointwear.statistics.intervals import counted_share
+from jointwear.statistics.randomness import generator
 
 #: Worn axes are to be found within this time [h].
 TWO_WEEKS = 336.0
+#: Resamples of the robots, from a stream of their own.
+RESAMPLES, SEED = 9999, 0
 
 
 def poisson_rate(count: int, hours: float, confidence: float = 0.95) -> dict[str, Any]:
@@ -23,6 +26,32 @@ def poisson_rate(count: int, hours: float, confidence: float = 0.95) -> dict[str
     high = float(chi2.ppf(1 - side, 2 * count + 2) / 2)
     per = 1000 / hours
     return {"count": count, "hours": int(hours), "per_1000_h": count * per, "low": low * per, "high": high * per}
+
+
+def rate_over_robots(counts: Sequence[int], hours: Sequence[float], confidence: float = 0.95) -> dict[str, Any]:
+    """Return the interval `robots_low`, `robots_high` of a rate per 1,000 h whose events of one robot belong together.
+
+    Parameters
+    ----------
+    counts, hours : (robots,) events and hours of each robot.
+
+    Notes
+    -----
+    Robots are resampled, not events: the bias-corrected and accelerated bootstrap (Efron 1987). None where fewer than
+    two robots have an event, of which no scatter can be told.
+    """
+    counts, hours = np.asarray(counts, dtype=float), np.asarray(hours, dtype=float)
+    if np.count_nonzero(counts) < 2:
+        return {"robots_low": None, "robots_high": None}
+
+    def per_1000_h(events: np.ndarray, watched: np.ndarray, axis: int = -1) -> np.ndarray:
+        return 1000 * events.sum(axis=axis) / watched.sum(axis=axis)
+
+    drawn = generator(SEED, "rate over robots", replicate=0)
+    interval = bootstrap(
+        (counts, hours), per_1000_h, paired=True, n_resamples=RESAMPLES, confidence_level=confidence, rng=drawn
+    ).confidence_interval
+    return {"robots_low": float(interval.low), "robots_high": float(interval.high)}
 
 
 def false_alarms(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -93,7 +122,8 @@ def summary(facts: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {
         "rate": facts[0]["rate"],
         "robots": len(facts),
-        "false": false_alarms(facts),
+        "false": false_alarms(facts)
+        | rate_over_robots([len(f["false"]) for f in facts], [f["quiet_hours"] for f in facts]),
         "by_scenario": groups("scenario"),
         "by_thermometer": groups("thermometer"),
         "by_arm": groups("arm"),
