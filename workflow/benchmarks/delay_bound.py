@@ -37,7 +37,7 @@ FREEDOM = 3.5
 #: Scale of that law at which its quartiles are those of the normal one.
 HEAVY = float(ndtri(0.75) / stdtrit(FREEDOM, 0.75))
 #: Robust standard deviations of the means of shifts, of robots with one disturbance or none and with ten
-#: (docs/decisions/normal_state.md, "Steady robots"): of their windows' noise alone, and of the residuals as they are.
+#: (docs/decisions/when_to_alarm.md, "Steady robots"): of their windows' noise alone, and of the residuals as they are.
 SCATTER = {
     "normal state known": (0.0007, 0.0040, "normal"),
     "scatter as it is, normal law": (0.0009, 0.0126, "normal"),

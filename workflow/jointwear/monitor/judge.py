@@ -41,7 +41,7 @@ from jointwear.monitor.windows import WindowStatistics
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
 MOST_STEPS, SCALE_RATE = 3, 1.0
 #: Shares of the allowance of the charts of the level, of viscous friction alone, where the level that is judged leaves
-#: it out, and of backlash (docs/decisions/normal_state.md, *Eighth*).
+#: it out, and of backlash (docs/decisions/when_to_alarm.md).
 LEVEL_SHARE, VISCOUS_SHARE, BACKLASH_SHARE = 0.75, 0.05, 0.05
 
 

@@ -27,7 +27,7 @@ HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
 DETECTORS = ("model", "paper")
 #: An alarm that lasts is told again, with a new forecast, after this many hours where growth has gone on since by this
 #: many of its standard errors; after that when it has risen by this much more; or after a week. What is no wear does
-#: not go on (docs/decisions/normal_state.md, *Eighth*).
+#: not go on (docs/decisions/when_to_alarm.md).
 REPEAT_HOURS, REPEAT_CLEAR, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 1.0, 0.02, 168.0
 #: Standard errors by which the level lies below normal where a rise of viscous friction is that of new grease.
 GREASED = 2.0

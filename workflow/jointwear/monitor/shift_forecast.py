@@ -25,7 +25,7 @@ REST, RESTS = 0.01, (0.1, 0.2, 0.35, 0.5, 0.7, 0.9)
 ONSETS = np.concatenate([np.linspace(0.0, 0.9, 13), [0.94, 0.97]])
 #: Times from onset to limit over that from onset to now, as likely a priori per log of them as this power of their rate
 #: says: 0 would be flat in the log of the time, which leaves a quarter of the ends open, 1 in the rate. This, the bend,
-#: :data:`SCALE` and :data:`UNEVEN` together have the best interval score (docs/decisions/normal_state.md, *Forecasts*).
+#: :data:`SCALE` and :data:`UNEVEN` together have the best interval score (docs/decisions/forecasts.md).
 LENGTHS, HASTE = np.geomspace(0.25, 100.0, 45), 0.3
 #: Standard deviation of the log of what growth is told as over what it is: its share in the friction that is judged
 #: and its size under the conditions of the day are known no better. Points and weights of the normal law for it.
