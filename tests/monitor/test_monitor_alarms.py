@@ -7,12 +7,13 @@ import pytest
 from monitor_logs import START
 from monitor_states import WORN, changed
 
+from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.condition import axis_conditions
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.page import write_page
 from jointwear.monitor.records import _is_news, _Told
-from jointwear.monitor.state import ALARM_COLUMNS, read_state, stamp, write_alarms
+from jointwear.monitor.state import ALARM_COLUMNS, read_state, write_alarms
 
 
 def test_the_worn_axis_alarms_and_nothing_else(monitored):

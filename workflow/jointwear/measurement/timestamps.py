@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from datetime import UTC, datetime, tzinfo
 
 #: Latest time [s], the year 2286 on a clock that counts from 1970; the earliest lies as far before.
@@ -30,3 +31,14 @@ def utc_seconds(text: str, zone: tzinfo = UTC) -> float:
     """
     moment = datetime.fromisoformat(text)
     return (moment if moment.tzinfo else moment.replace(tzinfo=zone)).timestamp()
+
+
+def stamp(seconds: float, dated: bool) -> str:
+    """Return a time as ISO 8601 UTC, or as seconds for logs without a date."""
+    if not math.isfinite(seconds):
+        return ""
+    if not dated:
+        return f"{seconds:.10g}"
+    moment = datetime.fromtimestamp(round(seconds, 3), tz=UTC)
+    digits = "milliseconds" if moment.microsecond else "seconds"
+    return moment.isoformat(timespec=digits).replace("+00:00", "Z")

@@ -8,7 +8,6 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from jointwear.files.json_documents import parse_json
 from jointwear.files.json_values import as_json
 from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.files.text_files import replace_text
+from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.assembly import History
 from jointwear.monitor.friction import window_friction
 from jointwear.monitor.judge import Judgement
@@ -33,17 +33,6 @@ ALARM_COLUMNS = (
 
 #: Begin of the names of the errors of now in a state file.
 NOW_ERROR = "error_now_"
-
-
-def stamp(seconds: float, dated: bool) -> str:
-    """Return a time as ISO 8601 UTC, or as seconds for logs without a date."""
-    if not math.isfinite(seconds):
-        return ""
-    if not dated:
-        return f"{seconds:.10g}"
-    moment = datetime.fromtimestamp(round(seconds, 3), tz=UTC)
-    digits = "milliseconds" if moment.microsecond else "seconds"
-    return moment.isoformat(timespec=digits).replace("+00:00", "Z")
 
 
 def write_alarms(path: str | Path, alarms: Iterable[Mapping[str, Any]], dated: bool) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.text_files import replace_text
+from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.condition import UNJUDGED
-from jointwear.monitor.state import stamp
 
 #: What each column holds is told in docs/howto/fleet.md.
 COLUMNS = (

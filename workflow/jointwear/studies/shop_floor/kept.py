@@ -14,11 +14,19 @@ from jointwear.monitor.window_files import read_statistics, write_statistics
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.studies.shop_floor.cell import Cell, draw_cell
 from jointwear.studies.shop_floor.fast_path import statistics_of, survey_of
-from jointwear.studies.shop_floor.plan import batch_of
+from jointwear.studies.shop_floor.plan import batch_of, robots_of
 
 #: What stays of the torque that the model does not explain, until the first log is accepted: the survey needs a little
 #: of it to tell how long the noise remembers.
 LEFT = (1.0, 0.02, 0.0)
+
+
+def simulate_batch(seed_set: str, batch: str, output: str | Path) -> None:
+    """Simulate the robots of a batch into a folder of window statistics.
+
+    A stage of ``snakemake shop_floor``, here and not beside the others: an edited judge must not simulate again.
+    """
+    simulate_robots(seed_set, robots_of(batch), output)
 
 
 def simulate_robots(seed_set: str, indices: Iterable[int], folder: str | Path) -> None:

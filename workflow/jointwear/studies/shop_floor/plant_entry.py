@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from jointwear.monitor.state import stamp
+from jointwear.measurement.timestamps import stamp
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.month import BASELINE_DAYS
 from jointwear.studies.shop_floor.sensing import START

@@ -1,4 +1,4 @@
-"""The stages of ``snakemake shop_floor``, one function each: files in, files out."""
+"""The stages of ``snakemake shop_floor`` after the simulation, one function each: files in, files out."""
 
 from __future__ import annotations
 
@@ -12,18 +12,14 @@ from jointwear.files.json_documents import read_json, write_json
 from jointwear.statistics.intervals import counted_share
 from jointwear.studies.shop_floor.aims import aims
 from jointwear.studies.shop_floor.judging import outcomes
-from jointwear.studies.shop_floor.kept import kept_robot, simulate_robots
+from jointwear.studies.shop_floor.kept import kept_robot
 from jointwear.studies.shop_floor.plan import RATES, robots_of
 from jointwear.studies.shop_floor.scores import curve, poisson_rate, summary
 
 
-def simulate_batch(seed_set: str, batch: str, output: str | Path) -> None:
-    """Simulate the robots of a batch into a folder of window statistics."""
-    simulate_robots(seed_set, robots_of(batch), output)
-
-
 def judge_batch(seed_set: str, batch: str, windows: str | Path, output: str | Path) -> None:
-    """Judge the robots of a batch at every stated rate; `windows` is the folder of :func:`simulate_batch`."""
+    """Judge the robots of a batch at every stated rate; `windows` is the folder of
+    :func:`jointwear.studies.shop_floor.kept.simulate_batch`."""
     folder = Path(windows).parents[2]
     facts = []
     for index in robots_of(batch):
