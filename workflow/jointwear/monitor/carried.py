@@ -208,8 +208,7 @@ def _nearest(
             error = plain - shown @ moments
             after = np.maximum((error**2).sum(axis=1) / count, 1e-12)
             torque = loads @ moments
-            gain = (torque * (2 * (error + carried * torque) - torque) / after[:, None]).sum(axis=0)
-            fresh = _positive(gain, width)
+            fresh = _switch(torque, error + carried * torque, after, width)
             done = np.array_equal(fresh, carried)
             carried, weight = fresh, 1.0 / after
             if done or not carried.any():
@@ -304,15 +303,14 @@ def _start_from_stretch(
     if load is None:
         return None
     torque = np.where(used, np.einsum("mkn,k->mn", unit, load.moments), 0.0)
-    gain = np.zeros(len(used))
-    for j in np.flatnonzero(used[own].sum(axis=0) >= FEWEST):
-        whole = np.where(used[:, j], residual[:, j], 0.0)
-        rest = whole[own] - load.carried * torque[own, j]
-        error = whole - np.linalg.lstsq(columns[j][:, own].T, rest, rcond=1e-6)[0] @ columns[j]
-        left = error[own] - load.carried * torque[own, j]
-        variance = max(float(left @ left) / used[own, j].sum(), 1e-12)
-        gain += torque[:, j] * (2 * error - torque[:, j]) / variance
-    return _positive(gain, max(round(SMOOTH / step), 1))
+    axes = np.flatnonzero(used[own].sum(axis=0) >= FEWEST)
+    torque, without = torque[:, axes].T, np.where(used, residual, 0.0)[:, axes].T
+    for k, j in enumerate(axes):
+        rest = without[k, own] - load.carried * torque[k, own]
+        without[k] -= np.linalg.lstsq(columns[j][:, own].T, rest, rcond=1e-6)[0] @ columns[j]
+    left = without[:, own] - load.carried * torque[:, own]
+    variance = np.maximum((left**2).sum(axis=1) / used[own][:, axes].sum(axis=0), 1e-12)
+    return _switch(torque, without, variance, max(round(SMOOTH / step), 1))
 
 
 def _bases(columns: Sequence[np.ndarray]) -> np.ndarray:
@@ -327,6 +325,16 @@ def _bases(columns: Sequence[np.ndarray]) -> np.ndarray:
 def _without(bases: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return values (n, m, k) less their part in the spaces of `bases` (n, m, p)."""
     return values - bases @ (bases.transpose(0, 2, 1) @ values)
+
+
+def _switch(torque: np.ndarray, without: np.ndarray, variance: np.ndarray, width: int) -> np.ndarray:
+    """Return where (m,) a load is likelier carried than not, over `width` samples and all axes together.
+
+    Parameters
+    ----------
+    torque : (n, m) of the load [N m]. without : (n, m) what is left where none is carried [N m]. variance : (n,) of it.
+    """
+    return _positive((torque * (2 * without - torque) / variance[:, None]).sum(axis=0), width)
 
 
 def _positive(gain: np.ndarray, width: int) -> np.ndarray:
