@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.candidates import build_dictionary
-from jointwear.discovery.encoder_step import encoder_step
 from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.repeatability import check_groups
@@ -192,14 +191,14 @@ def _joints(recording: Recording, problem: Problem, noise: list[float | None]) -
     found = []
     for j in range(recording.joints):
         values = recording.position[np.isfinite(recording.position[:, j]), j]
-        cutoff = measured.cutoff[j]
+        cutoff, step = measured.cutoff[j], problem.encoder_steps[j]
         found.append(
             Joint(
                 axis=j + 1,
                 travel=six_digits(np.ptp(values)),
                 speed=six_digits(np.quantile(np.abs(measured.velocity[:, j]), 0.95)),
                 moving=six_digits(np.mean(measured.usable[:, j])),
-                encoder_step=recording.encoder_step or encoder_step(values),
+                encoder_step=float(step) if np.isfinite(step) else None,
                 cutoff=six_digits(cutoff) if np.isfinite(cutoff) else None,
                 torque=six_digits(np.sqrt(np.nanmean(recording.torque[:, j] ** 2))),
                 noise=None if noise[j] is None else six_digits(noise[j]),
