@@ -1,7 +1,5 @@
 """The parts of the decision: shifts, normal state, dispersion, threshold, forecast, baseline, programs."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -18,18 +16,14 @@ from jointwear.monitor.dispersion import (
     between_shifts,
     updated_between,
 )
-from jointwear.monitor.findings import _scales
-from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.regimes import find_regimes
-from jointwear.monitor.scale import ScaleStep, scale_steps
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.shift_forecast import forecast_shifts
 from jointwear.monitor.shift_scale import shift_scale
 from jointwear.monitor.shifts import shift_labels
 from jointwear.monitor.warm_up import warm_up_state
-from jointwear.monitor.windows import blank_statistics
 
 HOUR = 3600.0
 
@@ -336,79 +330,3 @@ def test_growth_on_its_way_has_an_end_and_growth_at_rest_has_none():
     assert np.isfinite(told.high)
     assert open_ended.low > told.low
     assert not np.isfinite(open_ended.high)
-
-
-def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, ...] = (), begin: int = 40):
-    """Six axes over ten shifts of eight windows; steps from window `begin` on, alarms at a window."""
-    residual, alarm = np.zeros((80, 6)), np.zeros((80, 6), dtype=bool)
-    for axis, size in steps.items():
-        residual[begin:, axis] = size
-    for axis, window in alarms.items():
-        alarm[window, axis] = True
-    normal = [
-        SimpleNamespace(
-            fit=SimpleNamespace(left_out_variance=np.array([0.04**2 if j in weak else 1e-6])),
-            dispersion=SimpleNamespace(between=0.005),
-        )
-        for j in range(6)
-    ]
-    return SimpleNamespace(
-        residual=residual, noise=np.full((80, 6), 1e-6), mean=residual, shifts=np.full((80, 6), 2), alarm=alarm,
-        axes=normal, starts=[[] for _ in range(6)], baseline=np.zeros(80, dtype=bool),
-    )  # fmt: skip
-
-
-def test_alarms_that_begin_with_another_scale_are_told_beside_it():
-    statistics = blank_statistics(np.arange(40) * 3600.0, 3600.0, np.ones(3), True)
-    changed = np.zeros((40, 3), dtype=bool)
-    changed[24:, 1] = changed[36:, 2] = True
-    (told,) = _scales(statistics, np.arange(40) // 4, [ScaleStep(0, 20, 1.1)], changed)
-    assert "torque of axis 1 changed by 1.1" in told["words"]
-    assert told["words"].endswith("The friction of axis 2 rose with it: look at the gain there before the gear.")
-    (alone,) = _scales(statistics, np.arange(40) // 4, [ScaleStep(0, 8, 1.1)], changed)
-    assert "rose with it" not in alone["words"]
-
-
-def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_with_it():
-    shift = np.repeat(np.arange(10), 8)
-    wear = quantity({2: 0.06}, {2: 50})
-    none = np.zeros(80, dtype=bool)
-    assert scale_steps(wear, wear, quantity({}, {}), shift, none) == []
-    (step,) = scale_steps(wear, wear, quantity({2: 0.06}, {}), shift, none)
-    assert (step.axis, step.window, step.factor) == (2, 40, pytest.approx(np.exp(0.06)))
-    # A few windows of like conditions before the alarm, in which the scale looks changed and then does not: wear.
-    passing = quantity({2: 0.06}, {})
-    passing.residual[48:] = 0.0
-    late = quantity({2: 0.06}, {2: 45})
-    assert scale_steps(late, late, passing, shift, none) == []
-    assert [s.axis for s in scale_steps(late, late, quantity({2: 0.06}, {}), shift, none)] == [2]
-    # A cabinet scales all axes; the last two hardly move a body.
-    level = quantity(dict.fromkeys(range(6), 0.06), {0: 50, 4: 50, 5: 55})
-    scale = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5))
-    assert {s.axis for s in scale_steps(level, level, scale, shift, none)} == set(range(6))
-    # It is found where no axis has alarmed, at the window at which it came.
-    quiet = quantity(dict.fromkeys(range(6), 0.06), {}, begin=43)
-    steps = scale_steps(quiet, quiet, quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5), begin=43), shift, none)
-    assert {s.axis for s in steps} == set(range(6))
-    assert {s.window for s in steps} == {43}
-    # A load or a program moves the bodies of all axes, and not their friction: no gain.
-    loaded = quantity(dict.fromkeys(range(4), 0.06), {}, weak=(4, 5), begin=43)
-    assert scale_steps(quantity({}, {}), quantity({}, {}), loaded, shift, none) == []
-
-
-def test_a_gain_of_all_axes_is_told_though_a_load_takes_part_of_it_away_and_the_weather_is_none():
-    shift, none = np.repeat(np.arange(10), 8), np.zeros(80, dtype=bool)
-    # As on a robot whose torque was scaled by 1.1: the bodies of the wrist hardly show it.
-    rubbed = dict(enumerate((0.125, 0.076, 0.1, 0.11, 0.115, 0.125)))
-    moved = dict(enumerate((0.085, 0.056, 0.034, 0.013, -0.015, 0.095)))
-    level = quantity(rubbed, {}, begin=43)
-    steps = gain_of_all(level, quantity(moved, {}, begin=43), shift, none)
-    assert [s.axis for s in steps] == list(range(6))
-    assert {s.window for s in steps} == {43}
-    assert steps[0].factor == pytest.approx(np.exp(0.09))
-    # Weather moves all friction and no body, a gain of one axis one of each, wear one axis.
-    assert gain_of_all(level, quantity({}, {}), shift, none) == []
-    assert gain_of_all(quantity({2: 0.1}, {}), quantity({2: 0.1}, {}), shift, none) == []
-    # One axis that keeps both has another amplifier.
-    kept = [s.axis for s in gain_of_all(quantity({**rubbed, 4: 0.0}, {}), quantity(moved, {}), shift, none)]
-    assert kept == [0, 1, 2, 3, 5]
