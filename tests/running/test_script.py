@@ -44,9 +44,13 @@ def test_a_log_that_cannot_be_written_hides_nothing(tmp_path, capsys):
     assert "a.yaml: wrong" in capsys.readouterr().err
 
 
-def test_a_defect_keeps_its_traceback():
+def test_a_defect_keeps_its_traceback(tmp_path):
     with pytest.raises(KeyError), reported(None):
         raise KeyError("x")
+    # In the log of the rule too, which a failed job is expected to have.
+    with pytest.raises(KeyError), reported(str(tmp_path / "log")):
+        raise KeyError("of a defect")
+    assert "KeyError: 'of a defect'" in (tmp_path / "log").read_text(encoding="utf-8")
     with pytest.raises(OSError, match="x"), reported(None):
         raise OSError(errno.EPIPE, "x")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import sys
+import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.abc import MetaPathFinder
@@ -52,7 +53,8 @@ class _Absent(MetaPathFinder):
 def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[None]:
     """Turn what a user can mend into one line on standard error (and in the rule's log) and exit 1.
 
-    That is an :class:`InputError`, a file or folder that the system refuses, or want of memory.
+    That is an :class:`InputError`, a file or folder that the system refuses, or want of memory. Of any other error the
+    traceback is in the log too: a failed job without a log makes the logger plugin fail beside it.
 
     Parameters
     ----------
@@ -63,9 +65,10 @@ def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[Non
     sys.meta_path.insert(0, finder)
     try:
         yield
-    except (InputError, OSError, MemoryError) as error:
+    except Exception as error:
         message = message_of(error)
         if message is None:
+            _note(traceback.format_exc(), log)
             raise
         print(message, file=sys.stderr)
         _note(message, log)
