@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jointwear.discovery.candidates import build_dictionary, gain_about_one, possible, scan, term_of
-from jointwear.discovery.linear import Fit, Term, gain, gains, posterior_mean, posterior_means
+from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.products import Products
 from jointwear.effects import get_effect
 
@@ -59,10 +59,18 @@ def test_groups_gain_what_each_of_them_gains(rng, count):
     x, b, std = rng.standard_normal((7, 30, count)), rng.standard_normal((7, count)), rng.uniform(0.1, 3.0, (7, count))
     gram = x.transpose(0, 2, 1) @ x
     gram[3] = np.diag([-1e3, *np.zeros(count - 1)])
-    assert gains(b, gram, std)[3] == -np.inf
+    together, means = gain(b, gram, std), posterior_mean(b, gram, std)
+    assert together[3] == -np.inf
     for i in range(7):
-        assert gains(b, gram, std)[i] == pytest.approx(gain(b[i], gram[i], std[i]), rel=1e-12)
-        assert posterior_means(b, gram, std)[i] == pytest.approx(posterior_mean(b[i], gram[i], std[i]), rel=1e-12)
+        assert together[i] == pytest.approx(gain(b[i], gram[i], std[i]), rel=1e-12)
+        assert means[i] == pytest.approx(posterior_mean(b[i], gram[i], std[i]), rel=1e-12)
+    for i in (0, 6):
+        # Of the textbook: the log of the marginal likelihood over that without the columns.
+        precision = gram[i] + np.diag(std[i] ** -2.0)
+        wanted = 0.5 * b[i] @ np.linalg.inv(precision) @ b[i]
+        wanted -= 0.5 * np.log(np.linalg.det(precision) * np.prod(std[i] ** 2))
+        assert together[i] == pytest.approx(wanted, rel=1e-9)
+        assert means[i] == pytest.approx(np.linalg.inv(precision) @ b[i], rel=1e-9)
 
 
 def test_a_scan_says_what_each_candidate_gains(white):

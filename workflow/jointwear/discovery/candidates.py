@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.instruments import limit
-from jointwear.discovery.linear import Fit, Term, gain, gains, posterior_mean, posterior_means
+from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.motor_lines import in_band
 from jointwear.discovery.products import Products
 from jointwear.discovery.settings import Settings
@@ -291,16 +291,22 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
             dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([0.25])))
 
 
-def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray) -> float:
-    """Return the evidence that columns add whose coefficient is one, give or take the `usual` share.
+def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray) -> np.ndarray:
+    """Return the evidence (...) that columns add whose coefficient is one, give or take the `usual` share.
 
     Columns that would have to turn round are another torque, however much of the data they would then explain: none of
     them may stand for its family, in which another size may be right.
+
+    Parameters
+    ----------
+    b : (..., k) X'r of the columns, gram : (..., k, k) what is left of X'X, as of
+        :func:`jointwear.discovery.linear.gain`.
     """
-    width = np.full(len(b), white.problem.settings.usual)
-    if np.any(1.0 + posterior_mean(b - gram.sum(axis=1), gram, width) <= 0):
-        return -np.inf
-    return float(np.sum(b) - 0.5 * np.sum(gram)) + gain(b - gram.sum(axis=1), gram, width)
+    width = np.full(b.shape, white.problem.settings.usual)
+    beyond = b - gram.sum(axis=-1)
+    turned_round = np.any(1.0 + posterior_mean(beyond, gram, width) <= 0, axis=-1)
+    values = b.sum(axis=-1) - 0.5 * gram.sum(axis=(-2, -1)) + gain(beyond, gram, width)
+    return np.where(turned_round, -np.inf, values)[()]
 
 
 @dataclass(frozen=True)
@@ -331,7 +337,8 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
     for candidates, matrices in dictionary.spreading:
         if keys is not None and candidates[0].key not in keys:
             continue
-        values = _gains_about_one(white, *_gram_each(dictionary, matrices, fit, chol))
+        b, square = _gram_each(dictionary, matrices, fit, chol)
+        values = gain_about_one(white, b[:, None], square[:, None, None]).tolist()
         for k, (candidate, value) in enumerate(zip(candidates, values, strict=True)):
             blocks = {a: x[:, k : k + 1] for a, x in matrices.items()}
             families.setdefault(candidate.key, []).append((value, candidate, blocks, np.ones(1)))
@@ -379,7 +386,7 @@ def _scored(
     for group in (g.of(chosen) for g in dictionary.groups(axis)):
         taken = turned[group.places]
         gram = group.squares - taken @ taken.transpose(0, 2, 1)
-        mean, value = (work(b[group.places], gram, group.std) for work in (posterior_means, gains))
+        mean, value = (work(b[group.places], gram, group.std) for work in (posterior_mean, gain))
         for i, m, v in zip(group.members, mean, value.tolist(), strict=True):
             means[i], values[i] = m, v
     for i in np.flatnonzero(chosen):
@@ -395,15 +402,6 @@ def _gram_each(
     sums = [dictionary.products(axis, x).projected(fit) for axis, x in matrices.items()]
     full = sum(dictionary.products(axis, x).squares for axis, x in matrices.items())
     return sum(b for b, _ in sums), full - np.sum((sum(cross for _, cross in sums) @ chol) ** 2, axis=1)
-
-
-def _gains_about_one(white: White, b: np.ndarray, square: np.ndarray) -> list[float]:
-    """Return :func:`gain_about_one` of single columns with b and H (k,)."""
-    usual = white.problem.settings.usual
-    width = np.full((len(b), 1), usual)
-    values = b - 0.5 * square + gains((b - square)[:, None], square[:, None, None], width)
-    turned_round = 1.0 + (b - square) / (square + usual**-2.0) <= 0
-    return np.where(turned_round, -np.inf, values).tolist()
 
 
 def contenders(found: list[Scored], settings: Settings) -> list[Scored]:

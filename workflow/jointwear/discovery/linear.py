@@ -105,31 +105,27 @@ class Fit:
         return self.covariance @ (self.projected(blocks)[1].T @ theta)
 
 
-def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> float:
-    """Return the evidence [nats] that columns with prior `std` add: fit less the price of complexity."""
-    if len(b) == 1:
-        one = 1.0 + float(std[0] * gram[0, 0] * std[0])
-        return -np.inf if one <= 0 else 0.5 * float(std[0] * b[0]) ** 2 / one - 0.5 * float(np.log(one))
-    scaled = np.eye(len(b)) + std[:, None] * gram * std
-    right = std * b
-    sign, log_det = np.linalg.slogdet(scaled)
-    if sign <= 0:
-        return -np.inf
-    return 0.5 * float(right @ np.linalg.solve(scaled, right)) - 0.5 * float(log_det)
+def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """Return the evidence [nats] that columns with prior `std` add: fit less the price of complexity.
 
-
-def gains(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """Return :func:`gain` (n,) of n groups of as many columns: b (n, k), gram (n, k, k) and std (n, k)."""
-    count = b.shape[1]
-    scaled = np.eye(count) + std[:, :, None] * gram * std[:, None, :]
+    Parameters
+    ----------
+    b, std : (..., k) X'r of the columns and their prior. gram : (..., k, k) what is left of X'X, see :meth:`Fit.gram`;
+        many groups of as many columns are answered at once, (...).
+    """
+    if b.shape[-1] == 1:
+        one, right = 1.0 + (std * gram[..., 0] * std)[..., 0], (std * b)[..., 0]
+        sound = one > 0
+        one = np.where(sound, one, 1.0)
+        return np.where(sound, 0.5 * right**2 / one - 0.5 * np.log(one), -np.inf)[()]
+    scaled = np.eye(b.shape[-1]) + std[..., :, None] * gram * std[..., None, :]
     right = std * b
     sign, log_det = np.linalg.slogdet(scaled)
     # By rounding alone a determinant may fail to be positive: such a group gains nothing.
     sound = sign > 0
-    found = np.full(len(b), -np.inf)
-    fitted = np.linalg.solve(scaled[sound], right[sound][:, :, None])[:, :, 0]
-    found[sound] = 0.5 * np.sum(right[sound] * fitted, axis=1) - 0.5 * log_det[sound]
-    return found
+    scaled = np.where(sound[..., None, None], scaled, np.eye(b.shape[-1]))
+    fitted = np.linalg.solve(scaled, right[..., None])[..., 0]
+    return np.where(sound, 0.5 * np.sum(right * fitted, axis=-1) - 0.5 * log_det, -np.inf)[()]
 
 
 def gain_of_one(b: np.ndarray, gram: np.ndarray) -> float:
@@ -138,16 +134,11 @@ def gain_of_one(b: np.ndarray, gram: np.ndarray) -> float:
 
 
 def posterior_mean(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """Return the coefficients (k,) of columns with b = X'r and gram X'M X under their prior `std`."""
-    if len(b) == 1:
-        return b / (gram[0] + 1 / std**2)
-    return np.linalg.solve(gram + np.diag(1 / std**2), b)
-
-
-def posterior_means(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """Return :func:`posterior_mean` (n, k) of n groups of as many columns, as of :func:`gains`."""
-    prior = np.eye(b.shape[1]) / std[:, :, None] ** 2
-    return np.linalg.solve(gram + prior, b[:, :, None])[:, :, 0]
+    """Return the coefficients (..., k) of columns under their prior `std`; arguments as of :func:`gain`."""
+    if b.shape[-1] == 1:
+        return b / (gram[..., 0] + 1 / std**2)
+    prior = np.eye(b.shape[-1]) / std[..., :, None] ** 2
+    return np.linalg.solve(gram + prior, b[..., None])[..., 0]
 
 
 def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float, int]:
