@@ -11,8 +11,8 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from jointwear import effects
-from jointwear.discovery import Recording, discover
-from jointwear.discovery.beyond_band import OCTAVE, beyond_band
+from jointwear.discovery import Recording, assumed, discover
+from jointwear.discovery.beyond_band import beyond_band
 from jointwear.discovery.candidates import Candidate, raw_columns, term_of
 from jointwear.discovery.fused_load import end_of_columns, fused_load
 from jointwear.discovery.instruments import LATE, Cutoffs, band_limited, cutoff_of, limit, swing_cutoff, torque_noise
@@ -22,7 +22,7 @@ from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.shared_drives import STICKS, sticking
+from jointwear.discovery.shared_drives import sticking
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.whitening import bridged, whiten
 from jointwear.effects import make_state
@@ -343,7 +343,7 @@ def test_what_a_gear_does_above_its_band_does_not_change_its_size(robot):
     late = Candidate("actuation_delay", 1, None, {"delay": 0.01, "lag": 1})
     (beside,) = beyond_band(white, [gear, late])
     assert not np.any(beside.raw[1])
-    state = white.state_of(effects.get_effect(gear.effect), 1, gear.nonlinear, OCTAVE)
+    state = white.state_of(effects.get_effect(gear.effect), 1, gear.nonlinear, assumed.OCTAVE)
     whole = white.columns(1, effects.get_effect(gear.effect).columns(state, 1, None, gear.nonlinear))[:, 0]
     lacking = replace(white, targets=[whole if axis == 1 else 0 * y for axis, y in enumerate(white.targets)])
     term = term_of(white, gear)
@@ -363,7 +363,7 @@ def test_samples_of_a_shared_drive_that_sticks_are_left_out():
     acceleration = np.gradient(velocity, 1 / RATE, axis=0)
     usable, inertial = np.abs(velocity) > 0.02, rng.standard_normal((4000, 3, 2))
     speed = velocity[:, 1] + velocity[:, 2]
-    slow = np.abs(speed) < STICKS
+    slow = np.abs(speed) < assumed.STICKS
     # A shared drive on joints 2 and 3, of any friction where it sticks.
     level = np.where(slow, rng.uniform(-1, 1, 4000), np.sign(speed))
     missing = 0.02 * rng.standard_normal((4000, 3)) + 0.8 * level[:, None] * np.array([0, 1, 1])

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.linalg import cho_factor, cho_solve
 
+from jointwear.discovery import assumed
 from jointwear.discovery.leftovers import unexplained
 from jointwear.discovery.noise import Whitener, estimate, simulate
-from jointwear.discovery.noise_spectrum import REDDEST, corrected, without_slow_torque
+from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
@@ -90,7 +91,7 @@ def test_a_residual_that_no_sensor_makes_is_not_put_back_by_bands():
     residual = slow + 0.001 * rng.standard_normal(len(trajectory))
     start = estimate(residual, usable, trajectory, 2)
     ends = start.density(np.array([0.0, 50.0]), 100.0)
-    assert ends[0] > REDDEST * ends[1]
+    assert ends[0] > assumed.REDDEST * ends[1]
 
     plain = estimate(residual, usable, trajectory)
     kept = corrected(start, residual, lambda series: 0.3 * series, usable, trajectory, 100.0)

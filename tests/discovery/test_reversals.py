@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.discovery.reversals import BESIDE, leave_out_reversals
+from jointwear.discovery import assumed
+from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.measurement.motion import Measured
 
 RATE, TURN = 200.0, 300
@@ -51,10 +52,10 @@ def test_splines_leave_out_one_spacing_of_their_knots_before_a_reversal_alone():
 @pytest.mark.parametrize("fitted", [False, True])
 def test_what_sampling_does_not_resolve_is_left_out_on_both_sides(fitted):
     found = left_out(turning(reach=np.array([90.0, 90.0]), fitted=fitted))
-    reach = int(np.ceil(BESIDE * RATE))
+    reach = int(np.ceil(assumed.BESIDE * RATE))
     np.testing.assert_array_equal(found, np.arange(TURN - reach, TURN + reach + 1))
 
 
 def test_wide_knots_leave_out_no_more_than_what_is_not_resolved():
     wide = replace(turning(reach=np.array([1.0, 1.0]), fitted=True), cutoff=np.array([1.0, 1.0]))
-    assert left_out(wide)[0] == TURN - int(np.ceil(BESIDE * RATE))
+    assert left_out(wide)[0] == TURN - int(np.ceil(assumed.BESIDE * RATE))

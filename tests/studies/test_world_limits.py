@@ -13,7 +13,7 @@ from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.settings import REPORTED, USERS, Settings
 from jointwear.studies.world.calibration import cross_fitted, fit, names_of, summary
 from jointwear.studies.world.page import limits_context
-from jointwear.studies.world.sensitivity import FACTORS, GATES, NOT_ASKED, can_matter, lines, table, variants
+from jointwear.studies.world.sensitivity import FACTORS, GATES, NOT_ASKED, can_matter, lines, moves, table, variants
 
 
 def test_fewer_than_twenty_limits_decide_and_each_has_its_meaning():
@@ -47,7 +47,8 @@ def rows_of(changed, right):
 
 def test_the_table_counts_what_a_limit_changes():
     entries = {
-        (e["limit"], e["names_change"], e["right"]["single"]) for e in table(rows_of("accept", False), Settings())
+        (e["limit"], e["names_change"], e["right"]["single"])
+        for e in table(rows_of("accept", False), moves(Settings()))
     }
     assert ("accept", 1, -1) in entries
     assert ("certainty", 0, 0) in entries
@@ -55,7 +56,7 @@ def test_the_table_counts_what_a_limit_changes():
         "cases": 1,
         "judged": {"single": 1},
         "right": {"single": 1},
-        "limits": table(rows_of("accept", False), Settings()),
+        "limits": table(rows_of("accept", False), moves(Settings())),
     }
     assert any("accept" in line and "single -1" in line for line in lines(stored))
 
@@ -79,7 +80,7 @@ def test_a_limit_is_moved_only_where_it_can_matter():
 
 def test_the_page_shows_the_table():
     stored = {"cases": 1, "judged": {"single": 1, "two": 0}, "right": {"single": 1, "two": 0}, "command": "x"}
-    shown = limits_context({**stored, "limits": table(rows_of("accept", False), Settings())})
+    shown = limits_context({**stored, "limits": table(rows_of("accept", False), moves(Settings()))})
     assert shown["words"] == "1 of 1 single"
     assert {r["words"] for r in shown["table"]} == {"single -1", "the same"}
 

@@ -12,14 +12,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.candidates import Candidate, on_its_axis_alone, raw_columns
 from jointwear.discovery.linear import Term
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
-#: Times the cut-off of its columns up to which what a gear does is a term beside it: further up it is noise that the
-#: term would follow.
-OCTAVE = 2.0
 #: First words of the label of such a term.
 LABEL = "beyond the band of"
 
@@ -42,7 +40,7 @@ def _beyond(white: White, candidate: Candidate) -> Term | None:
     if not _is_gear(candidate):
         return None
     axis = candidate.axis
-    columns = raw_columns(white, candidate, OCTAVE) - raw_columns(white, candidate)
+    columns = raw_columns(white, candidate, assumed.OCTAVE) - raw_columns(white, candidate)
     if not np.isfinite(columns).all() or not np.any(columns):
         return None
     nothing = np.zeros((len(white.whiteners[axis].rows), columns.shape[1]))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.instruments import limit
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.motor_lines import in_band
@@ -288,7 +289,7 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
     for link in range(problem.robot.joints):
         blocks = link_mass_blocks(white, link)
         if blocks:
-            dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([0.25])))
+            dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([assumed.LINK_MASS])))
 
 
 def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray) -> np.ndarray:

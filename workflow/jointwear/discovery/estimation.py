@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 from scipy.linalg import null_space
 
+from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import stiff
 from jointwear.discovery.base import doubted_links, likely_base
 from jointwear.discovery.between_axes import of_scales
@@ -36,8 +37,6 @@ from jointwear.robots.inertia import mass_direction
 
 #: First word of a step that gives up an effect.
 WITHOUT = "without"
-#: Up to this relative error of the drive parameters they are taken as right.
-RIGHT_PARAMETERS = 0.03
 #: How often effects are refined at most, each time beside what the last elastic gears do above their band.
 REFINEMENTS = 3
 
@@ -238,7 +237,9 @@ def _whole_model(white, refined, forms, mass_terms):
     """Return the base with its likely errors, and the effects with their references placed."""
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base, error = likely_base(white, terms)
-    if error <= RIGHT_PARAMETERS and any(f is None and reference_of(r[1]) for f, r in zip(forms, refined, strict=True)):
+    if error <= assumed.RIGHT_PARAMETERS and any(
+        f is None and reference_of(r[1]) for f, r in zip(forms, refined, strict=True)
+    ):
         others = mass_terms + [f[1] for f in forms if f is not None]
         refined = with_references(white, base, refined, forms, others, error)
         base, error = likely_base(white, [t for _, _, t in refined] + others)

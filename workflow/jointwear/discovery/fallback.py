@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.left_out import Asked, LeftOut
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import misfit_of
@@ -27,8 +28,6 @@ OWN = "everything of this joint alone as given"
 CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
 #: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
 HALVINGS = tuple(0.5**k for k in range(1, 8))
-#: Multiple of the margin over the given robot that is left to an axis where all that would mend it harms others.
-SPARED = 1.5
 
 
 @dataclass(frozen=True)
@@ -208,7 +207,7 @@ def best_step(
     if not any(found.values()) and not costly:
         return None
     for harms in (False, True):
-        if harms and ratio[axis] <= 1.0 + SPARED * (limit - 1.0):
+        if harms and ratio[axis] <= 1.0 + assumed.SPARED * (limit - 1.0):
             return None
         mending = next((step for value, step in found[harms] if value <= limit), None)
         if mending is not None:

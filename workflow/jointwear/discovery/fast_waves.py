@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.whitening import White
 from jointwear.effects import Effect, State, get_effect
 
-#: Share of the samples, the slowest of an axis, on which filters and lags take the least of a wave.
-SLOWEST = 1 / 3
 #: Share of a wave that has to be left where its whole height is read off what is left.
 LEAST = 0.01
 
@@ -30,7 +29,7 @@ def lost_to_speed(white: White, fit: Fit, candidate: Candidate) -> float:
         return 0.0
     columns = raw_columns(white, candidate)
     speed = np.abs(problem.train_state.velocity[:, axis])
-    slow = (speed <= np.quantile(speed[problem.usable[:, axis]], SLOWEST))[:, None]
+    slow = (speed <= np.quantile(speed[problem.usable[:, axis]], assumed.SLOWEST_SAMPLES))[:, None]
     std = prior_std(white, candidate, columns)
     parts = np.concatenate([columns * slow, columns * ~slow], axis=1)
     b, gram = fit.gram({axis: white.columns(axis, parts)})

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.effects import State
@@ -27,15 +28,10 @@ from jointwear.measurement.motion import runs
 #: Evidence [nats] that noise which column and residual share may feign at most: what a parameter gains by chance on
 #: average, half of a chi-square of one degree of freedom.
 FEIGNED = 0.5
-#: How much higher the columns of a link that swings may end than columns of timing. What they share with the residual
-#: speaks against them below the swing, and at the swing their size is known.
-SWING = 2.0
 #: Dead time [s] up to which the noise of a late torque is asked for: the longest one that a search starts from.
 LATE = 0.02
 #: Frequencies at which spectra are compared, and cut-offs that are tried.
 FREQUENCIES, CUTOFFS = 512, 80
-#: Share of a sampling period to which the samples of position and torque of a recording are simultaneous.
-CLOCK = 0.05
 #: Times the samples at one end that a record must have for its ends to be held.
 SHORT = 4
 #: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
@@ -49,7 +45,7 @@ class Cutoffs:
     Attributes
     ----------
     timing, torque : of columns of timing, and of columns of torque itself. swing : of columns of a link that swings,
-        which are rates of torque below the swing alone: :data:`SWING` times as high as of timing.
+        which are rates of torque below the swing alone: `assumed.OCTAVE` times as high as of timing.
     structure : of arguments of structure: columns over them may hold noise alone.
     late : of columns of a torque at another time.
     judged : where the noise of derived accelerations becomes most of the residual: errors in N m are compared below.
@@ -84,7 +80,7 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
         timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
     share = density / whole
     late = _late(problem, axis, white, timing, share / max(1.0, float(np.max(share))), frequency)
-    return Cutoffs(timing, torque, judged, structure, SWING * timing, late)
+    return Cutoffs(timing, torque, judged, structure, assumed.OCTAVE * timing, late)
 
 
 def _of_torque(
@@ -339,7 +335,7 @@ def limit(columns: np.ndarray, record: np.ndarray, cutoff: float, rate: float) -
 
 
 def clock_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
-    """Return what sampling the torque of one axis :data:`CLOCK` of a period late changes, (N_train, 1) [N m]."""
+    """Return what sampling the torque of one axis late by `assumed.CLOCK` changes, (N_train, 1) [N m]."""
     limited = limited_state(problem, axis, cutoffs.timing)
     smooth = limited.torque[:, axis] - limited.drive.coulomb(axis, limited.velocity[:, axis])
-    return CLOCK / problem.measured.rate * first_derivative(limited, smooth)[:, None]
+    return assumed.CLOCK / problem.measured.rate * first_derivative(limited, smooth)[:, None]

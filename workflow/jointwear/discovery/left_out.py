@@ -10,14 +10,13 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.special import ndtri
 
+from jointwear.discovery import assumed
 from jointwear.discovery.linear import Term
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import INERTIAL, Folds, White
 
-#: Time in motion [s] from which a record is asked by itself.
-ASKED_ALONE = 5.0
-#: Share of its prior variance that is left of a coefficient that the data tell of, and of one that they do not.
-TOLD, UNTOLD = 0.1, 0.5
+#: Share of its prior variance that is left of a coefficient that the data do not tell of: half of it, most.
+UNTOLD = 0.5
 
 
 @dataclass(frozen=True)
@@ -153,7 +152,7 @@ class _EveryFold:
         total_gram, total_right = sum(g for g, _ in sums.values()), sum(r for _, r in sums.values())
         known = of_effect
         if of_effect.any():
-            known = of_effect & (_left_open(cho_factor(total_gram + np.diag(precision)), precision) < TOLD)
+            known = of_effect & (_left_open(cho_factor(total_gram + np.diag(precision)), precision) < assumed.TOLD)
         found: dict[int, list[_Record]] = {}
         told_alone = False
         for fold, (gram, right) in sums.items():
@@ -198,7 +197,7 @@ class _EveryFold:
             return _Record(squares)
         problem = self._white.problem
         times = mean_squares(rows.blocks, left, rows.target)
-        alone = bool(len(left) >= ASKED_ALONE * problem.measured.rate)
+        alone = bool(len(left) >= assumed.ASKED_ALONE * problem.measured.rate)
         return _Record(squares, times, alone, alone and surely_worse(*times, problem.settings))
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import gammaincc
 
+from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import explained, of_timing, predictive
 from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.crossval import CrossValidated
@@ -20,20 +21,13 @@ from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
 from jointwear.files.wording import numbered
 
-#: Waves of a motor turn that have to be resolved for the angle of the motor to be an argument of structure.
-RESOLVED_ORDER = 6.0
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
 #: together: half, by what the word means.
 MOST = 0.5
-#: A basis of structure that is put into the model may be worth this many times the friction of its axis.
-BASIS_SIZE = 2.0
 #: Argument of structure that is a wave or a linear chirp.
 LINE = "line over time"
 #: Waves over one step of an encoder that are no structure, and samples of a bin of time for each of their columns.
 STEP_ORDERS, FEWEST_OF_WAVE = 2, 5
-#: A residual counts as structure with at most this many standard deviations of its noise: one sample that jumps, at a
-#: start or a spike of the log, is no regime, and a regime of many samples loses nothing that decides.
-OUTLYING = 4.0
 
 
 def unexplained(
@@ -43,7 +37,7 @@ def unexplained(
 
     Parameters
     ----------
-    robust : let no sample lie further than OUTLYING from the model.
+    robust : let no sample lie further than `assumed.SIGMAS` from the model.
     asked : 0-based axes with the arguments that are tested there; default all.
 
     Returns
@@ -62,7 +56,7 @@ def unexplained(
         for basis in white.bases(axis):
             if asked is not None and (axis, basis.argument) not in asked:
                 continue
-            if basis.argument == "motor angle" and not resolved(white, axis, RESOLVED_ORDER):
+            if basis.argument == "motor angle" and not resolved(white, axis, assumed.RESOLVED_ORDER):
                 continue
             columns = white.columns(axis, basis.columns)
             good = np.sum(columns**2, axis=0) > 1e-9
@@ -173,8 +167,8 @@ def lasting(outcome: Outcome) -> list[Unexplained]:
 
 
 def _without_outliers(fit: Fit) -> Fit:
-    """Return the fit to targets in which no sample lies further than OUTLYING from the model (winsorised, one step)."""
-    excess = [r - np.clip(r, -OUTLYING, OUTLYING) for r in fit.residual]
+    """Return the fit to targets in which no sample lies further off than noise does (winsorised, one step)."""
+    excess = [r - np.clip(r, -assumed.SIGMAS, assumed.SIGMAS) for r in fit.residual]
     if not any(e.any() for e in excess):
         return fit
     return Fit([y - e for y, e in zip(fit.targets, excess, strict=True)], fit.terms)
@@ -329,7 +323,7 @@ def _waves(outcome: Outcome, axis: int) -> list[Term]:
     if not columns:
         return []
     every = np.column_stack(columns)
-    std = np.full(every.shape[1], BASIS_SIZE * problem.scale[axis])
+    std = np.full(every.shape[1], assumed.MOST_FRICTION * problem.scale[axis])
     return [Term(f"lines of {axis}", {axis: white.columns(axis, every)}, std, {axis: white.raw(axis, every)})]
 
 
@@ -343,7 +337,7 @@ def structure_terms(outcome: Outcome, axis: int) -> list[Term]:
             continue
         columns = white.columns(axis, basis.columns)
         good = np.sum(columns**2, axis=0) > 1e-9
-        std = np.full(int(good.sum()), BASIS_SIZE * problem.scale[axis])
+        std = np.full(int(good.sum()), assumed.MOST_FRICTION * problem.scale[axis])
         raw = white.raw(axis, basis.columns[:, good])
         terms.append(Term(f"structure over {basis.argument}", {axis: columns[:, good]}, std, {axis: raw}))
     return terms

@@ -12,29 +12,15 @@ from itertools import pairwise
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, estimate, regress, simulate, stable, whitenable
 
-#: Time [s] within which noise forgets to 37 %.
-LONGEST_MEMORY = 0.35
 #: Rounds in which the model is moved, and drawings of its noise in each.
 ROUNDS, DRAWS = 5, 8
 #: Cells of a spectrum, its bands (narrow where the fit took most), and points of a density.
 CELLS, BANDS, POINTS = 128, 16, 512
-#: Share of the noise in a band that a fit has to leave for the band to say something.
-LEFT = 0.2
-#: Times the median over records up to which the power of one record counts.
-OUTLYING = 2.0
 #: Samples with predecessors from which on spectra are compared, in all and of a record.
 FEWEST_ROWS, FEWEST_OF_RECORD = 200, 100
-#: Power at the low end of the band over that at the high end beyond which a residual is no sensor's noise: white noise
-#: has 1, of an autoregression of 0.9 it is 400, of a robot whose model is far off 40,000 and more.
-REDDEST = 1e3
-#: Frequencies [Hz] below and above a gap: power of what lasts for seconds, and of noise that has nothing to do with it.
-SLOW, QUICK = 2.0, (3.0, 6.0)
-#: Times the density of the quick band that noise has at most in the slow one. First-order noise that forgets to 37 %
-#: within a tenth of a second has 5, so has the reddest of 60 plants with nothing hidden; a torque that comes and goes
-#: with the wind 50 to 1,300.
-SLOWEST = 10.0
 #: Edges of the bands in cells.
 EDGES = np.unique(np.concatenate([[0], np.round(np.geomspace(1, CELLS, BANDS)).astype(int)]))
 
@@ -53,10 +39,10 @@ def corrected(
     Noise of a trial model is drawn, put through the same fit and compared with the residual by bands of frequency; the
     density of the trial model is multiplied by the ratio. What the fit took off both makes no difference; where it left
     next to nothing the model is that of the neighbouring frequencies. Its order is chosen anew each time. What lasts
-    longer than :data:`LONGEST_MEMORY` is not noise but structure, for the tests over time to find. Of each
-    band a record counts up to :data:`OUTLYING` medians: noise is there all the time, a push in some records only.
-    A residual that falls by more than :data:`REDDEST` is mostly what the model lacks; more of that than is left is not
-    put back, but its coefficients are moved until what the fit leaves of drawn noise has those of the residual.
+    longer than `assumed.LONGEST_MEMORY` is not noise but structure, for the tests over time to find. Of each
+    band a record counts up to `assumed.FULLEST_RECORD` medians: noise is there all the time, a push in some records.
+    A residual that falls by more than `assumed.REDDEST` is mostly what the model lacks; more of that than is left is
+    not put back, but its coefficients are moved until what the fit leaves of drawn noise has those of the residual.
 
     Parameters
     ----------
@@ -65,12 +51,12 @@ def corrected(
     trajectory : (N,) labels. rate : [Hz]. highest : order that the model may have.
     """
     ends = white.density(np.array([0.0, 0.5]) * rate, rate)
-    if ends[0] > REDDEST * ends[1]:
+    if ends[0] > assumed.REDDEST * ends[1]:
         return _by_lags(estimate(residual, usable, trajectory, highest), take_off, trajectory, rate)
     rows = whitenable(usable, trajectory, highest)
     if len(rows) < FEWEST_ROWS:
         return white
-    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
     frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     centres = 0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS
     model = white
@@ -81,7 +67,7 @@ def corrected(
         whole, left, seen = (
             band_power(trial(x), rows, trajectory) for x in (noise, take_off(noise), residual[:, None])
         )
-        known = left > LEFT * whole
+        known = left > assumed.NOISE_LEFT * whole
         if not known.any():
             return white
         ratio = np.log(np.maximum(seen[known], 1e-9) / left[known])
@@ -99,9 +85,10 @@ def most_of_noise(density: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     What pushes an arm slowly and at all times, wind above all, is no noise: it is left to the tests for structure.
     """
     most = np.full(len(frequency), np.inf)
-    if frequency[-1] >= QUICK[1]:
-        quick = (frequency >= QUICK[0]) & (frequency <= QUICK[1])
-        most[frequency < SLOW] = SLOWEST * float(np.exp(np.mean(np.log(density[quick]))))
+    high = assumed.QUICK * assumed.SLOW
+    if frequency[-1] >= high:
+        quick = (frequency >= 0.5 * high) & (frequency <= high)
+        most[frequency < assumed.SLOW] = assumed.SLOW_NOISE * float(np.exp(np.mean(np.log(density[quick]))))
     return most
 
 
@@ -123,7 +110,7 @@ def without_slow_torque(
     result = list(whites)
     if 2 * len(slow) > len(densities):
         return result
-    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
     for axis in slow:
         model = of_density(limited[axis], rate, highest, len(whites[axis].rows), radius)
         rows = whitenable(usable[:, axis], trajectory, len(model.lags))
@@ -135,7 +122,7 @@ def _by_lags(
     white: Whitener, take_off: Callable[[np.ndarray], np.ndarray], trajectory: np.ndarray, rate: float
 ) -> Whitener:
     """Return the model whose drawn noise has, after the fit, the coefficients and the variance of `white`."""
-    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
     order, rows = len(white.lags), white.rows
     wanted = np.array([*white.lags, np.log(white.sigma)])
     trial = wanted.copy()
@@ -152,7 +139,7 @@ def _by_lags(
 def band_power(white: np.ndarray, rows: np.ndarray, trajectory: np.ndarray) -> np.ndarray:
     """Return the power (b,) of whitened series (m, k), on their time grid, in the bands of :data:`EDGES`.
 
-    It is the mean over series and records, none of which counts as more than :data:`OUTLYING` medians.
+    It is the mean over series and records, none of which counts as more than `assumed.FULLEST_RECORD` medians.
     """
     found = []
     for low, high in pairwise([0, *(np.flatnonzero(np.diff(trajectory)) + 1), len(trajectory)]):
@@ -167,7 +154,7 @@ def band_power(white: np.ndarray, rows: np.ndarray, trajectory: np.ndarray) -> n
     if not found:
         return np.ones(len(EDGES) - 1)
     bands = np.add.reduceat(found, EDGES[:-1], axis=1) / np.diff(EDGES)
-    return np.minimum(bands, OUTLYING * np.median(bands, axis=0)).mean(axis=0)
+    return np.minimum(bands, assumed.FULLEST_RECORD * np.median(bands, axis=0)).mean(axis=0)
 
 
 def band_freedom(rows: np.ndarray, trajectory: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from itertools import product
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.candidates import Candidate, possible, prior_std
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.linear import Fit, Term, gain
@@ -28,8 +29,6 @@ DRAWS = 400
 STEPS_OF_ONE, STEPS_OF_MANY = np.linspace(-2.5, 2.5, 11), np.linspace(-2.0, 2.0, 5)
 #: How many places are tried at which an effect may vanish, where that may be anywhere.
 ZEROS = 13
-#: How far beyond the data that may be, in spans of them.
-BEYOND = 0.25
 #: Share of the largest carrier of an effect below which a sample says nothing of its argument but rounding.
 STILL = 0.01
 
@@ -100,7 +99,7 @@ def zeros_of(state: State, candidate: Candidate, used: np.ndarray) -> list[np.nd
     if len(places) < 2:
         return [columns[chosen[0]] / carrier[chosen[0]]]
     values = columns[chosen[first]] / carrier[chosen[first], None]
-    margin = BEYOND * (places[-1] - places[0])
+    margin = assumed.BEYOND * (places[-1] - places[0])
     low, high = places[0] - margin, places[-1] + margin
     near = [places[0] + 0.5 * margin, places[-1] - 0.5 * margin]
     wanted = np.linspace(low, high, ZEROS)

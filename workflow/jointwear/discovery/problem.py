@@ -8,6 +8,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.encoder_step import encoder_step
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.reversals import leave_out_reversals
@@ -240,7 +241,7 @@ class Problem:
         lacking = np.sqrt(square / np.maximum(self.usable.sum(axis=0), 1))
         level = np.where(level > 0, level, self.settings.usual * lacking)
         torque = np.sqrt(np.mean(self.state.torque**2, axis=0))
-        return np.maximum(np.maximum(level, 0.03 * torque), 1e-6)
+        return np.maximum(np.maximum(level, assumed.LEAST_FRICTION * torque), 1e-6)
 
     def friction_columns(self, state: State, axis: int, velocity: np.ndarray | None = None) -> np.ndarray:
         """Return the columns of :data:`FRICTION`, (N, 4); viscous friction of `velocity` (N, n) if it is given."""
@@ -253,7 +254,7 @@ class Problem:
         used = self.usable[:, axis]
         speed = np.sqrt(np.mean(self.train_state.velocity[used, axis] ** 2))
         acceleration = np.sqrt(np.mean(self.train_state.acceleration[used, axis] ** 2))
-        level = 2.0 * self.scale[axis]
+        level = assumed.MOST_FRICTION * self.scale[axis]
         inertia = 0.5 * self.robot.armature[axis] + self.settings.usual * self.scale[axis] / acceleration
         wide = np.array([level, level, level / speed, inertia])
         if self.state.torque_kind != "link_sensor":

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.base import pinned
 from jointwear.discovery.candidates import Candidate, term_of
 from jointwear.discovery.linear import Fit, Term
@@ -31,7 +32,7 @@ def with_references(white, base, refined, forms, others, error):
         fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
         warm = white.problem.train_state.temperature[:, candidate.axis]
         low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
-        margin = 0.25 * (high - low)
+        margin = assumed.BEYOND * (high - low)
 
         def at(temperature, candidate=candidate, fit=fit, name=name):
             moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), 3)})

@@ -12,10 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.measurement.motion import RESOLVED, Measured
 
-#: Time [s] left out on either side of a reversal that is not resolved.
-BESIDE = 0.1
 #: Slow motion is missing where all but one sample in a hundred are this many times faster than the slowest that shows
 #: a direction.
 SLOWEST, MISSING = 0.01, 3.0
@@ -52,7 +51,7 @@ def _beside(measured: Measured, axis: int) -> tuple[int, int]:
     where it stands already, and the torque, which is on its way to the other direction by then, looks early. After the
     reversal the torque of the fit is right, and Stribeck's curve begins there.
     """
-    reach = int(np.ceil(BESIDE * measured.rate))
+    reach = int(np.ceil(assumed.BESIDE * measured.rate))
     if not resolved_motion(measured):
         return reach, reach
     return min(reach, int(np.ceil(0.5 / measured.cutoff[axis] * measured.rate))), 0
@@ -71,5 +70,5 @@ def unseen_slow_motion(measured: Measured, judged: Collection[int]) -> list[str]
     if not slowest:
         return []
     speeds = ", ".join(f"{low:.2g} rad/s on joint {axis + 1}" for axis, low in slowest.items())
-    told = f"positions do not resolve what follows a reversal, and {BESIDE:g} s beside it are left out"
+    told = f"positions do not resolve what follows a reversal, and {assumed.BESIDE:g} s beside it are left out"
     return [f"{told}: nothing is seen of friction slower than {speeds}; log faster for it"]

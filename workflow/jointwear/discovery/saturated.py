@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from jointwear.discovery import assumed
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, limited_inertial, limited_state, velocities
 from jointwear.discovery.motor_lines import shown_waves
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
@@ -18,8 +19,6 @@ from jointwear.effects import State, library
 from jointwear.measurement.even_steps import runs
 from jointwear.measurement.filtering import low_pass
 
-#: Samples for each column of the saturated fit from which it may hold still more columns.
-ROOM = 15
 #: Share of a column, by its square, that has to lie on samples whose predecessors are usable too.
 SEEN = 0.5
 #: Highest order of the noise model that the correction starts from: a higher one learns what the fit took off.
@@ -82,7 +81,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     if extra is not None:
         groups.append(extra)
     groups += [b.columns for b in axis_bases(state, axis, used, coarse=True, velocity=speeds)]
-    if used.sum() >= ROOM * sum(g.shape[1] for g in groups):
+    if used.sum() >= assumed.ROOM * sum(g.shape[1] for g in groups):
         groups += _sequential_columns(limited_state(problem, axis, cutoffs.timing), axis)
         groups.append(_beside_reversals(raw, axis, label, rate))
         groups += _columns_of_neighbours(state, axis)

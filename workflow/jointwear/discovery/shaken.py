@@ -11,20 +11,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.spectra import FEWEST, frequencies, pieces_of, scale_of, spectra
 
-#: Frequencies count where the nominal torque has at most this many times the power of the residual: above the motion.
-ABOVE = 2.0
-#: They count where noise of derived accelerations is at most this share of the residual, and above this one [Hz].
-DERIVED, LOWEST = 0.25, 2.0
 #: Bins of a spectrum that have to count.
 BINS = 4
-#: Share of the rate up to which frequencies count: towards half of it derived accelerations have noise of other kinds.
-HIGHEST = 0.25
-#: Standard deviations by which the share of an octave has to differ from zero: each octave of each axis is asked.
-SIGMAS = 4.0
-#: Share below which nothing is said to move the arm: noise of a sensor alone comes out at up to 0.08.
-LEAST = 0.1
 
 
 def shaken_shares(
@@ -38,8 +29,8 @@ def shaken_shares(
     """Return the share (n,) of the noise of each axis that moves the arm, 0 to 1.
 
     Above the frequencies of the motion the power that residual and nominal torque have in common, with opposite signs,
-    over that of the residual; 0 below :data:`LEAST`. Derived motion ends at some frequency, above which a torque has
-    the noise of its sensor alone: the octave with the largest share counts. A drive behind an elastic gear swings
+    over that of the residual; 0 below `assumed.SHAKEN`. Derived motion ends at some frequency, above which a torque
+    has the noise of its sensor alone: the octave with the largest share counts. A drive behind an elastic gear swings
     alone; disturbances shake more than one joint: no axis counts as more shaken than the next one.
 
     Parameters
@@ -51,7 +42,7 @@ def shaken_shares(
     """
     shares = np.zeros(residual.shape[1])
     frequency = frequencies(rate)
-    octave = np.frexp(frequency / LOWEST)[1]
+    octave = np.frexp(frequency / assumed.SLOW)[1]
     for axis in range(len(shares)):
         pieces = pieces_of(usable[:, axis], record, rate)
         if len(pieces) < FEWEST:
@@ -61,8 +52,8 @@ def shaken_shares(
         power, motion, common = (
             scale * np.mean(x, axis=0) for x in (np.abs(left) ** 2, np.abs(moved) ** 2, -(left * moved.conj()).real)
         )
-        band = (motion < ABOVE * power) & (derived[axis] < DERIVED * power)
-        band &= (frequency > LOWEST) & (frequency <= HIGHEST * rate)
+        band = (motion < assumed.UNDER_MOTION * power) & (derived[axis] < assumed.DERIVED * power)
+        band &= (frequency > assumed.SLOW) & (frequency <= assumed.HIGHEST * rate)
         own, noise = common - derived[axis], power - derived[axis]
         if band.sum() >= BINS:
             shares[axis] = np.sum(own[band]) / np.sum(noise[band])
@@ -71,8 +62,8 @@ def shaken_shares(
             share = np.sum(own[part]) / np.sum(noise[part])
             # Of two spectra without anything in common.
             chance = np.sqrt(np.sum((power * motion)[part]) / (2.0 * len(pieces))) / np.sum(noise[part])
-            if share > SIGMAS * chance:
+            if share > assumed.SIGMAS * chance:
                 shares[axis] = max(shares[axis], share)
     others = [np.max(np.delete(shares, axis), initial=0.0) for axis in range(len(shares))]
     shares = np.minimum(shares, others)
-    return np.where(shares < LEAST, 0.0, np.minimum(shares, 1.0))
+    return np.where(shares < assumed.SHAKEN, 0.0, np.minimum(shares, 1.0))

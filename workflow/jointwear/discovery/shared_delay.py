@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from jointwear.discovery import assumed
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named
@@ -23,14 +24,8 @@ from jointwear.effects import get_effect
 from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import Recording
 
-#: Largest delay, in sampling periods: half of one, and what it is not known to.
-LARGEST = 0.6
-#: Spread of the steps of time over the usual one up to which samples count as even.
-EVEN = 0.05
 #: Delays that are compared on either side of none.
 STEPS = 60
-#: Sampling periods within which joints have one delay.
-AGREE = 0.1
 #: Delays of one joint that are computed; what lies between is led over.
 ASKED = 17
 
@@ -55,7 +50,10 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
     """
     fit = white.fit(list(beside))
     settings = white.problem.settings
-    shares = np.append(np.linspace(-LARGEST, LARGEST, 2 * STEPS + 1), read / period)
+    # Two times of which each is known so well; and half a period, to which a zero-order hold delays, and as much.
+    agree = 2.0 * assumed.CLOCK
+    largest = 0.5 + agree
+    shares = np.append(np.linspace(-largest, largest, 2 * STEPS + 1), read / period)
     lost = _of_joints(white, fit, period, shares - read / period)
     if not lost:
         return read
@@ -68,12 +66,12 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
     # Which delay it is, those joints tell that have it, each by all that it knows. The recorded torque tells it more
     # sharply, without accelerations, but decides nothing: a controller answers to the noise of its encoder, and that
     # torque runs ahead of the same noise in the accelerations.
-    near = np.abs(shares - shares[best]) <= AGREE
+    near = np.abs(shares - shares[best]) <= agree
     for told in (lost, _of_joints(white, fit, period, shares - read / period, recorded=True)):
         agree = [of_joint for of_joint in told if near[np.argmin(of_joint)]]
         best = int(np.argmin(np.sum(agree, axis=0))) if agree else best
     # What is later still is no matter of sampling.
-    return float(shares[best] * period) if abs(shares[best]) < LARGEST else read
+    return float(shares[best] * period) if abs(shares[best]) < largest else read
 
 
 def lasting_terms(named: Sequence[Named]) -> list[Term]:
@@ -127,7 +125,7 @@ def without_delay(recording: Recording, delay: float, steps: Steps | None = None
         rows = recording.trajectory == label
         time = recording.time[rows]
         step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-        even = step > 0 and np.ptp(np.diff(time)) < EVEN * step
+        even = step > 0 and np.ptp(np.diff(time)) < assumed.CLOCK * step
         for axis, values in enumerate(recording.torque[rows].T):
             if not (even and np.isfinite(values).all()):
                 torque[rows, axis] = np.interp(time + delay, time, values)

@@ -13,14 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
-#: Speed [rad/s] of a shared drive below which it may stick between two samples.
-STICKS = 0.05
-#: The residual there, over that elsewhere, from which it does, and fewest samples that say so.
-STANDS_OUT, FEWEST = 3.0, 5
-#: Largest share of the squared residual elsewhere that the friction of the shared drive may leave.
-EXPLAINED = 0.7
-#: Largest share of samples that may be left out: joints that turn as one all the time are made to, by their program.
-MADE_TO = 0.2
+from jointwear.discovery import assumed
+
+#: Fewest samples that say that a drive sticks.
+FEWEST = 5
 #: Samples that the regression is made of, at most.
 SAMPLES = 3000
 #: Ridge of the regression as a share of the mean square of its columns.
@@ -47,10 +43,10 @@ def sticking(
     for pair in pairwise(range(usable.shape[1])):
         for sign in (1.0, -1.0):
             speed = velocity[:, pair[0]] + sign * velocity[:, pair[1]]
-            slow = np.abs(speed) < STICKS
+            slow = np.abs(speed) < assumed.STICKS
             for axis, other in (pair, pair[::-1]):
                 used = usable[:, axis]
-                if not FEWEST <= np.sum(used & slow) <= MADE_TO * used.sum():
+                if not FEWEST <= np.sum(used & slow) <= assumed.MADE_TO * used.sum():
                     continue
                 shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)
                 if _sticks(base_of(axis), shared, missing[:, axis], used, slow):
@@ -70,7 +66,7 @@ def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.
     alone = y - x[:, :count] @ np.linalg.solve(gram[:count, :count], right[:count])
     theta = np.linalg.solve(gram, right)
     left = y - x @ theta
-    if left @ left > EXPLAINED * (alone @ alone):
+    if left @ left > assumed.EXPLAINED * (alone @ alone):
         return False
     near = missing[inside] - np.concatenate([base[inside], shared[inside]], axis=1) @ theta
-    return bool(np.mean(near**2) > STANDS_OUT**2 * np.mean(left**2))
+    return bool(np.mean(near**2) > assumed.STANDS_OUT**2 * np.mean(left**2))

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.leftovers import LINE, structure_terms
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.noise import HIGHEST_ORDER_DERIVED, Whitener, simulate, whitenable
@@ -21,11 +22,7 @@ from jointwear.discovery.noise_spectrum import (
     CELLS,
     DRAWS,
     EDGES,
-    LEFT,
-    LONGEST_MEMORY,
     POINTS,
-    QUICK,
-    SLOW,
     band_freedom,
     band_power,
     most_of_noise,
@@ -38,10 +35,6 @@ from jointwear.discovery.whitening import White, whiten
 
 #: How often the search is run again at most: each time less is held beside the noise.
 ROUNDS = 3
-#: Times the density of the noise model from which slow noise is denser than chance has it.
-NOTABLE = 1.2
-#: Standard deviation of what the logarithm of a density of noise changes by in an octave: noise of one pole, 1.4.
-SLOPE = 1.0
 #: Price of an order of the noise model, none: slow noise beside white noise has a long tail of small coefficients,
 #: which say little of the next sample and much of what is slow.
 PRICE = 0.0
@@ -93,7 +86,7 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
         stands = [np.log(surest) / np.log(settings.unexplained_p)] if axis in strongest else []
         over = [n.evidence - settings.accept for n in weak if axis in n.term.blocks]
         stands += [1.0 + 2.0 * nats / settings.visible for nats in over]
-        if times > NOTABLE and min(stands) < times:
+        if times > assumed.NOTABLE and min(stands) < times:
             whiteners[axis] = found
     return whiteners if any(a is not b for a, b in zip(whiteners, white.whiteners, strict=True)) else None
 
@@ -108,19 +101,20 @@ def _slower(white: White, fit: Fit, axis: int) -> tuple[Whitener, float]:
     left = drawn - design @ (fit.covariance[np.ix_(index, index)] @ (design.T @ drawn))
     whole, kept, seen = (band_power(x, rows, label) for x in (drawn, left, fit.residual[axis][:, None]))
     freedom = band_freedom(rows, label) * np.minimum(kept / whole, 1.0)
-    known = (kept > LEFT * whole) & (freedom > 0.0)
+    known = (kept > assumed.NOISE_LEFT * whole) & (freedom > 0.0)
     if not known.any():
         return model, 1.0
     centres, freedom = (0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS)[known], freedom[known]
     ratio = np.log(np.maximum(seen, 1e-9) / kept)[known]
-    ratio = steadied(ratio, 2.0 / freedom, SLOPE**2 * np.diff(np.log2(centres)))
+    ratio = steadied(ratio, 2.0 / freedom, assumed.SLOPE**2 * np.diff(np.log2(centres)))
     frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     # Above, the saturated fit leaves enough of the noise to tell.
-    slow = np.clip((QUICK[0] - frequency) / (QUICK[0] - SLOW), 0.0, 1.0)
+    quick = 0.5 * assumed.QUICK * assumed.SLOW
+    slow = np.clip((quick - frequency) / (quick - assumed.SLOW), 0.0, 1.0)
     density = model.density(frequency, rate)
     more = density * np.exp(slow * np.interp(frequency, centres, ratio))
     more = np.maximum(density, np.minimum(more, most_of_noise(density, frequency)))
-    radius = float(np.exp(-1.0 / (rate * LONGEST_MEMORY)))
+    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
     found = of_density(more, rate, HIGHEST_ORDER_DERIVED, len(rows), radius, PRICE)
-    times = float(np.max((found.density(frequency, rate) / density)[frequency < SLOW]))
+    times = float(np.max((found.density(frequency, rate) / density)[frequency < assumed.SLOW]))
     return Whitener(whitenable(problem.usable[:, axis], label, len(found.lags)), found.lags, found.sigma), times

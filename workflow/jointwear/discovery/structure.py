@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.effects.state import State
 from jointwear.effects.tables import hats, knots_of
 from jointwear.effects.temperature import SMALLEST_SPREAD
@@ -16,8 +17,8 @@ from jointwear.effects.temperature import SMALLEST_SPREAD
 KNOTS = {"position": 16, "velocity": 16, "acceleration": 12, "torque": 14, "load": 10, "temperature": 5}
 #: Knots over position and velocity of another joint, of which there are many.
 KNOTS_OF_OTHERS = {"position": 7, "velocity": 8}
-#: Share of the knots that the saturated fit has, and its fewest, for the noise to keep most of its degrees of freedom.
-COARSE, FEWEST_KNOTS = 0.6, 4
+#: Fewest knots of the saturated fit.
+FEWEST_KNOTS = 4
 #: Length of bins of time [s]: of an offset, and of friction, which shows in either direction of motion alone.
 TIME_BIN, FRICTION_BIN = 1.5, 5.0
 #: Waves of a motor turn: magnets, slots, gear teeth and bearings of usual drives lie below.
@@ -59,7 +60,7 @@ def axis_bases(
     velocity : (N, n) [rad/s] that bases over velocities are made of; default those of `state`.
     """
     velocity = state.velocity if velocity is None else velocity
-    fine = COARSE if coarse else 1.0
+    fine = assumed.COARSE if coarse else 1.0
     found: list[Basis] = []
 
     def add(argument, unit, values, count, carrier=None):

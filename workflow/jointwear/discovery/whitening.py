@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.fused_load import end_of_columns, fused_load
 from jointwear.discovery.instruments import (
     Cutoffs,
@@ -250,7 +251,9 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         if np.any(smear):
             # What the filter does is no part of the robot: a prediction in N m has to do without it.
             nothing = np.zeros((len(white.rows), smear.shape[1]))
-            base.append(Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], 3.0), {axis: nothing}))
+            base.append(
+                Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], assumed.FILTER), {axis: nothing})
+            )
         clock = clock_of(problem, axis, cutoffs[axis])
         base.append(Term(f"clock {axis}", {axis: white(clock)}, np.ones(1), {axis: np.zeros((len(white.rows), 1))}))
         raw_inertial[axis], inertial[axis] = _raw(problem, axis, cutoffs[axis], white, columns), white(columns)

@@ -35,13 +35,17 @@ def world_context(summary: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def limits_context(stored: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is kept of the limits with its table in words."""
+    """Return what is kept of the limits with its table in words, and the same of what is `assumed` if it is kept."""
     words = ", ".join(f"{stored['right'][kind]} of {count} {kind}" for kind, count in stored["judged"].items() if count)
-    rows = [
-        {**entry, "words": ", ".join(f"{kind} {n:+d}" for kind, n in entry["right"].items() if n) or "the same"}
-        for entry in stored["limits"]
-    ]
-    return {**stored, "words": words, "table": rows}
+    rows = [{**entry, "words": _more_or_less(entry)} for entry in stored["limits"]]
+    beside = {"assumed": limits_context(stored["assumed"])} if "assumed" in stored else {}
+    return {**stored, "words": words, "table": rows} | beside
+
+
+def _more_or_less(entry: Mapping[str, Any]) -> str:
+    right = [f"{kind} {n:+d}" for kind, n in entry["right"].items() if n]
+    worse = [f"worse than given {entry['worse']:+d}"] if entry.get("worse") else []
+    return ", ".join(right + worse) or "the same"
 
 
 def _shown(name: str, found: Mapping[str, Any]) -> str:

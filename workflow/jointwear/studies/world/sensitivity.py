@@ -2,6 +2,7 @@
 
 The noise of a case does not depend on the limits, and the dictionary on the widths of priors only: they are made once,
 and only the decision is taken again. Verdicts are judged by their names; what the written model predicts is not asked.
+With `--assumed` it is the limits of :mod:`jointwear.discovery.assumed` that are moved, and everything is asked again.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from jointwear.measurement.recording import split
 from jointwear.running.processes import single_threaded
 from jointwear.studies.challenge.judge import judge
 from jointwear.studies.challenge.solve import with_words
+from jointwear.studies.world import assumptions
 from jointwear.studies.world.answers import TOLERATED
 from jointwear.studies.world.case import WorldCase, generate
 from jointwear.studies.world.plan import Case, cases
@@ -164,31 +166,45 @@ def judged(world: WorldCase, outcome: Outcome) -> dict[str, Any]:
     return {"names": sorted(map(str, row["named"])), "right": None if field is None else bool(row[field])}
 
 
-def table(rows: Sequence[Mapping[str, Any]], settings: Settings) -> list[dict[str, Any]]:
-    """Return one entry per limit and factor: cases whose names change, and right answers more or less, by kind."""
+def moves(settings: Settings) -> dict[tuple[str, float], tuple[float, float]]:
+    """Return every limit of the settings with each factor: (name, factor) -> value, and what it is moved to."""
+    return {
+        (name, factor): (getattr(settings, name), round(getattr(moved, name), 12))
+        for (name, factor), moved in variants(settings).items()
+    }
+
+
+def table(
+    rows: Sequence[Mapping[str, Any]], moved: Mapping[tuple[str, float], tuple[float, float]]
+) -> list[dict[str, Any]]:
+    """Return one entry per limit and factor: cases whose names change, and right answers more or less, by kind.
+
+    Where rows tell axes on which the written model is worse than the given robot, `worse` are cases with such axes,
+    more or less.
+
+    Parameters
+    ----------
+    rows : of :func:`answers` or :func:`jointwear.studies.world.assumptions.answers`. moved : of `moves` beside it.
+    """
     result = []
-    for (name, factor), moved in variants(settings).items():
+    for (name, factor), (value, moved_to) in moved.items():
         key = f"{name} {factor:g}"
-        changed, difference = 0, dict.fromkeys(RIGHT, 0)
+        changed, worse, difference = 0, 0, dict.fromkeys(RIGHT, 0)
         for row in rows:
             before, after = row["found"][" 1"], row["found"][key]
             changed += before["names"] != after["names"]
+            worse += bool(after.get("worse")) - bool(before.get("worse"))
             if before["right"] is not None and row["identifiable"]:
                 difference[row["kind"]] += int(after["right"]) - int(before["right"])
-        result.append(
-            {
-                "limit": name,
-                "value": getattr(settings, name),
-                "moved_to": round(getattr(moved, name), 12),
-                "names_change": changed,
-                "right": difference,
-            }
-        )
+        entry = {"limit": name, "value": value, "moved_to": moved_to, "names_change": changed, "right": difference}
+        result.append(entry | ({"worse": worse} if any("worse" in row["found"][key] for row in rows) else {}))
     return result
 
 
-def summary(rows: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
-    """Return what is stored: the table with what it was made from."""
+def summary(
+    rows: Sequence[Mapping[str, Any]], moved: Mapping[tuple[str, float], tuple[float, float]], command: str
+) -> dict[str, Any]:
+    """Return what is stored: the table with what it was made from; arguments as of :func:`table`."""
     counts = {kind: [r for r in rows if r["kind"] == kind and r["identifiable"]] for kind in RIGHT}
     return {
         "seeds": "choose",
@@ -198,7 +214,7 @@ def summary(rows: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
         "right": {kind: sum(bool(r["found"][" 1"]["right"]) for r in mine) for kind, mine in counts.items()},
         "command": command,
         "sources": sources_digest(),
-        "limits": table(rows, Settings(inertial_prior=INERTIAL_PRIOR)),
+        "limits": table(rows, moved),
     }
 
 
@@ -209,6 +225,7 @@ def lines(stored: Mapping[str, Any]) -> Iterable[str]:
     yield f"{'limit':18s} {'value':>9s} {'moved to':>9s} {'names change':>13s}  right answers more or less"
     for entry in stored["limits"]:
         moved = ", ".join(f"{kind} {n:+d}" for kind, n in entry["right"].items() if n) or "none"
+        moved += f"; worse than given {entry['worse']:+d}" if entry.get("worse") else ""
         limit = f"{entry['limit']:18s} {entry['value']:9.4g} {entry['moved_to']:9.4g}"
         yield f"{limit} {entry['names_change']:13d}  {moved}"
 
@@ -219,13 +236,18 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--cases", type=int, default=24, help="how many choosing cases, in the order of the plan")
     parser.add_argument("--skip", type=int, default=0, help="leave out the first so many")
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--save", type=Path, help="write the table as JSON")
+    parser.add_argument("--assumed", action="store_true", help="move the limits of discovery/assumed.py")
+    parser.add_argument("--save", type=Path, help="write the table as JSON; the other of the two tables in it is kept")
     parser.add_argument("--rows", type=Path, help="write the answers as JSON, to be put together later")
     parser.add_argument("--of", type=Path, nargs="+", help="make the table of kept answers, no case is run")
     given = parser.parse_args(arguments)
     chosen = [] if given.of else cases("choose")[given.skip : given.skip + given.cases]
     kept = [row for path in given.of or [] for row in read_json(path)["answers"]]
-    one = partial(answers, wanted=variants(Settings(inertial_prior=INERTIAL_PRIOR)))
+    settings = Settings(inertial_prior=INERTIAL_PRIOR)
+    one = partial(answers, wanted=variants(settings))
+    moved = moves(settings)
+    if given.assumed:
+        one, moved = partial(assumptions.answers, factors=FACTORS), assumptions.moves(FACTORS)
     try:
         if given.jobs > 1:
             with single_threaded(given.jobs) as pool:
@@ -236,13 +258,17 @@ def main(arguments: list[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return 1
     what = f"--of {len(given.of)} files" if given.of else f"--cases {given.cases} --skip {given.skip}"
-    command = f"python -m jointwear.studies.world.sensitivity {what}"
+    command = f"python -m jointwear.studies.world.sensitivity {'--assumed ' if given.assumed else ''}{what}"
     if given.rows:
         write_json(given.rows, {"answers": rows})
-    stored = summary([*kept, *rows], command)
+    stored = summary([*kept, *rows], moved, command)
     print(*lines(stored), sep="\n")
     if given.save:
-        write_json(given.save, stored)
+        earlier = read_json(given.save) if given.save.exists() else {}
+        if given.assumed:
+            write_json(given.save, {**earlier, "assumed": stored})
+        else:
+            write_json(given.save, stored | {key: earlier[key] for key in ("assumed",) if key in earlier})
     return 0
 
 

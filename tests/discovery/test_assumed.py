@@ -1,0 +1,98 @@
+"""Limits of discovery stand in two records; every other number of its modules is of another kind, listed here."""
+
+import ast
+import re
+
+import pytest
+
+from jointwear.discovery import assumed
+from jointwear.studies.world.assumptions import LIMITS, moved, moves
+
+#: Numbers of the modules that decide no verdict by themselves, by kind.
+OTHERS = {
+    "a grid, a range or a resolution that is searched": """
+        base.DRIVE_ERRORS base.INERTIAL_ERRORS estimation.SOUND fallback.HALVINGS fallback.OF_LINKS fused_load.ENDS
+        instruments.FREQUENCIES instruments.CUTOFFS instruments.LATE noise.HIGHEST_ORDER noise.HIGHEST_ORDER_DERIVED
+        noise_spectrum.CELLS noise_spectrum.BANDS noise_spectrum.POINTS noise_spectrum.EDGES peak_torque.STEPS_OF_ONE
+        peak_torque.STEPS_OF_MANY peak_torque.ZEROS problem.SMEAR recorded_in_time.SHARES refine.STARTS regimes.BINS
+        saturated.START saturated.SHARP shared_delay.STEPS shared_delay.ASKED sound_links.BARRIER spectra.LONGEST
+        spectra.SHORTEST spectra.SPAN structure.KNOTS structure.KNOTS_OF_OTHERS structure.FEWEST_KNOTS
+        structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS structure.SURROUNDINGS structure.FASTEST_CHIRP
+        structure.SLOW_SWEEP structure.WIDEST_SWEEP structure.COARSER leftovers.STEP_ORDERS encoder_step.NEAREST
+        encoder_step.WIDER
+    """,
+    "a bound on time": """
+        base.MOST_FREE base.HALVINGS between_axes.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
+        estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
+        posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS
+    """,
+    "the fewest samples of a statistic": """
+        encoder_step.FEWEST instruments.SHORT leftovers.FEWEST_OF_WAVE noise_spectrum.FEWEST_ROWS
+        noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES shaken.BINS shared_drives.FEWEST
+        spectra.FEWEST
+    """,
+    "rounding, of numbers and of their digits in a log": """
+        base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL
+        encoder_step.CLOSE encoder_step.FLOATS encoder_step.FINEST fast_waves.LEAST instruments.RIDGE peak_torque.STILL
+        problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE sound_links.ENOUGH sound_links.NOTHING structure.STILL
+    """,
+    "half, which is most of something, or no price at all": """
+        left_out.UNTOLD leftovers.MOST saturated.SEEN slow_noise.PRICE instruments.FEIGNED
+    """,
+    "of a fit that is stored with its source": "calibration.COARSE calibration.LEAST_LEFT",
+    "what a page, a table or a sentence says": """
+        drawing.CROWDED findings.LONGEST_LIST findings.FEWEST_ALIKE findings.MOST_ALIKE largest_torque.NOT_BESIDE
+        preflight.GAP preflight.MOVING restrictions.FEW_RECORDS restrictions.APART restrictions.TURNED
+        reversals.SLOWEST reversals.MISSING experiment.DURATION experiment.RATE experiment.HARMONICS experiment.TRIALS
+    """,
+}
+NUMBERS = (int, float)
+
+
+@pytest.fixture(scope="module")
+def folder(root):
+    return root / "workflow/jointwear/discovery"
+
+
+def numbers_of(path):
+    """Return the public upper-case names of a module whose values hold numbers."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if not isinstance(node, ast.Assign):
+            continue
+        held = [c.value for c in ast.walk(node.value) if isinstance(c, ast.Constant)]
+        if any(isinstance(v, NUMBERS) and not isinstance(v, bool) for v in held):
+            names = (n.id for target in node.targets for n in ast.walk(target) if isinstance(n, ast.Name))
+            yield from (f"{path.stem}.{name}" for name in names if re.fullmatch(r"[A-Z][A-Z_]*", name))
+
+
+def test_no_limit_stands_outside_the_two_records(folder):
+    """A new number that decides belongs into Settings or assumed.py, any other into the list of its kind above."""
+    listed = [name for names in OTHERS.values() for name in names.split()]
+    assert len(listed) == len(set(listed))
+    found = {n for p in folder.glob("*.py") if p.name not in ("assumed.py", "settings.py") for n in numbers_of(p)}
+    assert found == set(listed)
+
+
+def test_every_assumption_has_its_meaning_and_is_asked(folder):
+    text = (folder / "assumed.py").read_text(encoding="utf-8")
+    for name in LIMITS:
+        assert re.search(rf"^#: .*\n{name} = ", text, re.MULTILINE), name
+    modules = [p.read_text(encoding="utf-8") for p in folder.glob("*.py")]
+    # Taken over by name, a limit would keep its value when the record is moved.
+    assert not any("from jointwear.discovery.assumed import" in module for module in modules)
+    assert {name for module in modules for name in re.findall(r"\bassumed\.([A-Z_]+)\b", module)} >= set(LIMITS)
+
+
+def test_every_assumption_moves_both_ways_and_comes_back():
+    assert {name for name, _ in moves((0.7, 1.3))} == set(LIMITS)
+    for (name, factor), (value, to) in moves((0.7, 1.3)).items():
+        assert to == pytest.approx(factor * value)
+        with pytest.raises(ArithmeticError):
+            fail_with(name, to)
+        assert getattr(assumed, name) == value
+
+
+def fail_with(name, value):
+    with moved(name, value):
+        assert getattr(assumed, name) == value
+        raise ArithmeticError
