@@ -9,6 +9,8 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
 RECORDS, SECONDS, RATE = 4, 10.0, 100.0
+#: Rate [Hz] of :func:`coarse`.
+COARSE_RATE = 200.0
 
 
 def fourier(robot: Robot, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
@@ -56,3 +58,24 @@ def wave(q, v, *_):
     full = np.zeros_like(q)
     full[:, 2] = 0.8 * np.sin(3 * q[:, 2] + 1) * np.sign(v[:, 2])
     return full
+
+
+def coarse(robot, seed=0, step=2 * np.pi / 2**16, late=0.0, **told):
+    """Four records of 5 s at 200 Hz with a coarse encoder; the torque is exact but for 0.2 %, maybe late."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(0, 5.0, 1 / COARSE_RATE)
+    parts = []
+    for k in range(4):
+        phase, speed = rng.uniform(0, 6, (2, 6)), 2 * np.pi * np.array([0.25, 0.6])[:, None] * rng.uniform(0.8, 1.2, 6)
+        size = np.array([0.5, 0.15])[:, None]
+
+        def motion(t, size=size, speed=speed, phase=phase):
+            x = speed * t[:, None, None] + phase
+            q = np.sum(size * np.sin(x), axis=1)
+            return q, np.sum(size * speed * np.cos(x), axis=1), -np.sum(size * speed**2 * np.sin(x), axis=1)
+
+        torque = Dynamics(robot).inverse_dynamics(*motion(time - late))
+        noise = 0.002 * torque.std(axis=0) * rng.standard_normal(torque.shape)
+        parts.append((time + 6 * k, np.full(len(time), k), motion(time)[0], torque + noise))
+    time, label, q, torque = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return Recording(time, label, step * np.round(q / step), torque, name="coarse", **told)

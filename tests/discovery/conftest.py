@@ -1,8 +1,8 @@
-"""A PUMA in which nothing is hidden, as discovery sees it."""
+"""A PUMA in which nothing is hidden, as discovery sees it, with fine and with coarse positions."""
 
 import numpy as np
 import pytest
-from discovery_cases import make_case
+from discovery_cases import coarse, make_case
 
 from jointwear.discovery import Settings
 from jointwear.discovery.problem import build_problem
@@ -30,3 +30,11 @@ def bare(robot):
 def white(bare):
     """The problem with the noise of its axes whitened."""
     return whiten(*bare)
+
+
+@pytest.fixture(scope="module")
+def rough(robot):
+    """A problem, whitened, with positions so coarse that every axis needs instruments."""
+    recording = split(coarse(robot, step=2 * np.pi / 2**13))
+    problem = build_problem(recording, robot, Settings())
+    return whiten(problem, estimate_noise(problem))

@@ -1,0 +1,60 @@
+"""Discovery knows the library by what effects say of themselves: a new one is one file."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from discovery_cases import coarse
+
+from jointwear import effects
+from jointwear.discovery import discover
+
+
+def test_discovery_knows_no_effect_by_name():
+    # A robot file has a key `payload` of its own.
+    names = "|".join(sorted(set(effects.library()) - {"payload"}))
+    for path in sorted(Path("workflow/jointwear/discovery").rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        assert not re.search(rf"\b(?:{names})\b", text), path
+        assert not re.search(r"effect\w*\s*[!=]=\s*[\"']|label\.split\(", text), path
+
+
+NEW = '''
+"""A hump of the housing that the joint rides over."""
+import numpy as np
+from jointwear.effects.effect import Effect, Parameter
+
+def _columns(state, axis, source, p):
+    return (1 / np.cosh((state.position[..., axis] - p["place"]) / p["width"]) ** 2)[..., None]
+
+EFFECT = Effect(
+    identifier="housing_hump", name="Hump of the housing", equation="h / cosh^2((q - q0) / w)",
+    parameters=(
+        Parameter("height", "N m", -1e4, 1e4, "h"),
+        Parameter("place", "rad", -9.0, 9.0, "q0", fixed=True),
+        Parameter("width", "rad", 0.01, 1.0, "w", 0.1),
+    ),
+    confused_with=("joint_spring",), excitation="both directions", source="a test", argument="position",
+    argument_unit="rad", columns=_columns,
+    torque=lambda state, axis, source, p: p["height"] * _columns(state, axis, source, p)[..., 0],
+    parameters_of=lambda p, c: {**p, "height": float(c[0])},
+    grid=lambda state, axis: [{"place": float(x), "width": 0.1} for x in np.linspace(-0.5, 0.5, 11)],
+)
+'''
+
+
+def test_an_effect_of_one_new_file_is_found_named_and_written(robot, tmp_path):
+    recording = coarse(robot, seed=9, step=1e-6)
+    hump = 3.0 / np.cosh((recording.position[:, 2] - 0.2) / 0.12) ** 2
+    torque = recording.torque.copy()
+    torque[:, 2] += hump
+    (tmp_path / "housing_hump.py").write_text(NEW, encoding="utf-8")
+    with effects.more_entries(tmp_path):
+        found = discover(replace(recording, torque=torque), robot)
+        assert [(e["effect"], e["axis"]) for e in found.effects] == [("housing_hump", 3)]
+        (entry,) = found.augmented_robot["effects"]
+        assert entry["parameters"]["height"] == pytest.approx(3.0, rel=0.1)
+        with found.files["augmented"].robot() as written:
+            effects.check_effects(written)
