@@ -36,8 +36,9 @@ FULLEST_RECORD = 2.0
 NOTABLE = 1.2
 #: Standard deviation of what the logarithm of a density of noise changes by in an octave: noise of one pole, 1.4.
 SLOPE = 1.0
-#: Standard deviations that noise does not reach: of a share of an octave (each octave of each axis is asked), and of a
-#: residual that counts as structure. One sample that jumps is no regime, and a regime of many samples loses nothing.
+#: Standard deviations that noise does not reach: of a share of an octave (each octave of each axis is asked), of the
+#: residual where a shared drive sticks, and of a residual that counts as structure. One sample that jumps is no regime,
+#: and a regime of many samples loses nothing.
 SIGMAS = 4.0
 #: Share of the knots of structure that the fit behind the noise has, for noise to keep most of its freedom.
 COARSE = 0.6
@@ -74,8 +75,6 @@ SLOWEST_SAMPLES = 1 / 3
 
 #: Speed [rad/s] of a shared drive below which it may stick between two samples.
 STICKS = 0.05
-#: The residual there, over that elsewhere, from which it does.
-STANDS_OUT = 3.0
 #: Largest share of the squared residual elsewhere that the friction of the shared drive may leave.
 EXPLAINED = 0.7
 #: Largest share of samples that may be left out: joints that turn as one all the time are made to, by their program.

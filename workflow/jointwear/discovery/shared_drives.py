@@ -69,4 +69,4 @@ def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.
     if left @ left > assumed.EXPLAINED * (alone @ alone):
         return False
     near = missing[inside] - np.concatenate([base[inside], shared[inside]], axis=1) @ theta
-    return bool(np.mean(near**2) > assumed.STANDS_OUT**2 * np.mean(left**2))
+    return bool(np.mean(near**2) > assumed.SIGMAS**2 * np.mean(left**2))
