@@ -9,7 +9,7 @@ from discovery_cases import make_case, wave
 
 from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
 from jointwear.discovery.acceptance import explained, missed, predictive
-from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks, scan
+from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.findings import _above_the_noise
 from jointwear.discovery.left_out import left_out_ratio
@@ -17,6 +17,7 @@ from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.page import body_in_words, heading, joint_table, lead, put_back_in_words, write_page
+from jointwear.discovery.scan import scan
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
 from jointwear.discovery.verdict import Gap

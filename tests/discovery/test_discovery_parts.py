@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery.candidates import gain_about_one
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.noise import WIDE, Whitener, estimate, simulate, stable, whitenable
+from jointwear.discovery.scan import gain_about_one
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.structure import hats
 from jointwear.files.errors import InputError

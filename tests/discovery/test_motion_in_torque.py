@@ -11,12 +11,12 @@ from test_instruments import RATE, coarse
 
 from jointwear import effects
 from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.decide import _shared_drives
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.noisy_columns import noise_share
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.searches import _shared_drives
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.spectra import density_of, frequencies, pieces_of
 from jointwear.discovery.whitening import whiten

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.candidates import build_dictionary
-from jointwear.discovery.decide import search
 from jointwear.discovery.outside_force import force_beside, force_in_words, outside_force
+from jointwear.discovery.searches import search
 from jointwear.discovery.whitening import whiten
 from jointwear.robots.inertia import gravity_regressor
 from jointwear.robots.robot import Link

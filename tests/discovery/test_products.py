@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from jointwear.discovery.candidates import build_dictionary, gain_about_one, possible, scan, term_of
+from jointwear.discovery.candidates import build_dictionary, term_of
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.products import Products
+from jointwear.discovery.scan import gain_about_one, possible, scan
 from jointwear.effects import get_effect
 
 SAMPLES, COLUMNS = 200, 5

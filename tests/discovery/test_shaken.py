@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from jointwear.discovery import decide
+from jointwear.discovery import searches
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.linear import chi_square
 from jointwear.discovery.outcome import Outcome
@@ -160,8 +160,8 @@ def test_what_shakes_the_arm_is_noise_unless_what_was_found_explains_it(
         named = [] if shaken else [SimpleNamespace(candidate=c, evidence=nats) for c in found]
         return Outcome(white.problem, white, None, None, named=named, unexplained=left)
 
-    monkeypatch.setattr(decide, "_search", search)
-    assert len(decide.search(disturbed).named) == (len(found) if stands else 0)
+    monkeypatch.setattr(searches, "_search", search)
+    assert len(searches.search(disturbed).named) == (len(found) if stands else 0)
     assert asked == ([False] if stands else [False, True])
 
 

@@ -9,11 +9,11 @@ from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.candidates import Candidate, raw_blocks
-from jointwear.discovery.decide import whitened
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.recorded_in_time import Steps, coulomb_steps
+from jointwear.discovery.searches import whitened
 from jointwear.discovery.shared_delay import (
     delay_in_words,
     lasting_terms,

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.signal import lfilter
 
-from jointwear.discovery.decide import search, whitened
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.problem import build_problem
+from jointwear.discovery.searches import search, whitened
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.slow_noise import slower_noise
 from jointwear.measurement.recording import Recording, split

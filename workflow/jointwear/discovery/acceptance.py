@@ -10,16 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import (
-    LINK_MASS,
-    Candidate,
-    fitted_torque,
-    gain_about_one,
-    on_all_axes,
-    possible,
-    prior_std,
-    raw_torques,
-)
+from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, on_all_axes, prior_std, raw_torques
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.harmless_band import where_noise_is_harmless
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
@@ -27,6 +18,7 @@ from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.recorded_in_time import nats_of_time
+from jointwear.discovery.scan import gain_about_one, possible
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import INERTIAL, Folds, White
 from jointwear.effects import get_effect

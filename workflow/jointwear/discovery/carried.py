@@ -16,9 +16,10 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.candidates import build_dictionary
-from jointwear.discovery.decide import decide, whitened
+from jointwear.discovery.decide import decide
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.searches import whitened
 from jointwear.discovery.slow_noise import beside_slow_noise
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect

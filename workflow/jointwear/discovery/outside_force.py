@@ -15,9 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import Dictionary, scan
+from jointwear.discovery.candidates import Dictionary
 from jointwear.discovery.linear import Term, gain, posterior_mean
 from jointwear.discovery.outcome import Named
+from jointwear.discovery.scan import scan
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect, library
 

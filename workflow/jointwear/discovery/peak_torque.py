@@ -16,10 +16,11 @@ from itertools import product
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.discovery.candidates import Candidate, possible, prior_std
+from jointwear.discovery.candidates import Candidate, prior_std
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.refine import evidence_at, free_parameters
+from jointwear.discovery.scan import possible
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import White
 from jointwear.effects import Effect, State, get_effect

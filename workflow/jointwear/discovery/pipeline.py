@@ -10,19 +10,19 @@ import numpy as np
 
 from jointwear.discovery.base_parameters import free_identification
 from jointwear.discovery.carried import search_beside
-from jointwear.discovery.decide import search, unexplained, whitened
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.experiment import Experiment, propose
 from jointwear.discovery.findings import make_verdict
 from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.kept_sizes import with_kept_sizes
-from jointwear.discovery.leftovers import lasting
+from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.outcome import Outcome, Unexplained
 from jointwear.discovery.outside_force import force_in_words
 from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.recorded_in_time import coulomb_steps
 from jointwear.discovery.repeatability import check_groups, repeat
 from jointwear.discovery.restrictions import motion_restrictions
+from jointwear.discovery.searches import search, whitened
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_delay import (
     delay_in_words,

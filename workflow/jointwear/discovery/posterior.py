@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.calibration import COARSE, calibrated
-from jointwear.discovery.candidates import Scored, contenders, scan
 from jointwear.discovery.leftovers import left_open
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.scan import Scored, contenders, scan
 from jointwear.discovery.whitening import White
 
 #: Rivals of one effect that are weighed with the tolerance of their form.

@@ -6,16 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.candidates import (
-    Candidate,
-    gain_about_one,
-    on_all_axes,
-    prior_std,
-    raw_torques,
-    whitened,
-)
+from jointwear.discovery.candidates import Candidate, on_all_axes, prior_std, raw_torques, whitened
 from jointwear.discovery.harmless_band import where_noise_is_harmless
 from jointwear.discovery.linear import Fit, gain, gain_of_one, posterior_mean
+from jointwear.discovery.scan import gain_about_one
 from jointwear.discovery.whitening import White
 from jointwear.effects import Parameter, get_effect
 

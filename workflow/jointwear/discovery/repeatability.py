@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.carried import search_beside
-from jointwear.discovery.decide import search, whitened
 from jointwear.discovery.leftovers import unexplained
 from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.problem import FEWEST_SAMPLES, Problem
+from jointwear.discovery.searches import search, whitened
 from jointwear.discovery.slow_noise import beside_slow_noise
 from jointwear.files.errors import InputError, nearest
 from jointwear.measurement.recording import Recording

@@ -6,11 +6,12 @@ from collections.abc import Collection
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, scan
+from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.misfit import divided, masses_of
 from jointwear.discovery.problem import FRICTION
+from jointwear.discovery.scan import scan
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Retuned
 from jointwear.discovery.whitening import INERTIAL

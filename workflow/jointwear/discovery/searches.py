@@ -1,0 +1,91 @@
+"""The searches that answer a problem: as it is, with nothing that shakes the arm as noise, beside a force outside."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery.acceptance import of_timing
+from jointwear.discovery.candidates import LINK_MASS, build_dictionary
+from jointwear.discovery.decide import decide, settle
+from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.outside_force import beside_force, force_beside, force_of, outside_force
+from jointwear.discovery.problem import Problem
+from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.whitening import White, whiten
+from jointwear.effects import get_effect
+
+
+def whitened(problem: Problem) -> White:
+    """Return the training samples of `problem` whitened, with the noise of a saturated fit."""
+    return whiten(problem, estimate_noise(problem))
+
+
+def search(white: White) -> Outcome:
+    """Return the effects that whitened data show, out of all of the library: :func:`decide`.
+
+    Where a force from outside explains more than any of them they are looked for beside it. What shakes the arm is
+    noise, unless what was found explains it: :func:`_found_still`.
+    """
+    return _found_still(white) or _search(white)
+
+
+def _found_still(white: White) -> Outcome | None:
+    """Return what is found where nothing that shakes the arm is noise, if that explains it, else None.
+
+    A strong gear shakes all joints, as noise in the drives does, and a drive of two joints both of them. Noise feigns
+    rates of torque: names of timing say nothing here, but for a link that swings, which needs the stiffness, the size
+    and the pull on all other joints of one gear. With little evidence it must also leave nothing on its own joint.
+    Other names explain it where they leave nothing at all.
+    """
+    if not white.problem.shaken.any():
+        return None
+    outcome = _search(whitened(replace(white.problem, still=True)))
+    lacking = {u.axis for u in outcome.unexplained}
+    weak = white.problem.settings.weak_nats
+    if any(_swings(n) and (n.evidence > weak or n.candidate.axis not in lacking) for n in outcome.named):
+        return outcome
+    if {int(a) for a in np.flatnonzero(white.problem.shaken)} in _shared_drives(outcome.named, weak):
+        return outcome
+    sound = outcome.named and not outcome.unexplained and not any(of_timing(n.candidate) for n in outcome.named)
+    return outcome if sound else None
+
+
+def _swings(one: Named) -> bool:
+    """Return whether an effect is a link that swings, which pulls on every joint."""
+    candidate = one.candidate
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).spreads(candidate.nonlinear)
+
+
+def _shared_drives(named: list[Named], weak: float) -> list[set[int]]:
+    """Return the pairs of 0-based axes each of which names the other as turning one drive with it.
+
+    Parameters
+    ----------
+    weak : nats that the name of either axis needs.
+    """
+    sums = {}
+    for one in named:
+        candidate, axis, source = one.candidate, one.candidate.axis, one.candidate.source
+        if axis is None or source is None or one.evidence <= weak or not candidate.nonlinear.get("own"):
+            continue
+        sums[axis, source] = np.sign(candidate.nonlinear["own"] * candidate.nonlinear["other"])
+    return [{axis, source} for (axis, source), sign in sums.items() if sums.get((source, axis)) == sign]
+
+
+def _search(white: White) -> Outcome:
+    dictionary = build_dictionary(white)
+    term, outcome = outside_force(white, dictionary), None
+    if term is None:
+        outcome = decide(white, dictionary)
+        term = force_beside(white, outcome.named)
+    if term is None:
+        return outcome
+    beside = decide(*beside_force(white, dictionary, term))
+    beside.force = force_of(white, term, beside.named)
+    if beside.force is None:
+        return outcome or decide(white, dictionary)
+    beside.white, beside.dictionary = white, dictionary
+    settle(beside)
+    return beside
