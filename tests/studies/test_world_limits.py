@@ -1,16 +1,20 @@
 """What is said of the limits of discovery, and of the probability of its names."""
 
 from dataclasses import asdict, fields, replace
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointwear.discovery import assumed
 from jointwear.discovery.calibration import FEATURES, calibrated
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.settings import REPORTED, USERS, Settings
+from jointwear.studies.world import assumptions
 from jointwear.studies.world.calibration import cross_fitted, fit, names_of, summary
 from jointwear.studies.world.page import limits_context
 from jointwear.studies.world.sensitivity import FACTORS, GATES, NOT_ASKED, can_matter, lines, moves, table, variants
@@ -78,11 +82,33 @@ def test_a_limit_is_moved_only_where_it_can_matter():
     assert not can_matter(replace(empty, profile=[seen]), "unexplained_p", 0.7, base)
 
 
+def test_every_assumption_is_asked_of_the_case_as_it_is(monkeypatch):
+    """The robot file of a case lies in a folder that has to be there at every answer."""
+    facts = {"case": "x", "kind": "nothing", "effects": [], "wrong_parameter": None}
+    asked = []
+
+    def answer(world):
+        assert Path(world.folder).is_dir()
+        asked.append(assumed.SIGMAS)
+        return {"kind": "nothing", "named": [("payload", None)] if assumed.SIGMAS > 5.0 else [], "worse": [2]}
+
+    monkeypatch.setattr(assumptions, "generate", lambda _, folder: SimpleNamespace(facts=facts, folder=folder))
+    monkeypatch.setattr(assumptions, "answer", answer)
+    monkeypatch.setattr(assumptions, "judge", lambda *_: {"identifiable": None})
+    row = assumptions.answers(None, FACTORS)
+    assert len(asked) == 1 + 2 * len(assumptions.LIMITS)
+    (changed,) = [entry for entry in table([row], assumptions.moves(FACTORS)) if entry["names_change"]]
+    assert (changed["limit"], changed["right"]["nothing"], changed["worse"]) == ("SIGMAS", -1, 0)
+
+
 def test_the_page_shows_the_table():
     stored = {"cases": 1, "judged": {"single": 1, "two": 0}, "right": {"single": 1, "two": 0}, "command": "x"}
     shown = limits_context({**stored, "limits": table(rows_of("accept", False), moves(Settings()))})
     assert shown["words"] == "1 of 1 single"
     assert {r["words"] for r in shown["table"]} == {"single -1", "the same"}
+    worse = {**stored, "limits": [{**table(rows_of("accept", True), moves(Settings()))[0], "worse": 1}]}
+    beside = limits_context({**stored, "limits": [], "assumed": worse})["assumed"]
+    assert beside["table"][0]["words"] == "worse than given +1"
 
 
 def world_rows(rng, count):

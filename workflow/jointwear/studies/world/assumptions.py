@@ -47,10 +47,10 @@ def answers(case: Case, factors: tuple[float, ...]) -> dict[str, Any]:
     """
     with tempfile.TemporaryDirectory() as folder:
         world = generate(case, folder)
-    found = {" 1": told(world)}
-    for (name, factor), (_, value) in moves(factors).items():
-        with moved(name, value):
-            found[f"{name} {factor:g}"] = told(world)
+        found = {" 1": told(world)}
+        for (name, factor), (_, value) in moves(factors).items():
+            with moved(name, value):
+                found[f"{name} {factor:g}"] = told(world)
     facts = world.facts
     nothing = judge(facts, {"verdict": "none", "effects": []}, None, None)
     identifiable = nothing["identifiable"] is not False
