@@ -23,6 +23,7 @@ from jointwear.robots.inertia import (
     links_from_parameters,
     mass_direction,
     prior_factor,
+    to_joint_frame,
 )
 from jointwear.robots.robot import Link, load_robot, robot_from_data
 
@@ -141,6 +142,19 @@ def test_inertial_regressor_reproduces_changed_links():
     before, after = (np.array(Dynamics(r).rigid_body_torque(q, v, a)) for r in (robot, changed))
     np.testing.assert_allclose(after - before, inertial_regressor(Dynamics(robot), q, v, a) @ delta, atol=1e-8)
     assert bodies(changed)[2][0] > bodies(robot)[2][0]
+
+
+@pytest.mark.parametrize("distance", [0.0, 0.01, 0.3])
+def test_a_centre_of_mass_that_is_given_as_zero_is_not_exact(distance):
+    """Else its error becomes a payload. It may be off by a share of the size of its link, or of its lever if longer."""
+    robot = load_robot("config/robots/puma560.yaml")
+    mass, gyration = 2.0, 0.05
+    # A shell: its mean square distance from the centre is half the trace of its inertia over its mass.
+    link = Link(mass, np.array([0.0, 0.0, distance]), mass * gyration**2 * np.eye(3) * 2 / 3)
+    robot = replace(robot, links=(*robot.links[:-1], link))
+    factor = np.linalg.solve(to_joint_frame(robot, 5), prior_factor(robot, 0.05)[50:])
+    across = np.linalg.norm(factor[1]) / mass
+    assert across == pytest.approx(0.05 * 0.25 * max(distance, gyration), rel=1e-6)
 
 
 def test_links_of_an_estimate_are_bodies():

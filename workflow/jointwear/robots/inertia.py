@@ -138,8 +138,9 @@ def prior_factor(robot: Robot, relative: float) -> np.ndarray:
     """Return a factor L, shape (10 n, r), of the covariance L L' of the inertial parameters in the joint frames.
 
     Every mass, coordinate of a centre of mass and moment of inertia is known to `relative`; in the first order a
-    centre of mass may also move across its own direction by a quarter of that, and products of inertia by a tenth
-    of the moments beside them, because zeros in a data sheet are rarely exact.
+    centre of mass may also move in any direction by a quarter of that, of its distance or of the radius of gyration of
+    its link, whichever is longer, and products of inertia by a tenth of the moments beside them, because zeros in a
+    data sheet are rarely exact: a link that is given as centred on its joint is not known to the micrometre.
     """
     columns = []
     for link, (mass, com, inertia) in enumerate(bodies(robot)):
@@ -148,7 +149,8 @@ def prior_factor(robot: Robot, relative: float) -> np.ndarray:
         moments = np.abs(np.diag(inertia))
         spread = np.empty(10)
         spread[0] = relative * mass
-        spread[1:4] = relative * (np.abs(com) + 0.25 * np.linalg.norm(com))
+        reach = max(float(np.linalg.norm(com)), _radius_of_gyration(mass, moments))
+        spread[1:4] = relative * (np.abs(com) + 0.25 * reach)
         spread[4:] = [
             relative * (abs(inertia[i, j]) + (0.0 if i == j else 0.1 * np.sqrt(moments[i] * moments[j])))
             for i, j in SIX
@@ -163,6 +165,11 @@ def prior_factor(robot: Robot, relative: float) -> np.ndarray:
             column[10 * link : 10 * link + 10] = frame @ (up - down) / 2
             columns.append(column)
     return np.array(columns).T if columns else np.zeros((10 * robot.joints, 0))
+
+
+def _radius_of_gyration(mass: float, moments: np.ndarray) -> float:
+    """Return the root of the mean square distance [m] of a body's mass from its centre, from its moments (3,)."""
+    return float(np.sqrt(0.5 * moments.sum() / mass)) if mass > 0 else 0.0
 
 
 def mass_direction(robot: Robot, link: int) -> np.ndarray:
