@@ -11,9 +11,10 @@ from jointwear.monitor.condition import UNRESOLVED, axis_conditions
 from jointwear.monitor.drawing import _rests_on
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.table import table_row
-from jointwear.monitor.judge import CHANGED, UNJUDGED
+from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.page import write_page
+from jointwear.monitor.records import Reason
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import read_state
 from jointwear.monitor.summaries import axis_summary, headline
@@ -29,6 +30,22 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(monitored):
     assert "last judged" in found["remark"]
     status[state.baseline :, 0] = UNJUDGED
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
+
+
+@pytest.mark.parametrize(
+    ("why", "level"), [(Reason.NONE, HEALTHY), (Reason.CONDITIONS, UNJUDGED), (Reason.LEARNING, UNJUDGED)]
+)
+def test_days_in_which_an_axis_waited_for_its_normal_are_no_pause_of_it(monitored, why, level):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    # Four hours from window to window: of the last week two spells of 80 h are not judged.
+    first, reason = float(state.start[0]), np.zeros_like(state.reason)
+    stretched = {name: first + 4.0 * (getattr(state, name) - first) for name in ("start", "end")}
+    status = np.full_like(state.status, HEALTHY)
+    for part in (slice(-42, -22), slice(-20, None)):
+        status[part, 0], reason[part, 0] = UNJUDGED, why
+    found = axis_conditions(replace(state, alarms=[], status=status, reason=reason, **stretched))
+    assert found[0].level == level
 
 
 def test_play_alone_is_no_change_of_friction_and_is_told_as_it_is_now(monitored):
@@ -194,3 +211,15 @@ def test_an_event_of_the_axis_after_its_alarms_explains_them(monitored, event, l
     found = axis_conditions(state)[WORN]
     assert found.level == level
     assert bool(found.past) == (level == "healthy")
+
+
+@pytest.mark.parametrize(("kind", "level"), [("service", UNJUDGED), ("sensor", UNJUDGED), ("acknowledged", CHANGED)])
+def test_an_axis_that_was_mended_is_not_known_before_it_has_run(monitored, kind, level):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    assert axis_conditions(state)[WORN].level == CHANGED
+    event = {"time": "2027-01-01T00:00:00Z", "axes": [WORN + 1], "kind": kind}
+    found = axis_conditions(replace(state, entry=state.entry | {"events": [event]}))[WORN]
+    assert (found.level, len(found.episodes)) == (level, 0)
+    summary = axis_summary(state, WORN, condition=found)
+    assert ("no shift since" in summary["remark"]) == (level == UNJUDGED)

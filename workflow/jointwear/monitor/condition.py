@@ -17,6 +17,7 @@ from jointwear.monitor.judge import CHANGED, DETECTORS, HEALTHY, UNJUDGED
 from jointwear.monitor.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.limits import VISCOUS
 from jointwear.monitor.present import FEWEST_NOW, NOW, now_windows
+from jointwear.monitor.records import Reason
 from jointwear.monitor.state import RobotState
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
@@ -27,6 +28,9 @@ SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
 EVEN_ODDS = 0.5
 #: An axis not judged for longer than this [s] and than this many times its longest pause before is healthy no more.
 UNSEEN, PAUSES = 3 * NOW, 2.0
+#: Why an axis that moves is not judged, where that is no pause: it waits for what is normal to be learnt, or for its
+#: logs to be mended. A program that never shows its friction is one.
+WAITS = (Reason.LEARNING, Reason.CONDITIONS, Reason.LOUD, Reason.DRIVES)
 
 
 @dataclass(frozen=True)
@@ -135,10 +139,12 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
     level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
-    if level == HEALTHY and _long_unseen(state, judged):
+    if level == HEALTHY and _long_unseen(state, j, int(judged[-1])):
         level = UNJUDGED
     if level == CHANGED and state.back[j] and open_ones:
         level = UNRESOLVED
+    if level == CHANGED and not open_ones and _mended(own):
+        level = UNJUDGED
     if level != CHANGED and open_ones:
         level = UNRESOLVED
     growth, std = latest(state, "coulomb_percent", j)
@@ -162,15 +168,23 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
     )
 
 
+def _mended(resolved: list[Episode]) -> bool:
+    """Whether the newest event that closed alarms of an axis did something to it, so that its growth until then tells
+    nothing of it now; somebody who looked at an alarm has changed nothing."""
+    events = [e.resolved for e in resolved if e.resolved is not None]
+    return bool(events) and max(events, key=lambda e: e.time).kind != "acknowledged"
+
+
 def _first(state: RobotState, kind: str, j: int) -> float:
     """Return the time [s] of the first finding of a kind on a 0-based axis, infinite where there is none."""
     return min((f["time"] for f in state.findings if f["kind"] == kind and j + 1 in f["axes"]), default=math.inf)
 
 
-def _long_unseen(state: RobotState, judged: np.ndarray) -> bool:
-    """Whether an axis has moved on unjudged since the last of its `judged` windows for longer than it ever paused."""
-    pauses = np.diff(state.end[judged])
-    since = float(state.end[-1] - state.end[judged[-1]])
+def _long_unseen(state: RobotState, j: int, last: int) -> bool:
+    """Whether a 0-based axis has gone on unjudged since its `last` judged window for longer than it ever paused."""
+    told = (state.status[:, j] != UNJUDGED) | np.isin(state.reason[:, j], WAITS)
+    pauses = np.diff(state.end[: last + 1][told[: last + 1]])
+    since = float(state.end[-1] - state.end[last])
     return since > max(UNSEEN, PAUSES * float(pauses.max(initial=0.0)))
 
 

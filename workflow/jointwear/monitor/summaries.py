@@ -66,6 +66,8 @@ def axis_summary(
     if len(after) and after[-1] < len(state.start) - FEWEST_NOW:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
+    elif condition.level == UNJUDGED and len(after):
+        remark = "an event closed its alarm, and no shift since tells what is normal now"
     coarse = next((f["least"] for f in state.findings if f["kind"] == COARSE and j + 1 in f["axes"]), None)
     if len(after) and coarse is not None:
         remark = "; ".join(filter(None, (coarse_words(coarse), remark)))
