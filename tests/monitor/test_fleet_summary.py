@@ -14,7 +14,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from jointwear.files.errors import InputError
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.findings import told_together
+from jointwear.monitor.findings import fell_words
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.page import robot_item
 from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
@@ -22,6 +22,7 @@ from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.local_time import local_time, zone_of
 from jointwear.monitor.standing import NOTHING, rhythm_hours
+from jointwear.monitor.told_together import told_together
 from jointwear.monitor.words import MAY_BE_REACHED, outlook_words
 
 NOW = 1_767_225_600.0
@@ -88,7 +89,7 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     ]
     row = as_of(robot("arm", findings=found), NOW)
     item = robot_item(row, zone_of(None), "robots")
-    assert item["findings"] == ["The scale changed."]
+    assert item["findings"] == ["Wed 2025-12-31: The scale changed."]
     # Somebody has to say what was done to it.
     assert (row["urgency"], item["check"]) == ("asks for an event", "Enter what was done to it")
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
@@ -101,12 +102,12 @@ def test_spells_that_are_over_are_told_once_and_last():
     ]
     scale = {"time": NOW - 20 * DAY, "axes": [2], "kind": "scale", "words": "The scale changed."}
     for count, told in (
-        (1, "Spell 5."),
-        (2, "Spell 2. It was so once before."),
-        (3, "Spell 2. It was so 2 times before."),
+        (1, "Sat 2025-12-27: Spell 5."),
+        (2, "Tue 2025-12-30: Spell 2. It was so once before."),
+        (3, "Tue 2025-12-30: Spell 2. It was so 2 times before."),
     ):
         row = as_of(robot("arm", findings=[*spells[:count], scale]), NOW)
-        assert robot_item(row, zone_of(None), "robots")["findings"] == ["The scale changed.", told]
+        assert robot_item(row, zone_of(None), "robots")["findings"] == ["Fri 2025-12-12: The scale changed.", told]
 
 
 def test_a_service_that_is_proposed_asks_for_its_event_until_one_is_entered():
@@ -129,12 +130,46 @@ def test_axes_whose_limit_cannot_be_seen_take_one_sentence():
     ]
     other = {"time": NOW - DAY, "axes": [3], "kind": "proposed_service", "words": "Friction of axis 3 fell"}
     row = as_of(robot("x", findings=[*coarse[:2], other, coarse[2]]), NOW)
-    told, service = robot_item(row, zone_of(None), "robots")["findings"]
+    service, told = robot_item(row, zone_of(None), "robots")["findings"]
     assert told.startswith("Of axes 1, 2 and 4 only changes above 20 to 33 % can be seen")
-    assert service == "Friction of axis 3 fell"
+    assert service == "Wed 2025-12-31: Friction of axis 3 fell"
     assert [f["words"] for f in told_together([coarse[0], other])] == ["axis 4", "Friction of axis 3 fell"]
     alike = [{**f, "least": 0.3} for f in coarse]
     assert "only changes above 30 % can be seen" in told_together(alike)[0]["words"]
+
+
+def fall(axis, days=0, **more):
+    found = {"time": NOW - days * DAY, "axes": [axis], "kind": "proposed_service", "words": fell_words([axis])}
+    return {**found, "fell": True, **more}
+
+
+def began(days, judged_after=4.0):
+    told = {"time": NOW - days * DAY, "axes": [], "kind": "program", "words": "A program began.", "ran": 6.0}
+    return {**told, "judged_after": judged_after}
+
+
+def test_what_asks_for_an_answer_is_not_crowded_out():
+    programs = [began(1), began(2, None), began(3)]
+    row = as_of(robot("arm", findings=[fall(5, 9), *programs, fall(1, 9), fall(2, 8)]), NOW)
+    newest, both, program = robot_item(row, zone_of(None), "robots")["findings"]
+    assert newest.startswith("Wed 2025-12-24: Friction of axis 2 fell: was it serviced")
+    assert both.startswith("Tue 2025-12-23: Friction of axes 1 and 5 fell: were they serviced")
+    assert program.startswith(
+        "Wed 2025-12-31: The motion shows 3 programs that the baseline did not have, 18 h in all; in 1 "
+    )
+
+
+def test_what_an_event_has_answered_is_no_more_to_check():
+    row = as_of(robot("arm", findings=[fall(5, 9, answered=True), fall(1, 9)]), NOW)
+    (told,) = robot_item(row, zone_of(None), "robots")["findings"]
+    assert "Friction of axis 1 fell" in told
+    # The page of the robot keeps both, each by itself.
+    assert [f["axes"] for f in told_together(row["findings"])] == [[5], [1]]
+
+
+def test_one_program_and_logs_without_a_date_stay_as_they_are():
+    row = as_of(robot("arm", findings=[began(1), fall(2)], dated=False), NOW)
+    assert robot_item(row, zone_of(None), "robots")["findings"] == [fell_words([2]), "A program began."]
 
 
 def test_logs_that_are_not_there_are_none_of_those_that_are(built):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -25,8 +25,9 @@ from jointwear.robots.robot import Robot
 
 #: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
 WITH_SCALE = 2
-#: Kind of a finding on an axis whose limit cannot be seen, and of one on axes whose windows scatter.
-COARSE, LOOSE = "coarse", "loose"
+#: Kind of a finding on an axis whose limit cannot be seen, of one on axes whose windows scatter, of a fall that may be
+#: a service, and of a program that the baseline lacks.
+COARSE, LOOSE, FELL, PROGRAM = "coarse", "loose", "proposed_service", "program"
 #: Scatter of the windows of a shift, standard deviation of the log level beside their own noise, that is told. A shift
 #: of eight such windows is known to 1.4 %, three times worse than shifts of a steady robot differ (0.2 to 0.5 %). Of
 #: 24 simulated robots that carried parts which their file lacked ten exceed it; of 15 of them whose file was given the
@@ -96,15 +97,34 @@ def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleS
         for start in starts:
             if start.proposed and (j, start.window) not in explained:
                 time = float(statistics.start[start.window])
-                words = (
-                    f"Friction of axis {j + 1} fell: was it serviced or greased? It is learnt anew from there; enter "
-                    "the service under 'events' to confirm it, or look for another cause."
-                )
+                words = fell_words([j + 1])
                 # Any later event of the axis closes what was before it.
                 told = any(not later.proposed and later.window >= start.window for later in starts)
                 answered = {"answered": True} if told else {}
-                result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words, **answered})
+                result.append({"time": time, "axes": [j + 1], "kind": FELL, "words": words, "fell": True, **answered})
     return result
+
+
+def fell_words(axes: Sequence[int]) -> str:
+    """Return in words that the friction of 1-based axes fell."""
+    was, it, learnt = ("was", "it", "It is") if len(axes) == 1 else ("were", "they", "They are")
+    return (
+        f"Friction of {name_axes(axes)} fell: {was} {it} serviced or greased? {learnt} learnt anew from there; enter "
+        "the service under 'events' to confirm it, or look for another cause."
+    )
+
+
+#: How a program that the motion shows is learnt.
+_LEARNT = (
+    "What it changes is learnt from its differences to other programs of the same shift, never from the level of a "
+    "shift, so that wear does not become normal;"
+)
+
+
+def _judged_words(ran: float, judged_after: float | None) -> str:
+    if judged_after is None:
+        return f"in its {ran:.3g} h so far most axes could not be judged"
+    return f"most axes could be judged in it after {judged_after:.3g} h of it"
 
 
 def _programs(
@@ -117,16 +137,10 @@ def _programs(
     for regime in np.setdiff1d(np.unique(conditions.regime[~baseline]), [*conditions.regime[baseline], -1]):
         rows = np.flatnonzero(conditions.regime == regime)
         judged = np.isfinite(level.residual[rows]).mean(axis=1) > 0.5
-        words = (
-            "A program began that the baseline did not have. What it changes is learnt from its differences to other "
-            "programs of the same shift, never from the level of a shift, so that wear does not become normal; "
-        )
-        if judged.any():
-            hours = float(np.argmax(judged)) * statistics.length / 3600
-            words += f"most axes could be judged in it after {hours:.3g} h of it."
-        else:
-            words += f"in its {len(rows) * statistics.length / 3600:.3g} h so far most axes could not be judged."
-        result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words})
+        hours = statistics.length / 3600
+        found = {"ran": len(rows) * hours, "judged_after": float(np.argmax(judged)) * hours if judged.any() else None}
+        words = f"A program began that the baseline did not have. {_LEARNT} {_judged_words(**found)}."
+        result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": PROGRAM, "words": words, **found})
     return result
 
 
@@ -146,7 +160,7 @@ def _returned(
                     f"Friction of axis {j + 1} came back to its normal state: was it serviced? Its alarm stays open "
                     "until an event closes it."
                 )
-                result.append({"time": time, "axes": [j + 1], "kind": "proposed_service", "words": words})
+                result.append({"time": time, "axes": [j + 1], "kind": FELL, "words": words})
                 break
     return result
 
@@ -297,27 +311,6 @@ def loose_findings(statistics: WindowStatistics, baseline: np.ndarray, level: Wa
     )
     time = float(statistics.end[np.flatnonzero(baseline)[-1]])
     return [{"time": time, "axes": axes, "kind": LOOSE, "words": words}]
-
-
-def told_together(findings: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return findings for a page: axes whose limit cannot be seen in one sentence, where the first of them stands."""
-    coarse = [f for f in findings if f["kind"] == COARSE]
-    if len(coarse) < 2:
-        return [dict(f) for f in findings]
-    axes, least = sorted(axis for f in coarse for axis in f["axes"]), sorted(f["least"] for f in coarse)
-    words = (
-        f"Of {name_axes(axes)} only changes above {_percents(least)} can be seen, more than their limits: their "
-        "friction differs too much from shift to shift, or is too small against the noise. That there is no alarm says "
-        "nothing of smaller changes."
-    )
-    whole = {"time": coarse[0]["time"], "axes": axes, "kind": COARSE, "least": least[0], "words": words}
-    return [whole if f is coarse[0] else dict(f) for f in findings if f is coarse[0] or f["kind"] != COARSE]
-
-
-def _percents(shares: Sequence[float]) -> str:
-    """Return the span of sorted shares in percent, one number where they round to the same."""
-    low, high = (f"{100 * share:.0f}" for share in (shares[0], shares[-1]))
-    return f"{low} %" if low == high else f"{low} to {high} %"
 
 
 def coarse_words(least: float) -> str:

@@ -15,13 +15,13 @@ from jointwear.monitor.advice import advice
 from jointwear.monitor.condition import SHOWN_BY, UNRESOLVED, AxisCondition, axis_conditions, robot_episodes
 from jointwear.monitor.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.episodes import Episode
-from jointwear.monitor.findings import told_together
 from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.standing import standing
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
+from jointwear.monitor.told_together import told_together
 from jointwear.monitor.words import sure_percent, sure_words, todo
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of

@@ -11,10 +11,11 @@ from jointwear.files.text_files import replace_text
 from jointwear.files.wording import name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.findings import COARSE, told_together
+from jointwear.monitor.findings import COARSE, LOOSE
 from jointwear.monitor.fleet.metrics import COUNTS
-from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
-from jointwear.monitor.local_time import duration, local_time, log_time
+from jointwear.monitor.fleet.ranking import ASKING, ASKS, ORDER, REACHED, REFUSED, STALE
+from jointwear.monitor.local_time import duration, local_day, local_time, log_time
+from jointwear.monitor.told_together import told_together
 from jointwear.monitor.words import todo
 from jointwear.publishing.report.rendering import render_page
 
@@ -29,6 +30,8 @@ CHECKS = {
     UNJUDGED: "Let it move, or log more of it",
     ASKS: "Enter what was done to it",
 }
+#: Kinds of findings that hold for all logs, and have no day.
+LASTING = (COARSE, LOOSE, "baseline", "robot", "dead_band", "missing_temperature")
 #: Findings and axes of a robot that the list shows; the page of the robot has all.
 SHOWN = 3
 
@@ -55,7 +58,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "check": check,
         "reason": row["reason"],
         "refusals": [told.partition("; ")[::2] for told in row["refusals"] if told != row["reason"]],
-        "findings": _to_check(row["findings"])[:SHOWN],
+        "findings": _to_check(row, zone)[:SHOWN],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
         "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
@@ -64,19 +67,27 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
     }
 
 
-def _to_check(findings: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return findings in words, the newest first, without those on backlash: they say what cannot be judged.
+def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[str]:
+    """Return the findings of a robot in words, each with its day: first those that ask for an answer, the newest first.
 
+    Those on backlash say what cannot be judged, those that an event has answered are done: neither is to be checked.
     What is over comes last, and of several of a kind the newest alone, with how many there were before.
     """
-    shown = told_together([f for f in findings if f["kind"] != BACKLASH])
-    newest = sorted(shown, key=lambda f: -(f.get("time") or 0))
-    words = [f["words"] for f in newest if "end" not in f]
+    open_ones = [f for f in row["findings"] if f["kind"] != BACKLASH and not f.get("answered")]
+    newest = sorted(told_together(open_ones), key=lambda f: (f["kind"] not in ASKING, -(f.get("time") or 0)))
+    words = [_dated(f, row, zone) for f in newest if "end" not in f]
     over: dict[str, list[str]] = {}
     for found in newest:
         if "end" in found:
-            over.setdefault(found["kind"], []).append(found["words"])
+            over.setdefault(found["kind"], []).append(_dated(found, row, zone))
     return words + [f"{told[0]}{_before(len(told) - 1)}" for told in over.values()]
+
+
+def _dated(found: Mapping[str, Any], row: Mapping[str, Any], zone: tzinfo) -> str:
+    """Return a finding in words with the day on which it was found, where it has one."""
+    if not row["dated"] or found["kind"] in LASTING or found.get("time") is None:
+        return found["words"]
+    return f"{local_day(found['time'], zone)}: {found['words']}"
 
 
 def _before(count: int) -> str:
