@@ -274,14 +274,25 @@ def test_what_a_record_may_cost_follows_what_an_effect_is_worth():
 
 
 def test_what_was_put_back_is_told_once_with_its_reason():
+    drive, links = "friction and motor inertia as given", "inertia of the links as given"
+    same = {"axis": 2, "ratio": 1.725, "steps": [{"step": drive, "ratio": 1.725}, {"step": links, "ratio": 1.9}]}
+    same |= {"kept": f"{drive}, {links}", "held_out": 1.0}
+    everything = "everything of this joint as given"
+    little = {"model": "retuned", "axis": 1, "ratio": 0.7608, "steps": [{"step": everything, "ratio": 0.7608}]}
     put_back = [
-        {"model": "augmented", "axis": 2, "ratio": 1.725, "step": "friction and motor inertia as given"},
-        {"model": "retuned", "axis": 2, "ratio": 1.725, "step": "friction and motor inertia as given"},
-        {"model": "retuned", "axis": 1, "ratio": 0.7608, "step": "everything of this joint as given"},
+        {"model": "augmented", **same},
+        {"model": "retuned", **same},
+        {**little, "kept": "all as given", "held_out": None},
     ]
     first, second = put_back_in_words({"fallbacks": put_back})
-    assert first.startswith("Joint 1, retuned model: everything of this joint as given. ")
+    assert first.startswith("Joint 1, retuned model: as fitted, its error on records left out was 0.761 times ")
     assert "stands in for what stays unexplained" in first
-    assert second.startswith("Joint 2, augmented and retuned models: friction and motor inertia as given. ")
-    assert second.count("1.7") == 1
+    assert first.endswith(f"Given up: {everything}. Written: all as given.")
+    assert second.startswith(
+        "Joint 2, augmented and retuned models: as fitted, its error on records left out was 1.73 "
+    )
+    assert second.endswith(
+        f"Given up: {drive}; then, at 1.9 times, {links}. Written: {drive}, {links}. "
+        "On held-out motion it has 1 times the given error."
+    )
     assert put_back_in_words({"fallbacks": []}) == []

@@ -8,7 +8,8 @@ import pytest
 from jointwear.discovery.estimation import _of_effects
 from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, OF_LINKS, Step, best_step
 from jointwear.discovery.linear import Term
-from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.told_fallbacks import told_fallbacks
+from jointwear.discovery.verdict import FallBack, Gap
 from jointwear.discovery.whitening import INERTIAL
 
 
@@ -84,3 +85,33 @@ def test_an_effect_of_the_whole_arm_that_is_not_written_is_told():
 
 def test_an_axis_without_anything_to_give_up_is_left():
     assert best_step(None, [term("c")], [Step("a", (term("a"),))], 0, np.array([1.2]), 1.03) is None
+
+
+def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_kept():
+    zeros, fitted = np.zeros((2, 4)), np.array([[0.1, 0.0, 0.0, 0.0], [0.0] * 4])
+    spring = SimpleNamespace(named=SimpleNamespace(candidate=SimpleNamespace(axis=0, effect="joint_spring")))
+    final = SimpleNamespace(
+        fallbacks=(
+            FallBack("retuned", 2, 1.2, DRIVE),
+            FallBack("augmented", 2, 1.2, DRIVE),
+            FallBack("augmented", 1, 1.1, OF_LINKS[0].words),
+            FallBack("augmented", 2, 1.6, OF_LINKS[0].words),
+            FallBack("augmented", 2, 1.3, OF_LINKS[0].words),
+        ),
+        estimates=(spring,),
+        delta_friction=fitted,
+        retuned_friction=zeros,
+        delta_inertial=np.zeros(20),
+        retuned_inertial=np.ones(20),
+    )
+    gap = Gap((2.0, None), (1.5, None), (1.0, None), (0.5, None))
+    one, two, other = told_fallbacks(final, gap)
+    assert (one.model, one.axis, one.held_out) == ("augmented", 1, 0.5)
+    assert one.kept == "friction and motor inertia as fitted, inertia of the links as given, joint_spring"
+    assert (two.axis, two.ratio, two.held_out) == (2, 1.2, None)
+    assert [s.ratio for s in two.steps] == [1.2, 1.6, 1.3]
+    assert two.step == f"{DRIVE}, then {OF_LINKS[0].words}"
+    assert (other.model, other.kept) == (
+        "retuned",
+        "friction and motor inertia as given, inertia of the links as fitted",
+    )

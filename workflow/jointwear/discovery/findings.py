@@ -15,6 +15,7 @@ from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.restrictions import beyond_the_time
 from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in, unlikely_masses
+from jointwear.discovery.told_fallbacks import told_fallbacks
 from jointwear.discovery.verdict import (
     NONE,
     AboveNoise,
@@ -82,7 +83,7 @@ def make_verdict(
         lost=tuple(_lost(outcome)),
         not_tried=tuple(_not_tried(outcome)),
         not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
-        fallbacks=final.fallbacks,
+        fallbacks=told_fallbacks(final, gap),
         misfits=(*final.misfits, *ended_on_bounds(retuned)),
         restrictions=(
             *restrictions,

@@ -139,21 +139,28 @@ def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
-    """Return one sentence or two for every joint and step that was given up: in which models, and why."""
-    steps: dict[tuple[int, str], dict[str, float]] = {}
+    """Return for every joint on which a model was put back why, what was given up in which order, and what is written.
+
+    Models of which all that is the same are told together.
+    """
+    models: dict[tuple, list[str]] = {}
     for f in content["fallbacks"]:
-        steps.setdefault((f["axis"], f["step"]), {})[f["model"]] = f["ratio"]
+        steps = tuple((s["step"], s["ratio"]) for s in f["steps"])
+        models.setdefault((f["axis"], steps, f["kept"], f["held_out"]), []).append(f["model"])
     told = []
-    for (axis, step), ratios in sorted(steps.items()):
-        size = " and ".join(dict.fromkeys(number(x) for x in ratios.values()))
-        why = (
-            f"On records left out in turn its error was {size} times that of the given robot."
-            if max(ratios.values()) > 1.0
-            else f"Its error on records left out was {size} times that of the given robot, but what was fitted stands "
-            "in for what stays unexplained there and may be worse in the next recording."
+    for (axis, steps, kept, held_out), names in sorted(models.items(), key=lambda found: found[0][0]):
+        given_up = "; ".join(
+            step if k == 0 else f"then, at {number(ratio)} times, {step}" for k, (step, ratio) in enumerate(steps)
         )
-        models = f"{' and '.join(sorted(ratios))} model{'s' if len(ratios) > 1 else ''}"
-        told.append(f"Joint {axis}, {models}: {step}. {why}")
+        first = steps[0][1]
+        why = f"as fitted, its error on records left out was {number(first)} times that of the given robot"
+        if max(ratio for _, ratio in steps) <= 1.0:
+            why += ", but it stands in for what stays unexplained there and may be worse in the next recording"
+        end = "" if held_out is None else f" On held-out motion it has {number(held_out)} times the given error."
+        told.append(
+            f"Joint {axis}, {' and '.join(sorted(names))} model{'s' if len(names) > 1 else ''}: {why}. Given up: "
+            f"{given_up}. Written: {kept}.{end}"
+        )
     return told
 
 

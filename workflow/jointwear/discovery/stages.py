@@ -80,8 +80,8 @@ def discover_dataset(
     if log is not None:
         lines = [f"{name}: {words}" for words in found.content.misfits]
         lines += [
-            f"{name}: joint {f.axis}, {f.model} model: {f.step}, for on records left out its error was {f.ratio:.3g} "
-            "times that of the given robot"
+            f"{name}: joint {f.axis}, {f.model} model: as fitted its error on records left out was {f.ratio:.3g} times "
+            f"that of the given robot; {f.step}; written are {f.kept}"
             for f in found.content.fallbacks
         ]
         replace_text(log, "".join(f"{line}\n" for line in lines))

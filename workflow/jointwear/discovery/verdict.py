@@ -171,19 +171,37 @@ class NotIdentifiable:
 
 
 @dataclass(frozen=True)
+class GivenUp:
+    """One step of a fall back: what was given up, and the error over that of the given robot that led to it."""
+
+    step: str
+    ratio: float
+
+
+@dataclass(frozen=True)
 class FallBack:
     """An axis on which a model was put back because it predicted records left out worse than the given robot.
 
-    `ratio` is the error over that of the given robot before it was put back, `step` what was given up. On an axis on
-    which structure is left that nothing explains a model that gains little is put back too: `ratio` may be below 1. An
-    effect may be named and yet not written: it is there, but its torque carries so much noise that the file is better
-    without.
+    In a verdict there is one for each model and axis. On an axis on which structure is left that nothing explains a
+    model that gains little is put back too: `ratio` may be below 1. An effect may be named and yet not written: it is
+    there, but its torque carries so much noise that the file is better without.
+
+    Attributes
+    ----------
+    ratio : error of the model as it was fitted, on records left out, over that of the given robot.
+    step : what was given up in words, in that order. steps : the same one by one, each with the error that led to it.
+        What mends one axis may cost another, which is put back next: the errors need not fall.
+    kept : what is written for the axis, in words. held_out : error of the file on held-out motion over that of the
+        given robot, None where the axis cannot be judged.
     """
 
     model: str
     axis: int
     ratio: float
     step: str
+    steps: tuple[GivenUp, ...] = ()
+    kept: str = ""
+    held_out: float | None = None
 
 
 @dataclass(frozen=True)
