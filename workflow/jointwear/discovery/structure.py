@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.special import gammaincc, gammaincinv
 
 from jointwear.discovery import assumed
 from jointwear.effects.state import State
@@ -125,13 +127,18 @@ FASTEST_CHIRP = 20.0
 SLOW_SWEEP, WIDEST_SWEEP, COARSER = 5.0, 20.0, 4
 
 
-def _level(power: np.ndarray) -> np.ndarray:
-    """Return the mean power (r, k) around each cell of spectra (r, k), at least 1, from medians that no line moves."""
+def _level(power: np.ndarray, records: int = 1) -> np.ndarray:
+    """Return the mean power (r, k) around each cell of spectra (r, k), at least 1, from medians that no line moves.
+
+    Parameters
+    ----------
+    records : of which the spectra are means.
+    """
     rates, size = power.shape
     if size < 3 * SURROUNDINGS:
         return np.ones((1, 1))
     blocks = power.reshape(rates, -1, SURROUNDINGS)
-    median = np.maximum(np.median(blocks, axis=2) / np.log(2), 1.0)
+    median = np.maximum(np.median(blocks, axis=2) * records / gammaincinv(records, 0.5), 1.0)
     padded = np.pad(median, ((0, 0), (1, 1)), mode="edge")
     return np.repeat(np.maximum(np.maximum(padded[:, :-2], median), padded[:, 2:]), SURROUNDINGS, axis=1)
 
@@ -183,8 +190,8 @@ def _chirps(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, n
     return np.arange(2 * size) / (2 * span), rates, (spectra.real**2 + spectra.imag**2) / filled
 
 
-def _largest(power: np.ndarray) -> tuple[int, int, float]:
-    """Return place and size of the cell of spectra (r, k) that stands out most of its surroundings.
+def _largest(power: np.ndarray, records: int = 1) -> tuple[int, int, float]:
+    """Return place and size of the cell of spectra (r, k), means of `records`, that stands out most around it.
 
     Surroundings count as 1 at least: once a cell stands out by more than another spectrum reaches at all, that one and
     all below it need not be asked.
@@ -194,7 +201,7 @@ def _largest(power: np.ndarray) -> tuple[int, int, float]:
     for row in np.argsort(-highest, kind="stable"):
         if highest[row] <= best[2]:
             break
-        over = power[row] / _level(power[[row]])[0]
+        over = power[row] / _level(power[[row]], records)[0]
         cell = int(np.argmax(over))
         if over[cell] > best[2]:
             best = (int(row), cell, float(over[cell]))
@@ -203,6 +210,9 @@ def _largest(power: np.ndarray) -> tuple[int, int, float]:
 
 def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> Line | None:
     """Search the whitened residual of one axis for a line or linear chirp over time, in each record and in all.
+
+    Chirps are sought in all records together where these are as long as each other: a machine that starts with each of
+    them sweeps in the same way, and shows in their mean before it shows in any.
 
     The residual is put back on its time grid (zero where there is no sample) and Fourier-transformed; its lower part is
     multiplied by exp(-i pi c t^2) for a grid of chirp rates c before. Under white noise each cell is
@@ -222,6 +232,8 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
     best: Line | None = None
     cells = 0
     together: dict[int, tuple[np.ndarray, int]] = {}
+    lengths = Counter(len(series) for _, series, _ in pieces)
+    swept: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
     for one, series, filled in pieces:
         for frequency, chirp, power in (_lines(series, rate, filled), _chirps(series, rate, filled)):
             cells += power.size // 2
@@ -231,10 +243,11 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
             if len(chirp) == 1:
                 old, count = together.get(len(frequency), (0.0, 0))
                 together[len(frequency)] = (old + power[0] / _level(power)[0], count + 1)
+            elif lengths[len(series)] > 1:
+                before = swept[len(series)][2] if len(series) in swept else 0.0
+                swept[len(series)] = frequency, chirp, before + power
     if best is None:
         return None
-    from scipy.special import gammaincc
-
     p = min(1.0, cells * float(np.exp(-best.power)))
     for size, (power, count) in together.items():
         where = int(np.argmax(power))
@@ -242,4 +255,11 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
         if joint < p:
             p = joint
             best = Line(float(power[where]), joint, float(0.5 * where * rate / size), 0.0, -1)
+    for length, (frequency, chirp, power) in swept.items():
+        count = lengths[length]
+        row, cell, value = _largest(power / count, count)
+        joint = min(1.0, 0.5 * power.size * float(gammaincc(count, count * value)))
+        if joint < p:
+            p = joint
+            best = Line(count * value, joint, float(frequency[cell]), float(chirp[row]), -1)
     return Line(best.power, p, best.frequency, best.rate, best.record)

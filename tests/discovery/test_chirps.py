@@ -1,0 +1,28 @@
+"""Shaking whose rate changes, in the mean of all records."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jointwear.discovery.structure import strongest_line
+
+RATE, SAMPLES, RECORDS = 100.0, 1100, 3
+
+
+def test_a_sweep_that_starts_with_every_record_is_found_in_all_before_it_is_in_one():
+    rng = np.random.default_rng(7)
+    clock = np.arange(SAMPLES) / RATE
+    wave = 0.3 * np.sin(2 * np.pi * (0.7 * clock + 0.4 * clock**2))
+    state = SimpleNamespace(record=np.repeat(np.arange(RECORDS), SAMPLES))
+    noise = rng.standard_normal(RECORDS * SAMPLES)
+    shaken = noise + np.tile(wave, RECORDS)
+    rows = np.arange(len(noise))
+    line = strongest_line(shaken, rows, state, RATE)
+    assert line.p_value < 1e-8
+    assert (line.record, line.rate) == (-1, pytest.approx(0.8, abs=0.03))
+    # One record alone does not tell, nor do records of which each is another sweep.
+    one = SimpleNamespace(record=np.zeros(SAMPLES, int))
+    assert strongest_line(shaken[:SAMPLES], rows[:SAMPLES], one, RATE).p_value > 1e-8
+    others = [0.3 * np.sin(2 * np.pi * (0.7 * clock + 0.5 * c * clock**2)) for c in (0.3, 0.8, 1.3)]
+    assert strongest_line(noise + np.concatenate(others), rows, state, RATE).p_value > 1e-8
