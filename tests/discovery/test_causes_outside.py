@@ -12,6 +12,7 @@ from jointwear.discovery import acceptance
 from jointwear.discovery.acceptance import predictive
 from jointwear.discovery.candidates import Candidate, raw_columns
 from jointwear.discovery.crossval import CrossValidated
+from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
@@ -139,3 +140,33 @@ def test_a_name_of_the_whole_arm_is_asked_where_most_axes_that_it_moves_stay_ope
     assert left(strong) == strong
     assert left(strong[:1]) == []
     assert left([]) == []
+
+
+def test_a_name_that_is_worth_less_than_what_is_left_on_its_joint_is_a_suspect(white):
+    outcome = _outcome(white, {2: 20.0 * np.sin(white.problem.train_state.position[:, 2])})
+    outcome.unexplained = [replace(outcome.unexplained[0], axis=2, nats=1.01 * outcome.named[0].evidence)]
+    stand_alone(outcome)
+    assert [reason for _, reason in outcome.suspects] == [
+        "100 nats over position are left on joint 3, more than it explains"
+    ]
+
+
+def test_what_one_record_alone_shows_is_not_nearly_all_of_what_a_joint_lacks(white):
+    """A torque that only the last of three records has is told by its other parts, and not by the other records."""
+    problem = replace(white.problem)
+    order = np.arange(problem.train.sum())
+    fold, part = order * 3 // len(order), order * 6 // len(order)
+    problem.__dict__.update(fold_of_sample=fold, part_of_sample=part)
+    spring = Candidate("joint_spring", 2, None, {"centre": 0.0, "low": -9.0, "high": 9.0})
+    column = (fold == 2)[:, None].astype(float)
+    term = Term("spring", {2: white.columns(2, column)}, np.array([1e3]), {2: white.raw(2, column)})
+    lacking = np.array(problem.discrepancy)
+    lacking[np.flatnonzero(problem.train), 2] += 20.0 * column[:, 0]
+    targets = [y + white.columns(2, 20.0 * column)[:, 0] if a == 2 else y for a, y in enumerate(white.targets)]
+    trial = replace(white, problem=problem, targets=targets)
+    problem.__dict__["discrepancy"] = lacking
+    one = Named(spring, term, None, 99.0)
+    assert explained(trial, [], one, predictive(trial, [], one)[0]) > 0.8
+    assert explained_elsewhere(trial, [], one) < 0.5
+    drift = replace(one, candidate=Candidate("torque_offset_drift", 2, None, {"start": 0.0, "period": 9.0}))
+    assert explained_elsewhere(trial, [], drift) == 1.0

@@ -235,6 +235,18 @@ def test_an_axis_counts_as_without_a_name_by_the_effects_that_a_model_has(found,
     assert asked == [("augmented", []), ("augmented", [2]), ("retuned", [2])]
 
 
+def test_a_name_that_the_file_does_without_is_a_suspect_where_structure_is_left_on_its_axis(found, monkeypatch):
+    monkeypatch.setattr(
+        "jointwear.discovery.estimation.put_back", lambda _, terms, *more: ([t for t in terms if not t.effect], ())
+    )
+    for axis, suspected in ((2, True), (1, False)):
+        left = Unexplained(axis, "position", "rad", 0.0, 1.0, 1e-12, 50.0)
+        outcome = replace(found.final.outcome, unexplained=[left], suspects=[])
+        final = finalise(outcome)
+        assert [e.named.candidate.axis for e in final.unwritten] == ([] if suspected else [2])
+        assert bool(outcome.suspects) == suspected
+
+
 @pytest.mark.parametrize("leans", [True, False])
 def test_links_on_which_no_axis_leans_are_as_given(found, leans):
     """One coefficient moves two axes. Both lack something that comes and goes, or the second lacks it at all times."""

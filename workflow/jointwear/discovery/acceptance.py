@@ -93,7 +93,7 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
     settings = white.problem.settings
     if len(trial.term.blocks) > 1:
         white, before, trial = _by_misfit(white, before, trial)
-    lasting, parts_of = follows_time(trial.candidate), _left_out_of(white, trial.candidate)
+    lasting, parts_of = follows_time(trial.candidate), left_out_of(white, trial.candidate)
     evidence = trial.evidence
     if is_body(trial.candidate):
         # Links that are wrong beyond what anyone would believe predict as well as a body does: the evidence tells them
@@ -113,20 +113,7 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
     return found, [_refused(trial, *gate) for gate in failed]
 
 
-def explained(white: White, before: list[Term], trial: Named, found: CrossValidated) -> float:
-    """Return the share of what its axes lack that an effect explains on records left out, where its form may bend.
-
-    Parameters
-    ----------
-    found : what the effect predicts in the form in which it passes the gates. No form is known exactly: what a bend of
-        it takes up is the effect's own, not structure beside it.
-    """
-    if trial.form is None or stiff(trial.candidate):
-        return found.share
-    return max(found.share, cross_validate(white, before, trial.terms, _left_out_of(white, trial.candidate)).share)
-
-
-def _left_out_of(white: White, candidate: Candidate) -> Folds:
+def left_out_of(white: White, candidate: Candidate) -> Folds:
     """Return what is left out in turn to ask an effect.
 
     How much changed between two records is known of none that is left out: half of it tells of the other half.

@@ -214,7 +214,8 @@ def _named_all_the_same(
     A model falls back where one record left out is predicted worse, as when the others have to extrapolate to it. That
     does not speak against an effect with which all records together are predicted better than by the given robot.
     Where no structure is left the parts that a name has to predict are asked instead: out of three records two would
-    have to extrapolate to the third. The others become suspects.
+    have to extrapolate to the third. Beside structure on its own axis it does: what nobody can name may be all that
+    such an effect has found. The others become suspects.
     """
     lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
     if not lost:
@@ -226,7 +227,8 @@ def _named_all_the_same(
     for i in lost:
         one, candidate, _ = refined[i]
         axes = white.problem.judged if candidate.axis is None else (candidate.axis,)
-        if max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0:
+        fine = max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0
+        if fine and candidate.axis not in still:
             result.append(whole.estimates[i])
         else:
             outcome.suspects.append((one, "with it the model predicts records left out worse than the given robot"))

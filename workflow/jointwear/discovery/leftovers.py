@@ -9,9 +9,10 @@ import numpy as np
 from scipy.special import gammaincc
 
 from jointwear.discovery import assumed
-from jointwear.discovery.acceptance import explained, of_timing, predictive
+from jointwear.discovery.acceptance import of_timing, predictive
 from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.crossval import CrossValidated
+from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import TIME_BIN, Basis, Line, strongest_line, time_bins
@@ -187,9 +188,9 @@ def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> t
 def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
-    An effect stands on its own where it is nearly all of what its axes lacked, or still passes the gates of prediction
-    with all the unexplained structure of its axes in the model, and no other joint lacks the same; one of timing has to
-    be most of it too.
+    An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
+    axes lacked, in whole records too, or still passes the gates of prediction with all the unexplained structure of its
+    axes in the model, and no other joint lacks the same; one of timing has to be most of it too.
     An effect of the whole arm is asked where half of the axes that it moves stay unexplained. Changes `outcome`.
     """
     kept: list[Named] = []
@@ -203,6 +204,11 @@ def stand_alone(outcome: Outcome) -> None:
             kept.append(one)
             continue
         where = numbered("joint", [a + 1 for a in axes])
+        most = max((u for u in outcome.unexplained if u.axis in axes), key=lambda u: u.nats)
+        if most.nats > one.evidence:
+            reason = f"{most.nats:.0f} nats over {most.argument} are left on {where}, more than it explains"
+            outcome.suspects.append((one, reason))
+            continue
         others = [t for n in outcome.named if n is not one for t in n.terms]
         found, failed = predictive(outcome.white, others, one)
         share = found.share if failed else _share(outcome, others, one, found)
@@ -211,7 +217,7 @@ def stand_alone(outcome: Outcome) -> None:
         elif share <= MOST and _shaken(one):
             # The bases of structure hold no rates of torque: beside them it would pass whatever it stands for.
             reason = f"explains {100 * share:.0f} % of what {where} lacks, and structure is left there"
-        elif (share > outcome.problem.settings.nearly_all and not _shaken(one)) or not predictive(
+        elif (not _shaken(one) and _nearly_all(outcome, others, one, share)) or not predictive(
             outcome.white, [*others, *_structures(outcome, one, axes)], one
         )[1]:
             kept.append(one)
@@ -236,6 +242,12 @@ def _share(outcome: Outcome, others: list[Term], one: Named, found: CrossValidat
         white = replace(white, targets=_without_outliers(outcome.fit).targets)
         found, _ = predictive(white, others, one)
     return explained(white, others, one, found)
+
+
+def _nearly_all(outcome: Outcome, others: list[Term], one: Named, share: float) -> bool:
+    """Return whether an effect explains nearly all of what its axes lack, a `share` of it in parts of the records."""
+    least = outcome.problem.settings.nearly_all
+    return share > least and explained_elsewhere(outcome.white, others, one) > least
 
 
 def _shaken(one: Named) -> bool:
