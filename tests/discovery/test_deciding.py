@@ -8,9 +8,10 @@ import pytest
 from discovery_cases import make_case, wave
 
 from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
-from jointwear.discovery.acceptance import explained, missed, predictive
+from jointwear.discovery.acceptance import missed, predictive
 from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks
 from jointwear.discovery.crossval import CrossValidated, cross_validate
+from jointwear.discovery.explained import explained
 from jointwear.discovery.findings import _above_the_noise
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.leftovers import lasting, unexplained
@@ -141,7 +142,7 @@ def test_what_a_bend_takes_up_is_the_effects_own(found, monkeypatch):
     drift = replace(one, candidate=Candidate("torque_offset_drift", 2, None), form=one.term)
     plain = CrossValidated(nats=3000.0, share=0.6)
     for share in (0.88, 0.3):
-        monkeypatch.setattr(acceptance, "cross_validate", lambda *_, s=share: replace(plain, share=s))
+        monkeypatch.setattr("jointwear.discovery.explained.cross_validate", lambda *_, s=share: replace(plain, share=s))
         assert explained(white, [], drift, plain) == max(share, 0.6)
     late = delay_with_form(found)[1]
     assert explained(white, [], late, plain) == 0.6
