@@ -26,3 +26,12 @@ def test_a_sweep_that_starts_with_every_record_is_found_in_all_before_it_is_in_o
     assert strongest_line(shaken[:SAMPLES], rows[:SAMPLES], one, RATE).p_value > 1e-8
     others = [0.3 * np.sin(2 * np.pi * (0.7 * clock + 0.5 * c * clock**2)) for c in (0.3, 0.8, 1.3)]
     assert strongest_line(noise + np.concatenate(others), rows, state, RATE).p_value > 1e-8
+
+
+def test_what_is_slow_in_every_record_is_no_sweep():
+    """Of slow noise a sweep that begins below zero holds a part in each record, and more of it in all."""
+    rng = np.random.default_rng(3)
+    state = SimpleNamespace(record=np.repeat(np.arange(RECORDS), SAMPLES))
+    slow = 0.6 * np.cumsum(rng.standard_normal((RECORDS, SAMPLES)), axis=1) / np.sqrt(SAMPLES / 2)
+    line = strongest_line(slow.ravel() + rng.standard_normal(slow.size), np.arange(slow.size), state, RATE)
+    assert line.frequency < 1.0

@@ -190,6 +190,15 @@ def _chirps(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, n
     return np.arange(2 * size) / (2 * span), rates, (spectra.real**2 + spectra.imag**2) / filled
 
 
+def _in_band(frequency: np.ndarray, rate: float) -> int:
+    """Return how many of the frequencies (k,) [Hz] of chirps lie in their band, in whole `SURROUNDINGS` if it is wide.
+
+    Beyond it lie sweeps from below zero: what is slow, which all records have.
+    """
+    count = int(np.searchsorted(frequency, min(FASTEST_CHIRP, 0.5 * rate)))
+    return count - count % SURROUNDINGS if count >= 3 * SURROUNDINGS else count
+
+
 def _largest(power: np.ndarray, records: int = 1) -> tuple[int, int, float]:
     """Return place and size of the cell of spectra (r, k), means of `records`, that stands out most around it.
 
@@ -244,8 +253,9 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
                 old, count = together.get(len(frequency), (0.0, 0))
                 together[len(frequency)] = (old + power[0] / _level(power)[0], count + 1)
             elif lengths[len(series)] > 1:
+                within = _in_band(frequency, rate)
                 before = swept[len(series)][2] if len(series) in swept else 0.0
-                swept[len(series)] = frequency, chirp, before + power
+                swept[len(series)] = frequency[:within], chirp, before + power[:, :within]
     if best is None:
         return None
     p = min(1.0, cells * float(np.exp(-best.power)))
