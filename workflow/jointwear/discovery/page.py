@@ -22,6 +22,11 @@ _WORDS = {
     "effects": "The model lacks an effect",
     "unknown": "Part of the disagreement has no name",
 }
+_PARAMETERS = {
+    "coulomb_positive": "positive Coulomb friction",
+    "coulomb_negative": "negative Coulomb friction",
+    "viscous": "viscous friction",
+}
 
 
 def lead(content: dict[str, Any]) -> list[str]:
@@ -114,6 +119,11 @@ def body_in_words(effect: Mapping[str, Any]) -> str:
     )
 
 
+def parameter_words(key: str) -> str:
+    """Return a parameter of a robot file as readers know it."""
+    return _PARAMETERS.get(key, key.replace("_", " "))
+
+
 def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return one row per joint: what was named, corrected and left, and the part of the gap that each model leaves."""
     effects, gap = library(), content["gap"]
@@ -129,7 +139,7 @@ def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
         if not left:
             above = (a["ratio"] for a in content["above_the_noise"] if a["axis"] == axis)
             left = [f"error {number(ratio)} times the noise" for ratio in above]
-        retuned = [r["parameter"].replace("_", " ") for r in content["retuned"] if r["axis"] == axis]
+        retuned = [parameter_words(r["parameter"]) for r in content["retuned"] if r["axis"] == axis]
         k = axis - 1
         better = None
         if gap["retuned"][k] and gap["augmented"][k]:
@@ -208,6 +218,7 @@ def write_page(
         "single": single,
         "joints": joint_table(content),
         "put_back": put_back_in_words(content),
+        "parameter_words": parameter_words,
         "body": body_in_words,
         "published": None,
         "pairs": pairs,

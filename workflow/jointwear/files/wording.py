@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 
 def numbered(noun: str, numbers: Iterable[int], plural: str = "") -> str:
     """Return `joint 3`, `joints 1 and 2` or `joints 1, 2 and 5`; `plural` of a noun that does not take an s."""
-    *others, last = [str(number) for number in numbers]
-    return f"{plural or noun + 's'} {', '.join(others)} and {last}" if others else f"{noun} {last}"
+    every = [str(number) for number in numbers]
+    return f"{plural or noun + 's' if len(every) > 1 else noun} {listed(every)}"
 
 
 def name_axes(axes: Sequence[int]) -> str:
@@ -19,3 +19,9 @@ def name_axes(axes: Sequence[int]) -> str:
 def count(many: int, noun: str, plural: str = "") -> str:
     """Return a count with its noun in singular or plural; `plural` of a noun that does not take an s."""
     return f"{many} {noun}" if many == 1 else f"{many} {plural or noun + 's'}"
+
+
+def listed(words: Iterable[str]) -> str:
+    """Return `a`, `a and b` or `a, b and c`; at least one word."""
+    *others, last = words
+    return f"{', '.join(others)} and {last}" if others else last

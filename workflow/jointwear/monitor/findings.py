@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects import get_effect
-from jointwear.files.wording import count, name_axes
+from jointwear.files.wording import count, listed, name_axes
 from jointwear.measurement.even_steps import runs
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.conditions import Conditions
@@ -366,7 +366,7 @@ def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict
     where = "" if found.all() else f" in {int(found.sum())} of {count(statistics.windows, 'window')}"
     numbers = [j + 1 for j in sorted(axes)]
     words = (
-        f"The robot file has {' and '.join(names)}, but the logs hold no temperature of {_axes_words(numbers)}{where}: "
+        f"The robot file has {listed(names)}, but the logs hold no temperature of {_axes_words(numbers)}{where}: "
         "the effect counts as zero there, so its torque looks like friction; log the temperature."
     )
     time = float(statistics.start[np.flatnonzero(found)[0]])

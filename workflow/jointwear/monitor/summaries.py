@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.json_values import finite
-from jointwear.files.wording import name_axes
+from jointwear.files.wording import listed, name_axes
 from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import (
@@ -122,7 +122,7 @@ def _unknown(state: RobotState, j: int) -> list[str]:
     ]
     now = now_windows(state.end)
     if lacking and (state.status[now, j] == UNJUDGED).all():
-        names = " and ".join(COLUMNS[name][0].removeprefix("change of ") for name in lacking)
+        names = listed(COLUMNS[name][0].removeprefix("change of ") for name in lacking)
         return [f"{names}: not judged in the last day: {why_unjudged(state, j, int(now[0]))}"]
     return [f"{COLUMNS[name][0].removeprefix('change of ')}: {UNKNOWN[name]}" for name in lacking]
 
