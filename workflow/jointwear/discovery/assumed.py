@@ -86,6 +86,8 @@ MADE_TO = 0.2
 LEAST_FRICTION = 0.03
 #: Times the friction of its axis that a correction of friction, or a basis of structure in the model, may be worth.
 MOST_FRICTION = 2.0
+#: Share of the motor inertia of the robot file that a correction of it may be worth, beside that of friction.
+MOTOR_INERTIA = 0.5
 #: Times its first-order effect that the filter behind the derivatives may have.
 FILTER = 3.0
 #: Share by which the mass of one link may be wrong.

@@ -255,7 +255,8 @@ class Problem:
         speed = np.sqrt(np.mean(self.train_state.velocity[used, axis] ** 2))
         acceleration = np.sqrt(np.mean(self.train_state.acceleration[used, axis] ** 2))
         level = assumed.MOST_FRICTION * self.scale[axis]
-        inertia = 0.5 * self.robot.armature[axis] + self.settings.usual * self.scale[axis] / acceleration
+        inertia = self.settings.usual * self.scale[axis] / acceleration
+        inertia += assumed.MOTOR_INERTIA * self.robot.armature[axis]
         wide = np.array([level, level, level / speed, inertia])
         if self.state.torque_kind != "link_sensor":
             return wide
