@@ -345,3 +345,9 @@ def test_wear_drift_is_equation_7(robot):
         state, 0, None, {"level": c1, "rate": c2, "exponent": 4.0, "start": 0.0}
     )
     np.testing.assert_allclose(torque, 5.0 * wear.growth(hours), atol=1e-12)
+
+
+@pytest.mark.parametrize(("exponent", "coefficient", "may"), [(0.5, 1.0, True), (0.5, -1.0, False), (1.5, -1.0, True)])
+def test_friction_that_falls_the_steeper_the_slower_is_not_nonlinear_viscous(exponent, coefficient, may):
+    effect = effects.get_effect("nonlinear_viscous_friction")
+    assert effect.possible({"exponent": exponent, "coefficient": coefficient}) == may

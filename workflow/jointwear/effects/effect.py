@@ -100,6 +100,8 @@ class Effect:
         Its one coefficient is one: its size is in its parameters.
     prior : robot -> prior standard deviations (k,) of the coefficients of an effect on the whole arm.
     sound : parameters -> whether something with these parameters may exist at all, as a body; None: any may.
+    agree : parameters that each lie within their bounds -> whether all together they are those of such an effect: what
+        else has its torque has another name.
     least : robot -> the lowest values (k,) of the coefficients of an effect on the whole arm: a robot can lack no more
         than it has; None: no coefficient has one.
     nearest : (robot, coefficients (k,), their precision (k, k)) -> the coefficients nearest to them, by that precision,
@@ -150,6 +152,7 @@ class Effect:
     spread: AxisFunction | None = None
     prior: Callable[[Robot], np.ndarray] | None = None
     sound: Callable[[Parameters], bool] | None = None
+    agree: Callable[[Parameters], bool] = lambda parameters: True
     least: Callable[[Robot], np.ndarray] | None = None
     nearest: Callable[[Robot, np.ndarray, np.ndarray], np.ndarray] | None = None
     leading: int = 0
@@ -173,8 +176,9 @@ class Effect:
         return {**{p.name: p.default for p in self.parameters}, **parameters}
 
     def possible(self, parameters: Parameters) -> bool:
-        """Return whether every parameter lies within its bounds: no friction that drives, no delay of a second."""
-        return all(p.lower <= parameters.get(p.name, p.default) <= p.upper for p in self.parameters)
+        """Return whether every parameter lies within its bounds, and all agree: no friction that drives."""
+        within = all(p.lower <= parameters.get(p.name, p.default) <= p.upper for p in self.parameters)
+        return within and self.agree(parameters)
 
     def bounded(self, parameters: Parameters) -> dict[str, Any]:
         """Return `parameters` moved to the nearest values that a robot file takes; tables are left alone."""

@@ -14,6 +14,11 @@ def _shape(state, axis, p):
     return state.direction[..., axis], np.abs(state.velocity[..., axis])
 
 
+def _agree(p):
+    # Friction that falls with the speed, the steeper the slower, is what Stribeck described.
+    return p["coefficient"] >= 0.0 or p["exponent"] >= 1.0
+
+
 EFFECT = Effect(
     identifier="nonlinear_viscous_friction",
     name="Nonlinear viscous friction",
@@ -31,6 +36,7 @@ EFFECT = Effect(
     torque=lambda state, axis, source, p: p["coefficient"] * _columns(state, axis, source, p)[..., 0],
     columns=_columns,
     parameters_of=lambda p, c: {**p, "coefficient": float(c[0])},
+    agree=_agree,
     grid=lambda state, axis: [{"exponent": a} for a in (0.45, 0.6, 0.75, 1.4, 1.7, 2.0, 2.5, 3.0)],
     shape=_shape,
     bend=table_bend(_shape),
