@@ -7,10 +7,12 @@ name, however strong the effect is; what is more than that must.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, on_all_axes, raw_torques
-from jointwear.discovery.linear import Term
+from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
@@ -21,10 +23,10 @@ def with_tolerances(white: White, named: list[Named]) -> list[Term]:
     terms = [t for n in named for t in n.terms]
     fit = white.fit(terms)
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
-    return terms + [x for n in named for x in _tolerance(white, n, fit.theta[places[id(n.term)]])]
+    return terms + [x for n in named for x in _tolerance(white, n, fit, fit.theta[places[id(n.term)]])]
 
 
-def _tolerance(white: White, one: Named, coefficients: np.ndarray) -> list[Term]:
+def _tolerance(white: White, one: Named, fit: Fit, coefficients: np.ndarray) -> list[Term]:
     """Return one term per axis: the torque of the effect over its records, position, speed and direction."""
     problem = white.problem
     state, error = problem.train_state, problem.settings.form_error
@@ -41,9 +43,9 @@ def _tolerance(white: White, one: Named, coefficients: np.ndarray) -> list[Term]
         ways += [state.direction[:, axis], _unit(state.position[:, axis]), _unit(speed)]
         columns = torque[:, None] * np.stack(ways, axis=1)
         std = np.full(columns.shape[1], error)
-        beyond = _beyond_its_band(white, one, coefficients, axis)
-        columns = np.concatenate([columns, beyond], axis=1)
-        std = np.append(std, np.ones(beyond.shape[1]))
+        more = (_beyond_its_band(white, one, coefficients, axis), _of_corrections(white, one, fit, coefficients, axis))
+        columns = np.concatenate([columns, *more], axis=1)
+        std = np.append(std, np.ones(columns.shape[1] - len(std)))
         result.append(
             Term(f"tolerance of {one.term.label}", {axis: white.columns(axis, columns)}, std, {axis: columns[rows]})
         )
@@ -69,6 +71,28 @@ def _beyond_its_band(white: White, one: Named, coefficients: np.ndarray, axis: i
     torques = [effect.columns(s, candidate.axis, candidate.source, candidate.nonlinear) @ coefficients for s in bands]
     steps = np.diff(np.stack(torques, axis=1), axis=1)
     return steps[:, np.any(steps != 0.0, axis=0)]
+
+
+def _of_corrections(white: White, one: Named, fit: Fit, coefficients: np.ndarray, axis: int) -> np.ndarray:
+    """Return what an effect that is in proportion to all torque makes of the torque that a fit adds, (N_train, k).
+
+    Its columns are those of the given friction and links: a gain that follows the temperature, of viscous friction that
+    is 20 % off, looks like viscous friction that does.
+    """
+    state, candidate = white.problem.train_state, one.candidate
+    if candidate.effect == LINK_MASS or not get_effect(candidate.effect).of_torque:
+        return np.zeros((len(state.velocity), 0))
+    rows = white.whiteners[axis].rows
+    added = np.zeros(len(state.velocity))
+    for term, where in zip(fit.terms, fit.slices, strict=True):
+        if not term.effect and axis in term.raw:
+            added[rows] += term.raw[axis] @ fit.theta[where]
+    torque = np.array(state.torque)
+    torque[:, axis] = _filled(added, rows)
+    columns = get_effect(candidate.effect).columns(
+        replace(state, torque=torque), axis, candidate.source, candidate.nonlinear
+    )
+    return (columns @ coefficients)[:, None]
 
 
 def _filled(values: np.ndarray, rows: np.ndarray) -> np.ndarray:

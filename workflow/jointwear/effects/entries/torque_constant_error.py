@@ -18,4 +18,5 @@ EFFECT = Effect(
     grid=lambda state, axis: [{}],
     of_drive=True,
     regime=lambda state, axis, source, p: state.torque[..., axis],
+    of_torque=True,
 )

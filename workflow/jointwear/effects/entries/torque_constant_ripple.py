@@ -16,4 +16,5 @@ EFFECT = Effect(
     argument_unit="rad",
     needs=("gear", "motor torque"),
     **motor_wave(lambda state, axis: state.torque[..., axis], left=State.passed),
+    of_torque=True,
 )

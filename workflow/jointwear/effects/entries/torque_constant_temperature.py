@@ -50,4 +50,5 @@ EFFECT = Effect(
     needs=("temperature",),
     shape=_SHAPE,
     bend=table_bend(_SHAPE, 4),
+    of_torque=True,
 )
