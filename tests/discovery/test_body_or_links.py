@@ -7,16 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery.acceptance import _nats_of_links, refusals
+from jointwear.discovery.acceptance import refusals
+from jointwear.discovery.body_or_links import _nats_of_links
 from jointwear.discovery.candidates import build_dictionary, raw_blocks
 from jointwear.discovery.linear import Term, gain
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.whitening import INERTIAL, whiten
 from jointwear.effects import get_effect
-from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body
+from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body, reach_of_link
 from jointwear.robots.robot import load_robot
 
-OVER_LINKS = "nats over links that are known less"
+OVER_LINKS, MASS = "nats over links that are known less", "nats of its mass"
 
 
 def gates(bare, torque):
@@ -48,6 +49,19 @@ def test_a_table_of_links_that_are_off_is_no_body(bare, seed):
 
 def test_nothing_is_no_body(bare):
     assert OVER_LINKS in gates(bare, np.zeros_like(bare[0].discrepancy[bare[0].train]))
+
+
+def test_a_last_link_whose_centre_is_off_is_no_body(bare):
+    """A payload without a mass is none: with one, or off by more than the link is long, it is."""
+    problem = bare[0]
+    columns = get_effect("payload").columns(problem.train_state, 0, None, {})
+    mass, com, inertia = bodies(problem.robot)[-1]
+    reach = reach_of_link(mass, com, inertia)
+    for share, expected in ((0.3, True), (3.0, False)):
+        moved = parameters_of_body(mass, com + share * reach * np.eye(3)[0], inertia)
+        missed = gates(bare, columns @ (moved - parameters_of_body(mass, com, inertia)))
+        assert (MASS in missed) == expected
+    assert MASS not in gates(bare, of_body(problem, 0.6))
 
 
 def test_what_no_body_does_is_no_body(bare):

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery.body_or_links import impossible_nats, lead_over_links, nats_of_its_mass
 from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, on_all_axes, prior_std, raw_torques
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.harmless_band import where_noise_is_harmless
@@ -22,7 +23,6 @@ from jointwear.discovery.scan import gain_about_one, possible
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import INERTIAL, Folds, White
 from jointwear.effects import get_effect
-from jointwear.robots.inertia import bodies
 
 #: The gate that asks every record alone.
 ONE_RECORD = "nats gained on the record left out that gains least"
@@ -166,9 +166,10 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     if is_body(trial.candidate):
-        gates.append(("nats over links that are known less", _lead_over_links(white, before, trial), half))
+        gates.append(("nats over links that are known less", lead_over_links(white, before, trial), half))
+        gates.append(("nats of its mass", nats_of_its_mass(white, beside, trial), 0.0))
         spare = max(settings.accept, settings.form_error * trial.evidence)
-        gates.append(("nats that no body that may exist would have", -_impossible_nats(white, beside, trial), -spare))
+        gates.append(("nats that no body that may exist would have", -impossible_nats(white, beside, trial), -spare))
     else:
         wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == INERTIAL else t for t in white.base]
         b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
@@ -201,55 +202,6 @@ def _mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refus
         gate = "standard deviations of the inertial prior by which the mass is off"
         return [_refused(trial, gate, sigmas, settings.mass_sigmas)]
     return []
-
-
-def _lead_over_links(white: White, before: list[Term], trial: Named) -> float:
-    """Return the nats by which a body does better than links that are all known less well than the user said.
-
-    Either way the links are as well known as said, or as much worse as a link that is off without being told, whichever
-    the data ask for (MacKay 1992, Bayesian interpolation): a last link far off alone is a body, a whole table of links
-    that are off is none. So is no table in which the mass of a link would be off by more than as a parameter it may be.
-    """
-    links = next((t for t in white.base if t.label == INERTIAL), None)
-    rest = [t for t in white.base if t.label != INERTIAL]
-    if links is None:
-        return gain(*Fit(white.targets, [*rest, *before]).gram(trial.term.blocks), trial.term.std)
-    without = Fit(white.targets, [*rest, *before]).gram(links.blocks)
-    beside = Fit(white.targets, [*rest, *before, trial.term]).gram(links.blocks)
-    body = gain(*Fit(white.targets, [*rest, *before]).gram(trial.term.blocks), trial.term.std)
-    best, other = (_nats_of_links(white, links.std, *sums) for sums in (beside, without))
-    return body + best - other
-
-
-def _nats_of_links(white: White, std: np.ndarray, b: np.ndarray, gram: np.ndarray) -> float:
-    """Return the nats of the links, as well known as said or less well, of their sums `b` (r,) and `gram` (r, r).
-
-    Parameters
-    ----------
-    std : (r,) of the inertial directions of the fit, as well known as said.
-    """
-    problem, settings = white.problem, white.problem.settings
-    said, wide = gain(b, gram, std), settings.mass_sigmas * std
-    masses = np.array([body[0] for body in bodies(problem.robot)])[:, None]
-    change = problem.factor[::10] @ white.directions @ posterior_mean(b, gram, wide)[:, None]
-    if np.any(np.abs(change) > settings.wrongest_mass * masses):
-        return said
-    return max(said, gain(b, gram, wide))
-
-
-def _impossible_nats(white: White, beside: Fit, trial: Named) -> float:
-    """Return the nats of an effect that are lost where its coefficients have to be those of something that may exist.
-
-    Where it stands for something else a body without mass and with negative moments of inertia may fit best.
-    """
-    nearest = get_effect(trial.candidate.effect).nearest
-    if nearest is None:
-        return 0.0
-    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
-    precision = gram + np.diag(1 / std**2)
-    best = posterior_mean(b, gram, std)
-    off = nearest(white.problem.robot, best, precision) - best
-    return float(0.5 * off @ precision @ off)
 
 
 def _cancels(white: White, trial: Named) -> float:

@@ -149,8 +149,7 @@ def prior_factor(robot: Robot, relative: float) -> np.ndarray:
         moments = np.abs(np.diag(inertia))
         spread = np.empty(10)
         spread[0] = relative * mass
-        reach = max(float(np.linalg.norm(com)), _radius_of_gyration(mass, moments))
-        spread[1:4] = relative * (np.abs(com) + 0.25 * reach)
+        spread[1:4] = relative * (np.abs(com) + 0.25 * reach_of_link(mass, com, inertia))
         spread[4:] = [
             relative * (abs(inertia[i, j]) + (0.0 if i == j else 0.1 * np.sqrt(moments[i] * moments[j])))
             for i, j in SIX
@@ -167,9 +166,10 @@ def prior_factor(robot: Robot, relative: float) -> np.ndarray:
     return np.array(columns).T if columns else np.zeros((10 * robot.joints, 0))
 
 
-def _radius_of_gyration(mass: float, moments: np.ndarray) -> float:
-    """Return the root of the mean square distance [m] of a body's mass from its centre, from its moments (3,)."""
-    return float(np.sqrt(0.5 * moments.sum() / mass)) if mass > 0 else 0.0
+def reach_of_link(mass: float, com: np.ndarray, inertia: np.ndarray) -> float:
+    """Return the distance [m] of a link's centre of mass (3,) from its frame, or its radius of gyration if longer."""
+    gyration = np.sqrt(0.5 * np.abs(np.diag(inertia)).sum() / mass) if mass > 0 else 0.0
+    return max(float(np.linalg.norm(com)), float(gyration))
 
 
 def mass_direction(robot: Robot, link: int) -> np.ndarray:

@@ -1,0 +1,75 @@
+"""Whether what the flange lacks is a body that hangs there, or the links are not what the robot file says."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.whitening import INERTIAL, White
+from jointwear.effects import get_effect
+from jointwear.robots.inertia import bodies, reach_of_link
+
+
+def lead_over_links(white: White, before: list[Term], trial: Named) -> float:
+    """Return the nats by which a body does better than links that are all known less well than the user said.
+
+    Either way the links are as well known as said, or as much worse as a link that is off without being told, whichever
+    the data ask for (MacKay 1992, Bayesian interpolation): a last link far off alone is a body, a whole table of links
+    that are off is none. So is no table in which the mass of a link would be off by more than as a parameter it may be.
+    """
+    links = next((t for t in white.base if t.label == INERTIAL), None)
+    rest = [t for t in white.base if t.label != INERTIAL]
+    if links is None:
+        return gain(*Fit(white.targets, [*rest, *before]).gram(trial.term.blocks), trial.term.std)
+    without = Fit(white.targets, [*rest, *before]).gram(links.blocks)
+    beside = Fit(white.targets, [*rest, *before, trial.term]).gram(links.blocks)
+    body = gain(*Fit(white.targets, [*rest, *before]).gram(trial.term.blocks), trial.term.std)
+    best, other = (_nats_of_links(white, links.std, *sums) for sums in (beside, without))
+    return body + best - other
+
+
+def _nats_of_links(white: White, std: np.ndarray, b: np.ndarray, gram: np.ndarray) -> float:
+    """Return the nats of the links, as well known as said or less well, of their sums `b` (r,) and `gram` (r, r).
+
+    Parameters
+    ----------
+    std : (r,) of the inertial directions of the fit, as well known as said.
+    """
+    problem, settings = white.problem, white.problem.settings
+    said, wide = gain(b, gram, std), settings.mass_sigmas * std
+    masses = np.array([body[0] for body in bodies(problem.robot)])[:, None]
+    change = problem.factor[::10] @ white.directions @ posterior_mean(b, gram, wide)[:, None]
+    if np.any(np.abs(change) > settings.wrongest_mass * masses):
+        return said
+    return max(said, gain(b, gram, wide))
+
+
+def nats_of_its_mass(white: White, beside: Fit, trial: Named) -> float:
+    """Return the nats by which a body does better than a last link whose centre of mass and inertia alone are off.
+
+    Infinite where its centre of mass would have to be off by more of the size of the link than a mass may be of itself:
+    that is a body, though the motion may not show its mass.
+    """
+    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    moment = posterior_mean(b[1:], gram[1:, 1:], std[1:])[:3]
+    mass, com, inertia = bodies(white.problem.robot)[-1]
+    size = reach_of_link(mass, com, inertia)
+    if np.linalg.norm(moment) > white.problem.settings.wrongest_mass * mass * size:
+        return np.inf
+    return gain(b, gram, std) - gain(b[1:], gram[1:, 1:], std[1:])
+
+
+def impossible_nats(white: White, beside: Fit, trial: Named) -> float:
+    """Return the nats of an effect that are lost where its coefficients have to be those of something that may exist.
+
+    Where it stands for something else a body without mass and with negative moments of inertia may fit best.
+    """
+    nearest = get_effect(trial.candidate.effect).nearest
+    if nearest is None:
+        return 0.0
+    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    precision = gram + np.diag(1 / std**2)
+    best = posterior_mean(b, gram, std)
+    off = nearest(white.problem.robot, best, precision) - best
+    return float(0.5 * off @ precision @ off)
