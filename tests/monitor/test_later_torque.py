@@ -79,7 +79,7 @@ def test_a_torque_that_the_model_does_not_know_is_not_judged(tmp_path, good):
     assert found.statistics.judgeable[:, :2].all()
     (told,) = reading_findings(found.statistics)
     assert told["axes"] == [3]
-    assert "none that the model and the first log know" in told["words"]
+    assert "fits neither the model nor the first log" in told["words"]
 
 
 def test_another_unit_from_the_middle_of_a_log_on(tmp_path, good):

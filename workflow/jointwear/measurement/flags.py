@@ -34,6 +34,6 @@ FLAG_WORDS = {
     Flag.TORQUE_FROZEN: "the torque does not change while the axis moves",
     Flag.REFUSED: "the log contradicts the model (units, order or sign of the axes)",
     Flag.UNEXPLAINED: "the model explains much less of the torque than in the first log",
-    Flag.CONTRADICTED: "the torque is none that the model and the first log know: another unit or sign, or a fault",
+    Flag.CONTRADICTED: "the torque fits neither the model nor the first log: another unit or sign, or a fault",
     Flag.SATURATED: "the torque stays at a limit of its drive or sensor, left out there",
 }

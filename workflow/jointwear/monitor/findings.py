@@ -202,9 +202,9 @@ _READ = {
     "contradicted": (
         Flag.CONTRADICTED,
         (
-            "The torque of {axes} is none that the model and the first log know: another unit, a size without sign, "
-            "another column, a fault of its measurement, or a load at the flange that the robot file lacks. It is not "
-            "judged there; mend these logs or leave them out, or state the load."
+            "The torque of {axes} fits neither the model nor the first log: its unit or column may have changed, its "
+            "sign may be missing, its measurement may be faulty, or the flange may carry a load that the robot file "
+            "lacks. These windows are not judged; mend these logs or leave them out, or state the load."
         ),
     ),
     "saturated": (
@@ -257,7 +257,7 @@ def driving_findings(statistics: WindowStatistics, driving: np.ndarray | None) -
         for part in (p for p in runs(driving[moved, j]) if driving[moved[p.start], j] and p.stop - p.start > 1):
             words = (
                 f"Friction of axis {j + 1} came out below zero, as if it drove the motion: the sign of its torque or "
-                "of its position looks turned there. It is not judged; mend these logs, or leave them out."
+                "of its position looks turned. The axis is not judged in these logs; mend them, or leave them out."
             )
             found = {"time": float(statistics.start[moved[part.start]])}
             if part.stop < len(moved):
