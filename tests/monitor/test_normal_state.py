@@ -20,7 +20,7 @@ from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, t
 from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.regimes import find_regimes
 from jointwear.monitor.shared_error import shared_error
-from jointwear.monitor.shift_forecast import forecast_shifts
+from jointwear.monitor.shift_forecast import TOLD, forecast_shifts
 from jointwear.monitor.shift_scale import shift_scale
 from jointwear.monitor.shifts import shift_labels
 from jointwear.monitor.warm_up import warm_up_state
@@ -317,6 +317,18 @@ def test_forecasts_of_steady_growth_hold_and_do_not_promise_an_end_too_soon(dail
     true = (0.2 / daily - days) * 24
     assert told.low <= true <= told.high
     assert told.low <= told.hours <= told.high
+
+
+def test_a_limit_is_nearer_than_growth_that_is_told_low_says():
+    days, daily = 8, 0.01
+    time, variance = 24.0 * np.arange(1, days + 1), np.full(days, 1e-6)
+
+    def hours(share: float) -> float:
+        growth = share * daily * np.arange(1, days + 1)
+        return forecast_shifts(time, growth, variance, 0.2, shared=1e-3, start=0.0, now=time[-1]).hours
+
+    assert hours(1.0) < hours(TOLD)
+    assert hours(1.0) < (0.2 / daily - days) * 24
 
 
 def test_growth_on_its_way_has_an_end_and_growth_at_rest_has_none():

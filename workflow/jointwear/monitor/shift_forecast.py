@@ -27,13 +27,14 @@ ONSETS = np.concatenate([np.linspace(0.0, 0.9, 13), [0.94, 0.97]])
 #: says: 0 would be flat in the log of the time, which leaves a quarter of the ends open, 1 in the rate. This, the bend,
 #: :data:`SCALE` and :data:`UNEVEN` together have the best interval score (docs/decisions/forecasts.md).
 LENGTHS, HASTE = np.geomspace(0.25, 100.0, 45), 0.3
-#: Standard deviation of the log of what growth is told as over what it is: its share in the friction that is judged
-#: and its size under the conditions of the day are known no better. Points and weights of the normal law for it.
-SCALE = 0.15
+#: What growth is told as over what it is, and the standard deviation of its log: its share in the friction that is
+#: judged and its size under the conditions of the day are known no better, and a part of it is taken for the normal
+#: state (docs/decisions/forecasts.md). Points and weights of the normal law for it.
+TOLD, SCALE = 0.9, 0.15
 _POINTS = ((-1.35, 0.25), (0.0, 0.5), (1.35, 0.25))
 #: Relative standard deviation of growth about its law. The level of a healthy axis has no wander beside it: what its
 #: shifts leave does not grow with the days since the baseline.
-UNEVEN = 0.2
+UNEVEN = 0.25
 #: A limit farther away than this many times the history may never be reached.
 FARTHEST = 30.0
 
@@ -54,13 +55,14 @@ def forecast_shifts(
     Parameters
     ----------
     time : (s,) [h] middle of the shifts. growth, variance : (s,) relative growth and the variance of its own error.
-    limit : relative growth. shared : standard deviation of the error that all shifts share.
+    limit : relative growth, as it is, not as it is told. shared : standard deviation of the error all shifts share.
     start : end of the normal period [h], before which nothing had begun. now : [h]. share : of the interval.
     """
     good = np.isfinite(growth) & (variance > 0) & np.isfinite(variance)
     t, y, v = time[good], growth[good], variance[good]
     if len(t) < 2 or limit <= 0 or now <= start:
         return Forecast(np.nan, np.nan, np.nan)
+    limit = TOLD * limit
     size = np.maximum(np.minimum(y, 3 * limit), 0.0)
     covariance = np.diag(v + (UNEVEN * size) ** 2) + shared**2
     precision = np.linalg.inv(covariance)
