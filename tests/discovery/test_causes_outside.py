@@ -13,7 +13,7 @@ from jointwear.discovery.acceptance import predictive
 from jointwear.discovery.candidates import Candidate, raw_columns
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.explained import explained, explained_elsewhere
-from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, stand_alone
+from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, nearly_all, stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import strongest_line
@@ -170,3 +170,13 @@ def test_what_one_record_alone_shows_is_not_nearly_all_of_what_a_joint_lacks(whi
     assert explained_elsewhere(trial, [], one) < 0.5
     drift = replace(one, candidate=Candidate("torque_offset_drift", 2, None, {"start": 0.0, "period": 9.0}))
     assert explained_elsewhere(trial, [], drift) == 1.0
+
+
+def test_what_a_form_may_be_off_by_does_not_ask_for_whole_records(white, monkeypatch):
+    """A name that no other record shows stands beside structure that is small beside it, and not beside more."""
+    outcome = _outcome(white, {2: 20.0 * np.sin(white.problem.train_state.position[:, 2])})
+    one, form_error = outcome.named[0], white.problem.settings.form_error
+    monkeypatch.setattr("jointwear.discovery.leftovers.explained_elsewhere", lambda *_: 0.5)
+    assert nearly_all(outcome, [], one, 0.9, 0.9 * form_error * one.evidence)
+    assert not nearly_all(outcome, [], one, 0.9, 1.1 * form_error * one.evidence)
+    assert not nearly_all(outcome, [], one, 0.7, 0.0)

@@ -217,7 +217,7 @@ def stand_alone(outcome: Outcome) -> None:
         elif share <= MOST and _shaken(one):
             # The bases of structure hold no rates of torque: beside them it would pass whatever it stands for.
             reason = f"explains {100 * share:.0f} % of what {where} lacks, and structure is left there"
-        elif (not _shaken(one) and _nearly_all(outcome, others, one, share)) or not predictive(
+        elif (not _shaken(one) and nearly_all(outcome, others, one, share, most.nats)) or not predictive(
             outcome.white, [*others, *_structures(outcome, one, axes)], one
         )[1]:
             kept.append(one)
@@ -244,10 +244,17 @@ def _share(outcome: Outcome, others: list[Term], one: Named, found: CrossValidat
     return explained(white, others, one, found)
 
 
-def _nearly_all(outcome: Outcome, others: list[Term], one: Named, share: float) -> bool:
-    """Return whether an effect explains nearly all of what its axes lack, a `share` of it in parts of the records."""
-    least = outcome.problem.settings.nearly_all
-    return share > least and explained_elsewhere(outcome.white, others, one) > least
+def nearly_all(outcome: Outcome, others: list[Term], one: Named, share: float, left: float) -> bool:
+    """Return whether an effect explains nearly all of what its axes lack, a `share` of it in parts of the records.
+
+    Whole records are asked too where the structure that is `left` there [nats] is more than what the form of the effect
+    may be off by.
+    """
+    settings = outcome.problem.settings
+    if share <= settings.nearly_all:
+        return False
+    of_its_form = left <= settings.form_error * one.evidence
+    return of_its_form or explained_elsewhere(outcome.white, others, one) > settings.nearly_all
 
 
 def _shaken(one: Named) -> bool:
