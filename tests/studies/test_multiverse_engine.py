@@ -193,5 +193,7 @@ def test_wear_of_one_axis_leaves_the_others_alone_where_the_dynamics_are_coupled
 
 def test_sharing_pays(dynamics, task):
     readings = [{**DEFAULT, "kl_direction": k} for k in ("hour_from_reference", "symmetric", "jensen_shannon")]
-    found = measure_sharing(readings, PoseSet("here", dynamics, (task,)), SMALL, Analysis(), sample=1, replicates=1)
-    assert found["ratio"] > 1
+    poses = PoseSet("here", dynamics, (task,))
+    # The best of three: so little work is slowed down by whatever else the machine does at that moment.
+    found = [measure_sharing(readings, poses, SMALL, Analysis(), sample=1, replicates=1)["ratio"] for _ in range(3)]
+    assert max(found) > 1
