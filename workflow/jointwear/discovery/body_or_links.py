@@ -20,12 +20,12 @@ def lead_over_links(white: White, before: list[Term], trial: Named) -> float:
     """
     links = next((t for t in white.base if t.label == INERTIAL), None)
     rest = [t for t in white.base if t.label != INERTIAL]
+    without = Fit(white.targets, [*rest, *before])
+    body = gain(*without.gram(trial.term.blocks), trial.term.std)
     if links is None:
-        return gain(*Fit(white.targets, [*rest, *before]).gram(trial.term.blocks), trial.term.std)
-    without = Fit(white.targets, [*rest, *before]).gram(links.blocks)
-    beside = Fit(white.targets, [*rest, *before, trial.term]).gram(links.blocks)
-    body = gain(*Fit(white.targets, [*rest, *before]).gram(trial.term.blocks), trial.term.std)
-    best, other = (_nats_of_links(white, links.std, *sums) for sums in (beside, without))
+        return body
+    beside = Fit(white.targets, [*rest, *before, trial.term])
+    best, other = (_nats_of_links(white, links.std, *fit.gram(links.blocks)) for fit in (beside, without))
     return body + best - other
 
 

@@ -189,7 +189,7 @@ def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
     An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
-    axes lacked, in whole records too, or still passes the gates of prediction with all the unexplained structure of its
+    axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
     axes in the model, and no other joint lacks the same; one of timing has to be most of it too.
     An effect of the whole arm is asked where half of the axes that it moves stay unexplained. Changes `outcome`.
     """

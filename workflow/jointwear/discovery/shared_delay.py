@@ -68,8 +68,8 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
     # torque runs ahead of the same noise in the accelerations.
     near = np.abs(shares - shares[best]) <= agree
     for told in (lost, _of_joints(white, fit, period, shares - read / period, recorded=True)):
-        agree = [of_joint for of_joint in told if near[np.argmin(of_joint)]]
-        best = int(np.argmin(np.sum(agree, axis=0))) if agree else best
+        having = [of_joint for of_joint in told if near[np.argmin(of_joint)]]
+        best = int(np.argmin(np.sum(having, axis=0))) if having else best
     # What is later still is no matter of sampling.
     return float(shares[best] * period) if abs(shares[best]) < largest else read
 
