@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,8 @@ CIRCUMSTANCES = (
 _TWO_SIDED = 1.96
 #: Names that a disturbance outside the library may rightly get: a soft obstacle and a bent tooth are springs in q.
 TOLERATED = {"wall": {"joint_spring"}, "bump": {"joint_spring"}}
+#: Kind of case -> field of a judged row that says whether the answer is right; a wrong parameter has no name.
+RIGHT = {"single": "exact_set", "two": "two_exact", "nothing": "no_name", "outside": "unknown_only"}
 
 
 def answer(case: WorldCase, settings: Settings | None = None) -> dict[str, Any]:
@@ -63,9 +65,7 @@ def judged(case: WorldCase, verdict: Mapping[str, Any], predicted: np.ndarray, s
         row["covered"] = peak_covered(facts["effects"][0], named[0])
         row["parameters"] = _parameters(facts["effects"][0]["parameters"], named[0].get("parameters", {}))
     if facts["kind"] == "outside":
-        tolerated = TOLERATED.get(str(facts["subject"]), set())
-        strangers = [e for e in named if e["effect"] not in tolerated]
-        row["unknown_only"] = not strangers and (row["verdict"] == "unknown" or bool(named))
+        row["unknown_only"] = unknown_only(case, verdict["verdict"], named)
     row["hidden"] = [
         [e["effect"], e["axis"], e["form"], e["size"], e["energy"], sorted(accepted_names(e) - {e["effect"]})]
         for e in facts["effects"]
@@ -74,6 +74,21 @@ def judged(case: WorldCase, verdict: Mapping[str, Any], predicted: np.ndarray, s
     row["unexplained"] = [u.get("axis") for u in verdict.get("unexplained", [])]
     row["suspects"] = [[s.get("effect"), s.get("axis")] for s in verdict.get("suspects", [])]
     return row
+
+
+def unknown_only(case: WorldCase, word: str, named: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether a disturbance outside the library got no name but one that it may rightly have."""
+    tolerated = TOLERATED.get(str(case.facts["subject"]), set())
+    return all(e["effect"] in tolerated for e in named) and (word == "unknown" or bool(named))
+
+
+def is_right(row: Mapping[str, Any]) -> bool | None:
+    """Return whether a judged row is right, None where the question does not apply to its kind or its case."""
+    field = RIGHT.get(row["kind"])
+    if field is None:
+        return None
+    found = not row["named"] if field == "no_name" else row.get(field)
+    return None if found is None else bool(found)
 
 
 def _parameters(true: Mapping[str, float], given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

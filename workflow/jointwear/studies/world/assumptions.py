@@ -13,7 +13,7 @@ from typing import Any
 
 from jointwear.discovery import assumed
 from jointwear.studies.challenge.judge import judge
-from jointwear.studies.world.answers import answer
+from jointwear.studies.world.answers import answer, is_right
 from jointwear.studies.world.case import WorldCase, generate
 from jointwear.studies.world.plan import Case
 
@@ -60,14 +60,8 @@ def answers(case: Case, factors: tuple[float, ...]) -> dict[str, Any]:
 def told(world: WorldCase) -> dict[str, Any]:
     """Return the names of a case, whether they are right (None where the question does not apply), and worse axes."""
     row = answer(world)
-    right = {
-        "single": row.get("exact_set"),
-        "two": row.get("two_exact"),
-        "nothing": not row["named"],
-        "outside": row.get("unknown_only"),
-    }.get(row["kind"])
     return {
         "names": sorted(map(str, row["named"])),
-        "right": None if right is None else bool(right),
+        "right": is_right(row),
         "worse": list(row.get("worse") or []),
     }

@@ -30,7 +30,7 @@ from jointwear.running.processes import single_threaded
 from jointwear.studies.challenge.judge import judge
 from jointwear.studies.challenge.solve import with_words
 from jointwear.studies.world import assumptions
-from jointwear.studies.world.answers import TOLERATED
+from jointwear.studies.world.answers import RIGHT, is_right, unknown_only
 from jointwear.studies.world.case import WorldCase, generate
 from jointwear.studies.world.plan import Case, cases
 from jointwear.studies.world.setting import INERTIAL_PRIOR
@@ -38,8 +38,6 @@ from jointwear.studies.world.stages import sources_digest
 
 #: Each limit is multiplied by these.
 FACTORS = (0.7, 1.3)
-#: Kind of case -> field of a judged row that says whether the answer is right.
-RIGHT = {"single": "exact_set", "two": "two_exact", "nothing": "no_name", "outside": "unknown_only"}
 #: Limits that are in the columns of the problem and of the dictionary.
 PRIORS = ("usual",)
 #: Limits that these cases do not ask: of the written model, after the names, and of groups of recordings.
@@ -158,12 +156,9 @@ def judged(world: WorldCase, outcome: Outcome) -> dict[str, Any]:
     ]
     word = "unknown" if outcome.unexplained else "effects" if effects else "none"
     row = judge(world.facts, {"verdict": word, "effects": effects}, None, None)
-    row["no_name"] = not effects
     if row["kind"] == "outside":
-        strangers = [e for e in effects if e["effect"] not in TOLERATED.get(str(world.facts["subject"]), set())]
-        row["unknown_only"] = not strangers and (word == "unknown" or bool(effects))
-    field = RIGHT.get(row["kind"])
-    return {"names": sorted(map(str, row["named"])), "right": None if field is None else bool(row[field])}
+        row["unknown_only"] = unknown_only(world, word, effects)
+    return {"names": sorted(map(str, row["named"])), "right": is_right(row)}
 
 
 def moves(settings: Settings) -> dict[tuple[str, float], tuple[float, float]]:
