@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
+from jointwear.discovery.pipeline import discover
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import axis_noise
 from jointwear.discovery.settings import Settings
@@ -13,8 +14,8 @@ from jointwear.measurement.recording import split
 AXIS = 2
 
 
-def cogging(robot, size):
-    gear = robot.gear_ratio[AXIS]
+def cogging(robot, size, order=1):
+    gear = order * robot.gear_ratio[AXIS]
 
     def hidden(q, v, *_):
         full = np.zeros_like(q)
@@ -48,3 +49,22 @@ def test_the_answer_of_a_controller_is_seen_where_filters_take_the_shaking(robot
     assert np.allclose(np.sum(answered[fast] ** 2, axis=1), 1.0)
     ripple = get_effect("torque_constant_ripple").bend.columns(state, AXIS, None, {"order": 1.0}, None)[:, -2:]
     assert not np.any(ripple)
+
+
+def test_fast_cogging_under_a_stiff_controller_has_its_name(robot):
+    """The joint follows its path exactly, so that the drive gives all of the wave and none is in the acceleration."""
+    found = discover(make_case(robot, 5, cogging(robot, 0.3, order=2)), robot)
+    assert [(e["effect"], e["axis"]) for e in found.effects] == [("cogging_torque", AXIS + 1)]
+    assert found.effects[0]["parameters"]["held"]["value"] == 1.0
+    assert found.effects[0]["parameters"]["amplitude"]["value"] == pytest.approx(0.3, rel=0.05)
+
+
+def test_a_held_wave_is_tried_where_filters_made_the_accelerations(robot):
+    state = make_state(robot, *np.zeros((4, 5, robot.joints)))
+    effect = get_effect("cogging_torque")
+    assert not any("held" in p for p in effect.grid(state, AXIS))
+    object.__setattr__(state, "derives", lambda axis, frequency: np.zeros(np.shape(frequency)))
+    assert any("held" in p for p in effect.grid(state, AXIS))
+    held, shaken = (effect.columns(state, AXIS, None, {"order": 1.0, "held": h}) for h in (1.0, 0.0))
+    assert np.allclose(held[:, 1], 1.0)
+    assert not shaken.any()

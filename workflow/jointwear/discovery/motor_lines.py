@@ -30,13 +30,15 @@ def shown_waves(
     target = white(take_off(problem.discrepancy[problem.train, axis]))
     # How much of a fast wave shakes the joint, and how much its controller answers, is up to the controller.
     states = (state, replace(state, derives=None))
-    waves = [
-        np.concatenate([effect.columns(s, axis, None, nonlinear) for s in states], axis=1)
+    # Both are held, so that the forms of one wave are one.
+    shapes = {
+        (effect.identifier, repeats): np.concatenate([effect.columns(s, axis, None, nonlinear) for s in states], axis=1)
         for effect in library().values()
         if effect.waves is not None and not effect.unmet(state, axis)
-        for nonlinear in effect.grid(state, axis)
-        if in_band(problem, axis, effect.waves(state, axis, nonlinear))
-    ]
+        for nonlinear in effect.grid(replace(state, derives=None), axis)
+        if in_band(problem, axis, repeats := effect.waves(state, axis, nonlinear))
+    }
+    waves = list(shapes.values())
     shown = [np.zeros((len(state.velocity), 0))]
     for columns in waves:
         # What columns share with the fit makes them look larger, not better: few have to be held against it.
