@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.candidates import build_dictionary
+from jointwear.discovery.linear import gain
+from jointwear.discovery.outside_force import _term as term_of_force
 from jointwear.discovery.outside_force import force_beside, force_in_words, outside_force
 from jointwear.discovery.searches import search
 from jointwear.discovery.whitening import whiten
@@ -58,6 +60,20 @@ def test_a_rope_that_turns_with_the_pose_is_no_tilt(bare):
     assert [n.candidate.effect for n in outcome.named] == []
     assert outcome.unexplained
     assert outcome.force is not None
+
+
+def test_what_a_large_tilt_leaves_of_its_form_is_no_force(bare):
+    """Beside a tilt of many nats a force of few stands for what links that are off make of gravity."""
+    problem = bare[0]
+    tilt = gravity_regressor(problem.robot, problem.state.position) @ np.array([0.3, 0.2, 0.0])
+    white = white_with(bare, tilt + 0.03 * pull(problem, FORCE))
+    outcome = search(white)
+    assert [n.candidate.effect for n in outcome.named] == ["mounting_tilt"]
+    assert outcome.force is None
+    alone = white.fit([t for n in outcome.named for t in n.terms])
+    term = term_of_force(white)
+    nats = gain(*alone.gram(term.blocks), term.std)
+    assert white.problem.settings.accept < nats < white.problem.settings.form_error * outcome.named[0].evidence
 
 
 def test_nothing_is_no_force(bare):

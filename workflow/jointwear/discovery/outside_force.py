@@ -42,17 +42,20 @@ def force_beside(white: White, named: Sequence[Named]) -> Term | None:
     """Return the term of a force at the flange that shows beside a name that acts on the whole arm, None for none.
 
     A rope that turns with the pose pulls at all joints as a tilted base does, and may look more like one than like a
-    force that stays the same. A base that is tilted, and nothing else, leaves nothing for a force. A body leaves its
-    own weight to be known better: that is no force.
+    force that stays the same. A base that is tilted, and nothing else, leaves no more for a force than its form may be
+    off by: links that gravity turns are not exact, and of a tilt of a million nats that is seen. A body leaves its own
+    weight to be known better: that is no force.
     """
-    whole = [get_effect(n.candidate.effect) for n in named if n.candidate.axis is None]
-    if not any(effect.sound is None for effect in whole):
+    no_body = [n for n in named if n.candidate.axis is None and get_effect(n.candidate.effect).sound is None]
+    if not no_body:
         return None
     term = _term(white)
     if term is None:
         return None
+    settings = white.problem.settings
+    least = max(settings.accept, settings.form_error * max(n.evidence for n in no_body))
     b, gram = white.fit([t for n in named for t in n.terms]).gram(term.blocks)
-    return term if gain(b, gram, term.std) > white.problem.settings.accept else None
+    return term if gain(b, gram, term.std) > least else None
 
 
 def beside_force(white: White, dictionary: Dictionary, term: Term) -> tuple[White, Dictionary]:
