@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from jointwear.files.errors import InputError
 from jointwear.files.storage import open_dataset, read_variables
 from jointwear.reproduction.wear import Wear
+from jointwear.robots.inertia import reach_of_link
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
 from jointwear.studies.challenge import examples, structure_forms
@@ -269,6 +270,21 @@ def test_sieve_removes_what_the_model_can_retune_and_keeps_the_rest(robot, world
     raw = np.sum((wave[train & (np.abs(s.velocity[:, 3]) > 0.01)] / 0.1) ** 2)
     assert sieve.energy(wave) == pytest.approx(raw, rel=0.1)
     assert sieve.energy(wave, [2 * wave]) < 1e-6 * raw
+
+
+def test_what_links_may_be_off_by_cannot_be_seen_zeros_among_them(robot, world):
+    """The tiers judge what can be seen as the tier "world" does: links are known as well as discovery takes them."""
+    train = world.state.recording != 2
+    sieve = sieve_world(world, robot, train, np.full(6, 0.01), 0.0, 0.05)
+    s, links = world.state, list(robot.links)
+    wrist = links[3]
+    one_deviation = 0.05 * 0.25 * reach_of_link(wrist.mass, wrist.com, wrist.inertia)
+    assert not wrist.com.all()
+    links[3] = replace(wrist, com=wrist.com + one_deviation * (wrist.com == 0))
+    moved = Arm(replace(robot, links=tuple(links)))
+    change = moved.torque(s.position, s.velocity, s.acceleration) - s.torque
+    assert sieve.energy(change) <= np.count_nonzero(wrist.com == 0)
+    assert np.sum((change[train] / 0.01) ** 2) > 100.0
 
 
 def test_batch_files_keep_the_truth_apart(tmp_path, monkeypatch):

@@ -12,6 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import inertial_regressor, mass_direction, prior_factor
+from jointwear.robots.robot import Robot
+
 #: Slower samples [rad/s] count as rest.
 REST = 0.02
 
@@ -82,6 +86,32 @@ def drive_columns(velocity: np.ndarray, acceleration: np.ndarray, without: tuple
                 column[:, axis] = value[:, axis]
                 columns.append(column)
     return np.array(columns).reshape(-1, *velocity.shape)
+
+
+def inertial_torques(
+    nominal: Robot,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    prior: float,
+    without: tuple[str, int] | None = None,
+) -> np.ndarray:
+    """Return the torques (r, m, n) [N m] of inertial parameters that are each off by one deviation of their prior.
+
+    The prior is that of discovery (:func:`jointwear.robots.inertia.prior_factor`): what it may put down to the links
+    cannot be seen, zeros of the robot file among them.
+
+    Parameters
+    ----------
+    prior : relative standard deviation of the inertial parameters that the user states.
+    without : (parameter, 0-based axis) of the model; where it is `link_inertia` the mass of that link is exact.
+    """
+    factor = prior_factor(nominal, prior)
+    if without and without[0] == "link_inertia":
+        heavy = mass_direction(nominal, without[1])
+        heavy = heavy / np.linalg.norm(heavy)
+        factor = factor - np.outer(heavy, heavy @ factor)
+    return np.moveaxis(inertial_regressor(Dynamics(nominal), position, velocity, acceleration) @ factor, -1, 0)
 
 
 def build_sieve(

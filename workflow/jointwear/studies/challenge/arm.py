@@ -113,12 +113,8 @@ def inertial_columns(
     position: np.ndarray,
     velocity: np.ndarray,
     acceleration: np.ndarray,
-    without_mass: int | None = None,
 ) -> np.ndarray:
-    """Return the change of torque for a relative change of each inertial parameter that is not zero, (p, m, n) [N m].
-
-    `without_mass` leaves out the mass of one link (0-based).
-    """
+    """Return the change of torque for a relative change of each inertial parameter that is not 0, (p, m, n) [N m]."""
     base = Dynamics(robot).rigid_body_torque(position, velocity, acceleration)
     links, columns = _links(robot), []
 
@@ -128,7 +124,7 @@ def inertial_columns(
 
     share = 1e-3
     for index, link in enumerate(links):
-        if link.mass and index != without_mass:
+        if link.mass:
             change(index, replace(link, mass=link.mass * (1 + share)), share)
         for k in np.flatnonzero(link.com) if link.mass else ():
             com = link.com.copy()

@@ -8,9 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.robots.robot import Robot
-from jointwear.studies.challenge.arm import inertial_columns
 from jointwear.studies.challenge.world import World
-from jointwear.studies.sieve import Sieve, build_sieve, drive_columns
+from jointwear.studies.sieve import Sieve, build_sieve, drive_columns, inertial_torques
 
 #: A case counts as identifiable above this energy [noise variances].
 IDENTIFIABLE = 60.0
@@ -45,8 +44,5 @@ def sieve_world(
     first = first[train[first]]
     pairs = np.concatenate([first, first + 1])
     q, v, a = s.position[pairs], s.velocity[pairs], s.acceleration[pairs]
-    mass = without[1] if without and without[0] == "link_inertia" else None
-    inertial = inertial_columns(nominal, q, v, a, mass)
-    return build_sieve(
-        first, np.abs(v), drive_columns(v, a, without), inertial, 1 / prior**2, deviation, colour, _STRIDE
-    )
+    inertial = inertial_torques(nominal, q, v, a, prior, without)
+    return build_sieve(first, np.abs(v), drive_columns(v, a, without), inertial, 1.0, deviation, colour, _STRIDE)

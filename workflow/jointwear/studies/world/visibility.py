@@ -10,10 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.robots.dynamics import Dynamics
-from jointwear.robots.inertia import inertial_regressor, mass_direction, prior_factor
 from jointwear.robots.robot import Robot
-from jointwear.studies.sieve import Sieve, build_sieve, drive_columns
+from jointwear.studies.sieve import Sieve, build_sieve, drive_columns, inertial_torques
 
 #: Pairs of neighbouring samples that are looked at, at most.
 _PAIRS = 1400
@@ -53,11 +51,6 @@ def sieve_samples(
     first = usable[::stride]
     pairs = np.concatenate([first, first + 1])
     q, v, a = samples.position[pairs], samples.velocity[pairs], samples.acceleration[pairs]
-    factor = prior_factor(nominal, prior)
-    if without and without[0] == "link_inertia":
-        heavy = mass_direction(nominal, without[1])
-        heavy = heavy / np.linalg.norm(heavy)
-        factor = factor - np.outer(heavy, heavy @ factor)
-    inertial = np.moveaxis(inertial_regressor(Dynamics(nominal), q, v, a) @ factor, -1, 0)
+    inertial = inertial_torques(nominal, q, v, a, prior, without)
     free = drive_columns(v, a, without) if drives else np.empty((0, *v.shape))
     return build_sieve(first, np.abs(v), free, inertial, 1.0, noise, colour, stride)
