@@ -39,6 +39,9 @@ def test_derivatives_of_the_positions_are_taken(swing):
     holes = swing.velocity.copy()
     holes[100:120] = np.nan
     check(replace(swing, velocity=holes))
+    missing = swing.position.copy()
+    missing[::150] = np.nan
+    check(replace(swing, position=missing))
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ def check_derivatives(samples: Chunk | Recording, stretch: np.ndarray, name: str
         same = stretch[ends[0]] == stretch[ends[1]]
         finite = np.isfinite(given) & np.isfinite(position)
         told, moved = (_differences(x, reach, order) for x in (path, position))
-        good = same[:, None] & (_differences(np.cumsum(~finite, axis=0), order * reach, 1) == 0)
+        good = same[:, None] & finite[ends[1]] & (_differences(np.cumsum(~finite, axis=0), order * reach, 1) == 0)
         for j in range(position.shape[1]):
             one, other = told[good[:, j], j], moved[good[:, j], j]
             if len(one) < FEWEST or np.abs(other).sum() < 0.05 * reach:
