@@ -91,7 +91,7 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     item = robot_item(row, zone_of(None), "robots")
     assert item["findings"] == ["Wed 2025-12-31: The scale changed."]
     # Somebody has to say what was done to it.
-    assert (row["urgency"], item["check"]) == ("asks for an event", "Enter what was done to it")
+    assert (row["urgency"], item["check"]) == ("asks for an event", "Enter what was done to it, or look for the cause")
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 

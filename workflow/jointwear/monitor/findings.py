@@ -16,6 +16,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import NORMAL
 from jointwear.monitor.local_time import duration
+from jointwear.monitor.loud import loud_findings
 from jointwear.monitor.scale import ScaleStep
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.thermometers import other_unit
@@ -61,6 +62,8 @@ def findings_of(
     found += _programs(statistics, conditions, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline)
+    events = [[s.window for s in starts if not s.proposed] for starts in level.starts]
+    found += loud_findings(statistics, shift, baseline, events)
     return sorted(found, key=lambda f: f["time"])
 
 

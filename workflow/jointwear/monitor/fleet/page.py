@@ -28,7 +28,7 @@ CHECKS = {
     REFUSED: "Mend what refuses its logs",
     STALE: "Look why no new log arrives",
     UNJUDGED: "Let it move, or log more of it",
-    ASKS: "Enter what was done to it",
+    ASKS: "Enter what was done to it, or look for the cause",
 }
 #: Kinds of findings that hold for all logs, and have no day.
 LASTING = (COARSE, LOOSE, "baseline", "robot", "dead_band", "missing_temperature")

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.loud import LOUD
 
 #: What a robot can be in, the most urgent first, and the words for it.
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = ("scale", "clock", "proposed_service")
+ASKING = ("scale", "clock", "proposed_service", LOUD)
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 

@@ -1,0 +1,44 @@
+"""An axis whose torque grows uneven alone is told, since its hours are not judged."""
+
+import numpy as np
+import pytest
+from monitor_windows import NOISE, residuals, statistics_of
+
+from jointwear.monitor.loud import LOUD, loud_findings
+
+#: Windows, and those of a shift; the first three shifts are the baseline.
+WINDOWS, SHIFT = 64, 8
+
+
+def _findings(loud, events=((), (), ())):
+    """Findings where `loud` (w, 3) multiplies the noise."""
+    extra = (loud - 1)[:, None] * NOISE * np.random.default_rng(3).standard_normal((WINDOWS, 80, 3))
+    statistics = statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), 1, extra))
+    shift = np.arange(WINDOWS) // SHIFT
+    return loud_findings(statistics, shift, shift < 3, events)
+
+
+def _loud(axes, shifts):
+    loud = np.ones((WINDOWS, 3))
+    for s in shifts:
+        loud[s * SHIFT : (s + 1) * SHIFT, axes] = 8.0
+    return loud
+
+
+def test_one_axis_that_is_loud_shift_after_shift_is_told():
+    (found,) = _findings(_loud([1], [5, 6, 7]))
+    assert found["kind"] == LOUD
+    assert found["axes"] == [2]
+    assert found["time"] == 5 * SHIFT * 3600.0
+    assert "of axis 2" in found["words"]
+    assert "answered" not in found
+
+
+def test_an_event_answers_it():
+    (found,) = _findings(_loud([1], [5, 6, 7]), ((), (50,), ()))
+    assert found["answered"]
+
+
+@pytest.mark.parametrize(("axes", "shifts"), [([1], [5]), ([1], [5, 7]), ([0, 1, 2], [5, 6, 7]), ([1], [0, 1, 2])])
+def test_one_shift_all_axes_or_the_baseline_tell_nothing(axes, shifts):
+    assert _findings(_loud(axes, shifts)) == []
