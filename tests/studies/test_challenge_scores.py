@@ -238,7 +238,7 @@ def test_page_says_what_was_missed(tmp_path, root):
     scores.write_text(json.dumps(summarise(rows_of_a_tier())))
     write_page(str(scores), None, str(tmp_path / "page.html"), "sample", 1)
     page = (tmp_path / "page.html").read_text()
-    assert "right name first (clean)" in page
+    assert re.search(r"<li><b>clean</b>: [^<]*right name first", page)
     assert "src=" not in page
     assert all(link.startswith(("#", "data:")) for link in re.findall(r'href="([^"]*)"', page))
 

@@ -176,12 +176,10 @@ def write_page(
     scores = read_json(scores_path)
     tiers = scores["tiers"]
     drawing = DRAWINGS[part_batches(part)[0]] if drawing is None else drawing
-    missed = [
-        f"{_WORDS[name]} ({tier})"
+    missed = {
+        tier: [_WORDS[name] for name in TARGETS if reached(name, tier, score_of(content, name)) is False]
         for tier, content in tiers.items()
-        for name in TARGETS
-        if reached(name, tier, score_of(content, name)) is False
-    ]
+    }
     judged = sum(
         reached(name, tier, score_of(content, name)) is not None for tier, content in tiers.items() for name in TARGETS
     )
