@@ -3,6 +3,7 @@
 import copy
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from discovery_cases import make_case
 
@@ -55,3 +56,25 @@ def test_parameters_of_a_verdict_are_those_of_the_file(robot):
             kinds.add(one["parameter"])
             assert one["value"] == pytest.approx(written, rel=1e-5)
     assert kinds == {"motor_inertia", "viscous", "coulomb_positive", "coulomb_negative"}
+
+
+def test_a_mass_that_is_told_is_as_certain_as_the_other_links_leave_it(robot):
+    content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
+    rng = np.random.default_rng(4)
+    for link in content["links"]:
+        link["com"] = [x * (1 + 0.02 * rng.standard_normal()) for x in link["com"]]
+    found = discover(make_case(robot, 4), robot_from_data(content)).data["retuned"]
+    # Every mass of the file is right, its centres are wrong: one mass alone would be 3.7 standard deviations off.
+    (one,) = [one for one in found if one["parameter"] == "link_mass"]
+    assert abs(one["value"] - one["nominal"]) < 2.0 * one["std"]
+
+
+def test_a_link_that_is_too_heavy_in_the_file_is_told_with_its_mass(robot):
+    content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
+    link = content["links"][2]
+    true = link["mass"]
+    link["mass"], link["inertia"] = 1.1 * true, [1.1 * float(x) for x in link["inertia"]]
+    found = discover(make_case(robot, 5), robot_from_data(content)).data["retuned"]
+    (one,) = [one for one in found if one["parameter"] == "link_mass"]
+    assert one["axis"] == 3
+    assert abs(one["value"] - true) < 2.5 * one["std"]

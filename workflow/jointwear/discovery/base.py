@@ -110,20 +110,30 @@ def doubted_links(white: White, fit: Fit) -> np.ndarray:
     moves with a link look certain: a mass at the flange beside that of the wrist. Each of :data:`INERTIAL_ERRORS`
     counts as much as the data speak for it (Bayesian model averaging: Hoeting et al. 1999, eq. 3 and 4).
     """
+    weighed = weighed_links(white, fit)
+    if not weighed:
+        return fit.covariance
+    evidences = [evidence for evidence, _, _ in weighed]
+    covariances = [spread + np.outer(theta - fit.theta, theta - fit.theta) for _, theta, spread in weighed]
+    return np.tensordot(softmax(evidences), covariances, axes=1)
+
+
+def weighed_links(white: White, fit: Fit) -> list[tuple[float, np.ndarray, np.ndarray]]:
+    """Return what a fit says under each of :data:`INERTIAL_ERRORS`: log evidence, coefficients (p,), covariance (p, p).
+
+    The log evidences share an unknown constant. Nothing is returned for a fit that moves no links.
+    """
     where = fit.where(INERTIAL)
     usual = next((t.std for t in white.base if t.label == INERTIAL), None)
     if where is None or usual is None:
-        return fit.covariance
-    weigh = _under_priors(fit)
-    evidences, covariances = [], []
+        return []
+    weigh, weighed = _under_priors(fit), []
     for error in INERTIAL_ERRORS:
         std = fit.std.copy()
         std[where] = error * usual
         evidence, theta, factor = weigh(std)
-        moved = theta - fit.theta
-        evidences.append(evidence)
-        covariances.append(cho_solve(factor, np.eye(len(std))) + np.outer(moved, moved))
-    return np.tensordot(softmax(evidences), covariances, axes=1)
+        weighed.append((evidence, theta, cho_solve(factor, np.eye(len(std)))))
+    return weighed
 
 
 def _under_priors(fit: Fit) -> Callable[[np.ndarray], tuple[float, np.ndarray, tuple[np.ndarray, bool]]]:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
+from scipy.special import softmax
 
+from jointwear.discovery.base import INERTIAL_ERRORS, weighed_links
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.misfit import divided, masses_of
 from jointwear.discovery.problem import FRICTION
-from jointwear.discovery.scan import scan
+from jointwear.discovery.scan import Scored, scan
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Retuned
 from jointwear.discovery.whitening import INERTIAL
@@ -65,13 +67,11 @@ def retuned_parameters(final: Final) -> list[Retuned]:
 def _wrong_mass(final: Final) -> list[Retuned]:
     """Return the link whose mass best explains that inertial parameters are not nominal, if they are not.
 
-    Where no other inertial parameter is needed beside one mass, it is the cause, and all of the change is its own.
-    Elsewhere it is that of the written robot which is farthest off, known as well as the data and the prior have it
-    beside all the others.
+    Of a mass that the search has named all of the change is its own. Elsewhere it is the one that is farthest off.
     """
     outcome, problem = final.outcome, final.outcome.problem
     white, settings = final.white, problem.settings
-    named = [n for n in outcome.named if n.candidate.effect == LINK_MASS]
+    named = {n.candidate.key for n in outcome.named if n.candidate.effect == LINK_MASS}
     fixed = [t for t in white.base if t.label != INERTIAL]
     effects = [divided(t, final.misfit) for n in outcome.named if n.candidate.effect != LINK_MASS for t in n.terms]
     fit = Fit(white.targets, [*fixed, *effects])
@@ -81,38 +81,60 @@ def _wrong_mass(final: Final) -> list[Retuned]:
         return []
     keys = {(LINK_MASS, link, None) for link in range(problem.robot.joints)}
     found = scan(white, masses_of(outcome.dictionary, final.misfit, LINK_MASS), fit, keys)
-    best = next((s for s in found if np.isfinite(s.evidence)), None)
-    if named:
-        best = next((s for s in found if s.candidate.key == named[0].candidate.key), best)
-    if best is None:
-        return []
-    b, gram = fit.gram(best.blocks)
-    alone = gain(b, gram, best.std)
-    if not named and worth - alone > settings.accept:
-        return _farthest_mass(final, full)
-    mass = bodies(problem.robot)[best.candidate.axis][0]
-    precision = float(gram[0, 0] + 1 / best.std[0] ** 2)
-    std = float(np.hypot(1.0 / np.sqrt(precision), settings.parameter_error))
-    return [_link_mass(best.candidate.axis, mass, mass * (1 + float(b[0]) / precision), mass * std)]
+    singles = [(s, *fit.gram(s.blocks)) for s in found if np.isfinite(s.evidence)]
+    own = next((one for one in singles if one[0].candidate.key in named), None)
+    if own is None:
+        return _farthest_mass(final, full, worth, singles)
+    link, share, std = _alone(*own)
+    mass = bodies(problem.robot)[link][0]
+    return [_link_mass(link, mass, mass * (1 + share), mass * float(np.hypot(std, settings.parameter_error)))]
 
 
-def _farthest_mass(final: Final, full: Fit) -> list[Retuned]:
-    """Return the link mass of the written robot that is most standard deviations off, beside all inertial parameters.
+def _alone(one: Scored, b: np.ndarray, gram: np.ndarray) -> tuple[int, float, float]:
+    """Return a link, the share by which its mass is off if nothing else of the links is, and how well that is known."""
+    precision = float(gram[0, 0] + 1 / one.std[0] ** 2)
+    return one.candidate.axis, float(b[0]) / precision, precision**-0.5
+
+
+def _farthest_mass(
+    final: Final, full: Fit, worth: float, singles: list[tuple[Scored, np.ndarray, np.ndarray]]
+) -> list[Retuned]:
+    """Return the link mass that is most standard deviations off, whatever is wrong with the links.
+
+    One mass alone explains what the masses of neighbours, or centres and inertias of them all, explain as well: how
+    sure it is beside nothing else says little. Each mass alone, and all inertial parameters off by each of
+    ``base.INERTIAL_ERRORS``, count as much as the data speak for them, half of it before the data for either kind
+    (Bayesian model averaging: Hoeting et al. 1999, eq. 3 and 4).
 
     Parameters
     ----------
-    full : the fit of everything.
+    full : the fit of everything. worth : nats of all inertial parameters in it. singles : of each mass alone what the
+        scan found, and what the rest of the model leaves of its gradient and its Gram matrix.
     """
-    problem, directions = final.outcome.problem, final.white.directions
-    where = full.where(INERTIAL)
+    problem, white = final.outcome.problem, final.white
     masses = np.array([body[0] for body in bodies(problem.robot)])
-    rows = problem.factor[::10]
-    seen = rows @ directions
-    # What no direction of the fit holds is known by its prior alone.
-    variance = np.sum(rows**2, axis=1) - np.sum(seen**2, axis=1)
-    variance = variance + np.einsum("lp,pq,lq->l", seen, full.covariance[where, where], seen)
-    std = np.hypot(np.sqrt(np.maximum(variance, 0.0)), problem.settings.parameter_error * masses)
-    change = final.delta_inertial[::10]
+    nats, changes, variances = [], [], []
+    for one, b, gram in singles:
+        link, share, std = _alone(one, b, gram)
+        own = (np.arange(len(masses)) == link) * masses
+        nats.append(gain(b, gram, one.std) - np.log(len(singles)))
+        changes.append(share * own)
+        variances.append((std * own) ** 2)
+    where, rows = full.where(INERTIAL), problem.factor[::10]
+    seen = rows @ white.directions
+    weighed = weighed_links(white, full)
+    for error, (evidence, theta, covariance) in zip(INERTIAL_ERRORS, weighed, strict=bool(weighed)):
+        nats.append(worth + evidence - weighed[INERTIAL_ERRORS.index(1.0)][0] - np.log(len(weighed)))
+        changes.append(seen @ theta[where])
+        # What no direction of the fit holds is known by its prior alone.
+        hidden = error**2 * (np.sum(rows**2, axis=1) - np.sum(seen**2, axis=1))
+        variances.append(np.maximum(hidden, 0.0) + np.einsum("lp,pq,lq->l", seen, covariance[where, where], seen))
+    if not nats:
+        return []
+    weight = softmax(nats)
+    change = weight @ np.array(changes)
+    variance = np.maximum(weight @ (np.array(variances) + np.array(changes) ** 2) - change**2, 0.0)
+    std = np.hypot(np.sqrt(variance), problem.settings.parameter_error * masses)
     link = int(np.argmax(np.divide(np.abs(change), std, out=np.zeros_like(std), where=std > 0)))
     if not change[link]:
         return []
