@@ -13,6 +13,7 @@ from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED
 from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.loud import LOUD
 from jointwear.monitor.page import write_page
 from jointwear.monitor.records import Reason
 from jointwear.monitor.standing import NOTHING, standing
@@ -30,6 +31,16 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(monitored):
     assert "last judged" in found["remark"]
     status[state.baseline :, 0] = UNJUDGED
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
+
+
+def test_an_axis_whose_torque_grew_uneven_is_not_called_healthy_until_an_event_answers(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    found = {"time": float(state.start[40]), "axes": [1], "kind": LOUD, "words": "uneven"}
+    told = axis_summary(replace(state, findings=[found]), 0)
+    assert told["status"] == UNJUDGED
+    assert "uneven" in told["remark"]
+    assert axis_summary(replace(state, findings=[{**found, "answered": True}]), 0)["status"] == HEALTHY
 
 
 @pytest.mark.parametrize(

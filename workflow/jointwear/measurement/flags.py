@@ -19,6 +19,7 @@ class Flag(IntFlag):
     UNEXPLAINED = 256
     CONTRADICTED = 512
     SATURATED = 1024
+    LATER = 2048
 
 
 #: Flags that keep a window (of that axis) from being judged, whatever its statistics are.
@@ -36,4 +37,5 @@ FLAG_WORDS = {
     Flag.UNEXPLAINED: "the model explains much less of the torque than in the first log",
     Flag.CONTRADICTED: "the torque fits neither the model nor the first log: another unit or sign, or a fault",
     Flag.SATURATED: "the torque stays at a limit of its drive or sensor, left out there",
+    Flag.LATER: "the torque turns later or earlier than in the first log, and is read at its time",
 }

@@ -16,6 +16,7 @@ from jointwear.monitor.events import events_of
 from jointwear.monitor.judge import CHANGED, DETECTORS, HEALTHY, UNJUDGED
 from jointwear.monitor.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.limits import VISCOUS
+from jointwear.monitor.loud import LOUD
 from jointwear.monitor.present import FEWEST_NOW, NOW, now_windows
 from jointwear.monitor.records import Reason
 from jointwear.monitor.state import RobotState
@@ -52,7 +53,7 @@ class AxisCondition:
     now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `episodes`:
     unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
     unknown. `seen`: it has been judged after the baseline. `rescaled`: time [s] of a changed scale of its torque.
-    `fell`: time [s] of a fall of its friction that nobody has explained.
+    `fell`: time [s] of a fall of its friction that nobody has explained. `loud`: its torque has grown uneven.
     """
 
     axis: int
@@ -70,6 +71,7 @@ class AxisCondition:
     seen: bool = True
     rescaled: float = math.inf
     fell: float = math.inf
+    loud: bool = False
 
     @property
     def change(self) -> float | None:
@@ -139,7 +141,8 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
     level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
-    if level == HEALTHY and _long_unseen(state, j, int(judged[-1])):
+    loud = any(f["kind"] == LOUD and j + 1 in f["axes"] and not f.get("answered") for f in state.findings)
+    if level == HEALTHY and (loud or _long_unseen(state, j, int(judged[-1]))):
         level = UNJUDGED
     if level == CHANGED and state.back[j] and open_ones:
         level = UNRESOLVED
@@ -165,6 +168,7 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         seen=len(after) > 0,
         rescaled=_first(state, "scale", j),
         fell=_first(state, "proposed_service", j),
+        loud=loud,
     )
 
 

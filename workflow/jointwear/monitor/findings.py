@@ -217,6 +217,14 @@ _READ = {
             "out: what the axis needs there is not known."
         ),
     ),
+    "later": (
+        Flag.LATER,
+        (
+            "The torque of {axes} turns at another time against the motion than in the first log: another filter of "
+            "the controller or of the log, or another clock. It is read at the time of the first log, so that it does "
+            "not look like viscous friction; what the filter takes from quick motion is not known."
+        ),
+    ),
 }
 
 

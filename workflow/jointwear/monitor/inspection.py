@@ -52,8 +52,12 @@ class Inspector:
                 marks[part] |= self._check(seen.chunk, seen.stretch, cut)
             except Refused as refusal:
                 marks[part] |= int(Flag.REFUSED)
-                # Parts of a log with one fault differ in the numbers of their sentences alone.
-                if refusal.suggestion not in self._told:
-                    self._told.add(refusal.suggestion)
-                    self.refused.append(f"{refusal}; {refusal.suggestion}")
+                self.tell(refusal)
         return marks
+
+    def tell(self, refusal: Refused) -> None:
+        """Keep in words why samples were refused."""
+        # Parts of a log with one fault differ in the numbers of their sentences alone.
+        if refusal.suggestion not in self._told:
+            self._told.add(refusal.suggestion)
+            self.refused.append(f"{refusal}; {refusal.suggestion}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -22,6 +21,7 @@ from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import outside_limits
 from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of
+from jointwear.monitor.torque_lag import LARGEST, Lag, change_of, lag_of, off_in_time, pieces_of, read_later, rest_of
 from jointwear.monitor.windows import WindowStatistics, blank_statistics, merge
 from jointwear.robots.flange import FlangeLoad
 
@@ -69,7 +69,7 @@ def log_statistics(
         for around, kept in _blocks(path, layout, length, block, unread):
             time = around.chunk.time[kept]
             span = [min(span[0], float(time.min())), max(span[1], float(time.max()))]
-            parts.append(_block_statistics(around, kept, model, loads, survey, settings, inspector))
+            parts.append(_block_statistics(around, kept, model, loads, survey, settings, inspector, path))
             if len(parts) >= 32:
                 parts = [merge(parts)]
     except InputError as error:
@@ -133,6 +133,7 @@ def _block_statistics(
     survey: Survey,
     settings: WindowSettings,
     inspector: Inspector,
+    path: str,
 ) -> WindowStatistics:
     chunk, robot = around.chunk, model.robot
     motion = derive_motion(chunk, around.stretch, np.array(survey.cutoff))
@@ -157,13 +158,26 @@ def _block_statistics(
     else:
         zeros = np.zeros_like(chunk.position)
         torque = ModelTorque(zeros, zeros, zeros)
-    torque, clear = _with_loads(around, motion, torque, usable, loads, least_mass(robot), settings, survey)
-    usable = usable & clear
+    # An axis whose torque is none says nothing of the load that all axes carry.
+    sound = (flags & int(Flag.CONTRADICTED | Flag.TORQUE_FROZEN)) == 0
+    seen, values = _Seen(around, motion, loads, least_mass(robot), settings, survey), chunk.torque
+    loaded, clear = seen.with_loads(torque, values, usable & sound)
+    later = seen.later(loaded, values, usable & clear & sound)
+    if abs(later) > LARGEST:
+        inspector.tell(off_in_time(path))
+        flags, usable = flags | int(Flag.REFUSED), np.zeros_like(usable)
+    elif later:
+        flags = flags | int(Flag.LATER)
+        values, there = read_later(chunk.torque, chunk.time, around.stretch, usable, later)
+        later += rest_of(seen.lag(loaded, values, there & clear & sound), survey.lag)
+        values, usable = read_later(chunk.torque, chunk.time, around.stretch, usable, later)
+        loaded, clear = seen.with_loads(torque, values, usable & sound)
+    torque, usable = loaded, usable & clear
     return window_statistics(
         chunk.time,
         motion.position,
         motion.velocity,
-        chunk.torque,
+        values,
         torque,
         settings,
         usable=usable,
@@ -176,25 +190,47 @@ def _block_statistics(
     )
 
 
-def _with_loads(
-    around: Ordered,
-    motion: Motion,
-    torque: ModelTorque,
-    usable: np.ndarray,
-    loads: FlangeLoad,
-    least: float,
-    settings: WindowSettings,
-    survey: Survey,
-) -> tuple[ModelTorque, np.ndarray]:
-    """Return the torque of the model with the loads that each window shows, and the samples clear of a switch."""
-    residual = around.chunk.torque - torque.total
-    used = usable & np.isfinite(residual)
-    used &= moving(motion.velocity, around.stretch, settings.dead_band, settings.guard)
-    label = np.floor(around.chunk.time / settings.length)
-    cuts = np.flatnonzero((np.diff(label) != 0) | (np.diff(around.stretch) != 0)) + 1
-    pieces = [slice(a, b) for a, b in itertools.pairwise([0, *cuts.tolist(), len(label)])] if len(label) else []
-    along = LoadsOnMotion(loads, motion.position, motion.velocity, motion.acceleration)
-    return with_loads(torque, residual, motion.velocity, used, pieces, 1 / max(survey.rate, 1e-3), along, least)
+@dataclass(frozen=True)
+class _Seen:
+    """A block and what its torques (m, n) show, given a model along its motion and the samples that may be used.
+
+    `least` : smallest mass [kg] of a load.
+    """
+
+    around: Ordered
+    motion: Motion
+    loads: FlangeLoad
+    least: float
+    settings: WindowSettings
+    survey: Survey
+
+    def with_loads(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> tuple[ModelTorque, np.ndarray]:
+        """Return the torque of the model with the loads that each window shows, and the samples clear of a switch."""
+        residual = torque - model.total
+        used, step = self._moved(usable & np.isfinite(residual)), 1 / max(self.survey.rate, 1e-3)
+        return with_loads(model, residual, self.motion.velocity, used, self._pieces, step, self._along, self.least)
+
+    def lag(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> Lag:
+        """Return how late a torque is against the motion; `model` with the loads."""
+        motion = self.motion.velocity, self.motion.acceleration
+        return lag_of(torque, model, motion, self._moved(usable), self._pieces, 1 / self.survey.rate, self._along)
+
+    def later(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> float:
+        """Return by how much later [s] a torque is than in the first log, 0 where that does not matter."""
+        first = self.survey.lag
+        return 0.0 if first is None else change_of(self.lag(model, torque, usable), first)
+
+    def _moved(self, usable: np.ndarray) -> np.ndarray:
+        settings = self.settings
+        return usable & moving(self.motion.velocity, self.around.stretch, settings.dead_band, settings.guard)
+
+    @property
+    def _pieces(self) -> list[slice]:
+        return pieces_of(self.around.chunk.time, self.around.stretch, self.settings.length)
+
+    @property
+    def _along(self) -> LoadsOnMotion:
+        return LoadsOnMotion(self.loads, self.motion.position, self.motion.velocity, self.motion.acceleration)
 
 
 def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray, fewest: int = 200) -> np.ndarray:

@@ -66,6 +66,8 @@ def axis_summary(
     if len(after) and after[-1] < len(state.start) - FEWEST_NOW:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
+    elif condition.loud:
+        remark = "its torque has grown uneven; what is judged of it says nothing of these hours"
     elif condition.level == UNJUDGED and len(after):
         remark = "an event closed its alarm, and no shift since tells what is normal now"
     coarse = next((f["least"] for f in state.findings if f["kind"] == COARSE and j + 1 in f["axes"]), None)
@@ -136,7 +138,7 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     found = [
         (int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f])
         for f in Flag
-        if f not in (Flag.GAP, Flag.UNEXPLAINED, Flag.SATURATED)
+        if f not in (Flag.GAP, Flag.UNEXPLAINED, Flag.SATURATED, Flag.LATER)
     ]
     count, words = max(found, key=lambda pair: pair[0])
     if count == len(flags):

@@ -20,9 +20,12 @@ from jointwear.measurement.formats.chunk import RowsLeftOut, joined
 from jointwear.measurement.motion import spectral_floor
 from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.accumulate import moving
+from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.plausibility import check_first
+from jointwear.monitor.torque_lag import Lag, lag_of, pieces_of
+from jointwear.robots.flange import FlangeLoad
 
 #: Samples of the first log that are looked at.
 LOOK = 200_000
@@ -40,6 +43,8 @@ AT_REST = 0.05
 SHORTEST_PIECE, MOST_PIECES, MISSING = 64, 200, 1.5
 #: Floor of a piece over the usual one above which it is left out: a spike, a bump against a stop.
 LOUDEST_PIECE = 10.0
+#: Samples of it that tell how late its torque is: those of a block of a log.
+LAG_LOOK = 40_000
 #: Length of a block in times that the noise remembers, and fewest blocks in the motion of a window.
 BLOCK_TIMES, FEWEST_BLOCKS = 5.0, 30
 
@@ -50,6 +55,7 @@ class Survey:
 
     `cutoff` [Hz] of the filter for what is derived; `dead_band` [rad/s]; `torque_reference` [N m]; `rate` [Hz];
     `dated`; `measured`: roles that the log has; `left`: share of the squared torque that the model leaves, or None;
+    `late`, `late_error` [s]: how late the torque is, :mod:`.torque_lag`, None where that is not seen;
     `block` [s] of :class:`~jointwear.monitor.accumulate.WindowSettings`; `log`: the log itself; `noisy`: the axis
     moves, and its dead band comes from the noise of its velocity.
     """
@@ -64,6 +70,16 @@ class Survey:
     block: float
     log: str = ""
     noisy: list[bool] = field(default_factory=list)
+    late: list[float] = field(default_factory=list)
+    late_error: list[float | None] = field(default_factory=list)
+
+    @property
+    def lag(self) -> Lag | None:
+        """How late the torque of the first log is; None where the survey does not say, or no axis shows it."""
+        if not any(e is not None for e in self.late_error):
+            return None
+        error = np.array([np.inf if e is None else e for e in self.late_error])
+        return Lag(np.array(self.late), error, np.zeros(len(error)))
 
     def write(self, path: str | Path) -> None:
         """Keep the survey as JSON."""
@@ -140,6 +156,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     motion = derive_motion(chunk, stretch, cutoff)
     dead_bands, noisy = _dead_band(motion, noise, dead_band)
     left = check_first(chunk, stretch, motion, robot, dead_bands, path)
+    lag = _lag(chunk, stretch, motion, model, dead_bands, length, rate)
     return Survey(
         dated=chunk.dated,
         rate=rate,
@@ -151,7 +168,35 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         block=_block_length(chunk, stretch, motion, model, dead_bands, length, rate),
         log=str(path),
         noisy=noisy.tolist(),
+        late=lag.late.tolist(),
+        late_error=[float(e) if np.isfinite(e) else None for e in lag.error],
     )
+
+
+def _lag(
+    chunk: Chunk,
+    stretch: np.ndarray,
+    motion: Motion,
+    model: TorqueModel,
+    dead_band: np.ndarray,
+    length: float,
+    rate: float,
+) -> Lag:
+    """Return how late the torque of the first log is, of its first LAG_LOOK samples; unknown where these lie far
+    apart."""
+    n = len(dead_band)
+    if rate < SLOWEST_RATE:
+        return Lag(np.zeros(n), np.full(n, np.inf), np.zeros(n))
+    part = slice(0, min(len(stretch), LAG_LOOK))
+    time, stretch = chunk.time[part], stretch[part]
+    q, v, a = motion.position[part], motion.velocity[part], motion.acceleration[part]
+    temperature = None if motion.temperature is None else motion.temperature[part]
+    torque = model(q, v, a, time, temperature, stretch)
+    residual = chunk.torque[part] - torque.total
+    used = moving(v, stretch, dead_band, guard_of(rate)) & motion.usable[part] & np.isfinite(residual)
+    pieces, along = pieces_of(time, stretch, length), LoadsOnMotion(FlangeLoad(model.robot), q, v, a)
+    torque, clear = with_loads(torque, residual, v, used, pieces, 1 / rate, along, least_mass(model.robot))
+    return lag_of(chunk.torque[part], torque, (v, a), used & clear, pieces, 1 / rate, along)
 
 
 def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:
