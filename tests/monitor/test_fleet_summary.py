@@ -95,6 +95,13 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 
+def test_a_torque_that_is_none_asks_for_its_cause_while_it_lasts():
+    found = {"time": NOW - DAY, "axes": [3], "kind": "contradicted", "words": "The torque of axis 3 is none."}
+    for end, urgency in ((NOW + 60.0, "asks for an event"), (NOW - DAY / 2, "healthy")):
+        row = robot("arm", findings=[{**found, "end": end}])
+        assert as_of({**row, "last_sample": NOW - 60.0}, NOW)["urgency"] == urgency
+
+
 def test_spells_that_are_over_are_told_once_and_last():
     spells = [
         {"time": NOW - k * DAY, "end": NOW - k * DAY + 3600, "axes": [], "kind": "shared", "words": f"Spell {k}."}

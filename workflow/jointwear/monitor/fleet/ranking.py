@@ -14,6 +14,8 @@ REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for a
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
 ASKING = ("scale", "clock", "proposed_service", LOUD)
+#: Kinds that somebody has to look for while they last: an axis whose torque is none, day after day, is not healthy.
+WHILE_IT_LASTS = ("contradicted",)
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
@@ -26,8 +28,10 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
 
 
 def asks(row: Mapping[str, Any]) -> bool:
-    """Return whether a robot has a finding that somebody has to answer."""
-    return any(found["kind"] in ASKING and not found.get("answered") for found in row["findings"])
+    """Return whether a robot has a finding that somebody has to answer, or logs whose newest hour has it."""
+    last = math.inf if row["last_sample"] is None else row["last_sample"]
+    lasting = any(found["kind"] in WHILE_IT_LASTS and found.get("end", 0.0) >= last for found in row["findings"])
+    return lasting or any(found["kind"] in ASKING and not found.get("answered") for found in row["findings"])
 
 
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:
