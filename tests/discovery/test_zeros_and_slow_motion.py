@@ -10,10 +10,12 @@ from jointwear.discovery.acceptance import _levels_lead, _sigmas
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
+from jointwear.discovery.refine import evidence_at, refine
 from jointwear.discovery.reversals import unseen_slow_motion
 from jointwear.effects import get_effect
 
 AXIS = 1
+DRIFT = get_effect("torque_offset_drift")
 
 
 def _lacking(white, torque):
@@ -31,12 +33,24 @@ def _trial(white, effect, nonlinear):
 def test_levels_of_records_are_no_wave(white):
     state = white.problem.train_state
     record, half = np.asarray(state.record), 0.5 * white.problem.settings.accept
-    waves = [p for p in get_effect("torque_offset_drift").grid(state, AXIS) if "period" in p]
+    waves = [p for p in DRIFT.grid(state, AXIS) if "period" in p]
     levels = _lacking(white, np.array([6.0, -5.0, 7.0])[record - record.min()])
     leads = [_levels_lead(levels, levels.fit([]), _trial(levels, "torque_offset_drift", p)) for p in waves]
     assert min(leads) > half
     drifts = _lacking(white, 7.0 * np.sin(2 * np.pi * (state.time - waves[2]["start"]) / waves[2]["period"]))
     assert _levels_lead(drifts, drifts.fit([]), _trial(drifts, "torque_offset_drift", waves[2])) < half
+
+
+@pytest.mark.parametrize("waves", [0.5, 1.2, 1.75, 2.3, 2.75, 3.3, 3.8])
+def test_a_slow_wave_has_its_period_however_often_it_turns(white, waves):
+    """The evidence has a peak for every half wave over the time of the recordings: a search stays on its own."""
+    state = white.problem.train_state
+    start, span = float(np.min(state.time)), float(np.ptp(state.time))
+    lacking = _lacking(white, 7.0 * np.sin(2 * np.pi * waves * (state.time - start) / span + 0.4))
+    fit = lacking.fit([])
+    grid = [Candidate("torque_offset_drift", AXIS, None, p) for p in DRIFT.grid(state, AXIS) if "period" in p]
+    best = max(grid, key=lambda c: evidence_at(lacking, fit, c))
+    assert span / refine(lacking, fit, best).nonlinear["period"] == pytest.approx(waves, abs=0.1)
 
 
 def test_a_factor_within_its_own_error_is_none(white):

@@ -5,6 +5,10 @@ import numpy as np
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
+#: Waves over the time of all recordings that are tried. A wave that is off by half a wave over that time is another
+#: one, which no search of the period leaves again; of more waves than recordings a few levels say as much.
+WAVES = (0.4, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)
+
 
 def _rise(state, p):
     return -np.expm1(-np.maximum(state.time - p["start"], 0.0) / p["time_constant"])
@@ -40,7 +44,7 @@ def _grid(state, axis):
     if span <= 0:
         return []
     rises = [{"start": start, "time_constant": f * span} for f in (0.1, 0.25, 0.6, 2.0, 20.0)]
-    return rises + [{"start": start, "period": f * span} for f in (0.5, 0.7, 1.0, 1.5, 2.5)]
+    return rises + [{"start": start, "period": span / waves} for waves in WAVES]
 
 
 def _plain(state, axis):
