@@ -78,3 +78,18 @@ def test_a_link_that_is_too_heavy_in_the_file_is_told_with_its_mass(robot):
     (one,) = [one for one in found if one["parameter"] == "link_mass"]
     assert one["axis"] == 3
     assert abs(one["value"] - true) < 2.5 * one["std"]
+
+
+def test_parameters_that_are_each_within_their_tolerance_are_told_where_all_together_predict_better(robot):
+    content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
+    for joint in content["joints"]:
+        joint["coulomb"] = {side: 0.98 * level for side, level in joint["coulomb"].items()}
+    found = discover(make_case(robot, 5), robot_from_data(content))
+    assert found.verdict == "retuned"
+    (one,) = found.data["retuned"]
+    assert one["parameter"].startswith("coulomb")
+    assert abs(one["value"] - one["nominal"] / 0.98) < 2.0 * one["std"]
+    gap = found.data["gap"]
+    assert min(a / g for a, g in zip(gap["augmented"], gap["nominal"], strict=True)) < 0.97
+    # The robot as it is has nothing to be told, and its file stays.
+    assert discover(make_case(robot, 5), robot).verdict == "none"

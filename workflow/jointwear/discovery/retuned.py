@@ -10,9 +10,10 @@ from scipy.special import softmax
 from jointwear.discovery.base import INERTIAL_ERRORS, weighed_links
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.estimation import Final
+from jointwear.discovery.left_out import Asked
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.misfit import divided, masses_of
-from jointwear.discovery.problem import FRICTION
+from jointwear.discovery.problem import FRICTION, Problem
 from jointwear.discovery.scan import Scored, scan
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Retuned
@@ -26,42 +27,68 @@ _FRICTION_UNITS = ("N m", "N m", "N m s/rad", "kg m2")
 
 def retuned_parameters(final: Final) -> list[Retuned]:
     """Return the parameters of the model that the data contradict, by the evidence that moving each is worth."""
-    problem = final.outcome.problem
-    robot, need = problem.robot, problem.settings.accept
-    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
-    delta = final.delta_friction * np.array([1, -1, 1, 1])
+    problem, need = final.outcome.problem, final.outcome.problem.settings.accept
     found = []
     for axis in problem.judged:
         prior = problem.friction_prior(axis)
-        for k, name in enumerate(FRICTION):
+        for k in range(len(FRICTION)):
             if final.std_friction[axis, k] <= 0:
                 continue
-            # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
-            std = float(np.hypot(final.std_friction[axis, k], problem.settings.parameter_error * nominal[axis, k]))
-            nats = 0.5 * (delta[axis, k] / std) ** 2 - np.log(max(prior[k] / std, 1.0))
-            value = max(nominal[axis, k] + delta[axis, k], 0.0)
-            if nats > need and value != nominal[axis, k]:
-                gear = abs(robot.gear_ratio[axis])
-                # The parameters of a robot file: motor side.
-                side = gear if k < 2 else gear**2
-                sign = -1.0 if name == "coulomb_negative" else 1.0
-                found.append(
-                    Retuned(
-                        parameter=name,
-                        axis=axis + 1,
-                        nominal=six_digits(sign * nominal[axis, k] / side),
-                        # As the robot file has it: no friction drives, no inertia is negative.
-                        value=six_digits(sign * value / side) + 0.0,
-                        std=six_digits(std / side),
-                        unit=_FRICTION_UNITS[k],
-                    )
-                )
+            one, sigmas, std = _corrected(final, axis, k)
+            nats = 0.5 * sigmas**2 - np.log(max(prior[k] / std, 1.0))
+            if nats > need and one.value != one.nominal:
+                found.append(one)
     # Where no mass is off by its own uncertainty, centres and inertias differ: it is told if nothing else would be.
     # Beside a body on the whole arm that of a link whose joint stays unexplained takes what has no name.
     whole = any(n.candidate.axis is None for n in final.outcome.named)
     left = {u.axis + 1 for u in final.outcome.unexplained} if whole else set()
     masses = [m for m in _wrong_mass(final) if m.axis not in left]
-    return found + [m for m in masses if not found or abs(m.value - m.nominal) > m.std]
+    told = found + [m for m in masses if not found or abs(m.value - m.nominal) > m.std]
+    return told or _together(final)
+
+
+def _drive_of(problem: Problem, axis: int) -> np.ndarray:
+    """Return the parameters (4,) of the drive of one axis as the robot file has them, joint side."""
+    robot = problem.robot
+    return np.array(
+        [robot.coulomb_positive[axis], -robot.coulomb_negative[axis], robot.viscous[axis], robot.armature[axis]]
+    )
+
+
+def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
+    """Return a parameter of a drive as corrected, the standard deviations by which it is off, and one [joint side]."""
+    problem = final.outcome.problem
+    sign = -1.0 if FRICTION[k] == "coulomb_negative" else 1.0
+    nominal, change = _drive_of(problem, axis)[k], sign * float(final.delta_friction[axis, k])
+    # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
+    std = float(np.hypot(final.std_friction[axis, k], problem.settings.parameter_error * nominal))
+    gear = abs(problem.robot.gear_ratio[axis])
+    # The parameters of a robot file: motor side.
+    side = gear if k < 2 else gear**2
+    # As the robot file has it: no friction drives, no inertia is negative.
+    value = six_digits(sign * max(nominal + change, 0.0) / side) + 0.0
+    one = Retuned(
+        FRICTION[k], axis + 1, six_digits(sign * nominal / side), value, six_digits(std / side), _FRICTION_UNITS[k]
+    )
+    return one, change / std, std
+
+
+def _together(final: Final) -> list[Retuned]:
+    """Return the drive parameter that is farthest off where none is beyond doubt, but all together predict better.
+
+    A tolerance of each parameter says nothing of a robot of which several are wrong by as much. On the axis that gains
+    most the fit has to predict records left out better than the given robot by the margin of `not_worse`.
+    """
+    outcome = final.outcome
+    if final.fit is None or outcome.named or outcome.unexplained:
+        return []
+    terms = list(final.fit.terms)
+    ratio = Asked(final.white, terms)(terms).ratio
+    places = [(a, k) for a in outcome.problem.judged for k in range(len(FRICTION)) if final.std_friction[a, k] > 0]
+    places = [(a, k) for a, k in places if ratio[a] * outcome.problem.settings.not_worse < 1.0]
+    told = [_corrected(final, *place) for place in places]
+    best = max(told, key=lambda one: abs(one[1]), default=None)
+    return [best[0]] if best is not None and best[0].value != best[0].nominal else []
 
 
 def _wrong_mass(final: Final) -> list[Retuned]:
