@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.monitor.allowance import BACKLASH_SHARE, VISCOUS_SHARE, level_share
 from jointwear.monitor.backlash import (
     BACKLASH,
     backlash_findings,
@@ -40,9 +41,6 @@ from jointwear.monitor.windows import WindowStatistics
 #: Rounds in which changed scales of the torque are looked for, and at which rate of false alarms per 1,000 h: a scale
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
 MOST_STEPS, SCALE_RATE = 3, 1.0
-#: Shares of the allowance of the charts of the level, of viscous friction alone, where the level that is judged leaves
-#: it out, and of backlash (docs/decisions/when_to_alarm.md).
-LEVEL_SHARE, VISCOUS_SHARE, BACKLASH_SHARE = 0.75, 0.05, 0.05
 
 
 @dataclass(frozen=True)
@@ -98,8 +96,9 @@ def judge(
     seen = observe(statistics, baseline, settings)
     first, shift = seen.baseline, seen.shift
     normal = _normal_states(statistics, seen, {} if known is None else known, recall)
-    rate = settings.false_alarms_per_1000_h / 1000 * seen.conditions.hours
-    level, steps, found = _watch_level(normal, seen, rate, recall)
+    stated = settings.false_alarms_per_1000_h
+    rate = stated / 1000 * seen.conditions.hours
+    level, steps, found = _watch_level(normal, seen, stated, recall)
     backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, found, recall, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
     fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
@@ -173,22 +172,24 @@ def _watched(
 
 
 def _watch_level(
-    normal: Mapping[str, list[AxisNormal | None]], seen: Observed, rate: float, recall: Recall | None
+    normal: Mapping[str, list[AxisNormal | None]], seen: Observed, stated: float, recall: Recall | None
 ) -> tuple[Watch, list[ScaleStep], list[list[int]]]:
     """Watch the level of friction, learnt anew where the scale of the torque changed.
 
     Returns
     -------
-    the watch at `rate`, the changes of scale, and for each axis the windows at which they are.
+    the watch at the `stated` rate [false alarms per 1,000 h], the changes of scale, and for each axis the windows at
+    which they are.
     """
     steps: list[ScaleStep] = []
     found: list[list[int]] = [[] for _ in normal["level"]]
     scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
+    allowed = level_share(SCALE_RATE) * scale_rate
     alone = {"services": False, "common": False}
     for _ in range(MOST_STEPS):
-        level = _watched(normal["level"], seen, LEVEL_SHARE * scale_rate, found, recall)
+        level = _watched(normal["level"], seen, allowed, found, recall)
         scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
-        plain = _watched(normal["level"], seen, LEVEL_SHARE * scale_rate, found, recall, **alone)
+        plain = _watched(normal["level"], seen, allowed, found, recall, **alone)
         changed = gain_of_all(plain, scaled, seen.shift, seen.baseline)
         changed = changed or scale_steps(level, plain, scaled, seen.shift, seen.baseline)
         told = {(s.axis, s.window) for s in steps}
@@ -198,8 +199,9 @@ def _watch_level(
             break
         steps += fresh
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(len(found))]
-    if not settled or rate != scale_rate:
-        level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall)
+    if not settled or stated != SCALE_RATE:
+        rate = stated / 1000 * seen.conditions.hours
+        level = _watched(normal["level"], seen, level_share(stated) * rate, found, recall)
     return level, steps, found
 
 
