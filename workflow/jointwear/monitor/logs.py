@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,7 +22,18 @@ from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import outside_limits
 from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.survey import Survey, guard_of
-from jointwear.monitor.torque_lag import LARGEST, Lag, change_of, lag_of, off_in_time, pieces_of, read_later, rest_of
+from jointwear.monitor.torque_lag import (
+    GLANCE,
+    LARGEST,
+    Lag,
+    change_of,
+    lag_of,
+    off_in_time,
+    pieces_of,
+    plainly_none,
+    read_later,
+    rest_of,
+)
 from jointwear.monitor.windows import WindowStatistics, blank_statistics, merge
 from jointwear.robots.flange import FlangeLoad
 
@@ -210,25 +222,29 @@ class _Seen:
         used, step = self._moved(usable & np.isfinite(residual)), 1 / max(self.survey.rate, 1e-3)
         return with_loads(model, residual, self.motion.velocity, used, self._pieces, step, self._along, self.least)
 
-    def lag(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> Lag:
-        """Return how late a torque is against the motion; `model` with the loads."""
-        motion = self.motion.velocity, self.motion.acceleration
-        return lag_of(torque, model, motion, self._moved(usable), self._pieces, 1 / self.survey.rate, self._along)
+    def lag(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray, every: int = 1) -> Lag:
+        """Return how late a torque is against the motion, by one of `every` windows; `model` with the loads."""
+        motion, pieces = (self.motion.velocity, self.motion.acceleration), self._pieces[::every]
+        return lag_of(torque, model, motion, self._moved(usable), pieces, 1 / self.survey.rate, self._along)
 
     def later(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> float:
         """Return by how much later [s] a torque is than in the first log, 0 where that does not matter."""
         first = self.survey.lag
-        return 0.0 if first is None else change_of(self.lag(model, torque, usable), first)
+        if first is None:
+            return 0.0
+        if len(self._pieces) > GLANCE and plainly_none(self.lag(model, torque, usable, GLANCE), first):
+            return 0.0
+        return change_of(self.lag(model, torque, usable), first)
 
     def _moved(self, usable: np.ndarray) -> np.ndarray:
         settings = self.settings
         return usable & moving(self.motion.velocity, self.around.stretch, settings.dead_band, settings.guard)
 
-    @property
+    @cached_property
     def _pieces(self) -> list[slice]:
         return pieces_of(self.around.chunk.time, self.around.stretch, self.settings.length)
 
-    @property
+    @cached_property
     def _along(self) -> LoadsOnMotion:
         return LoadsOnMotion(self.loads, self.motion.position, self.motion.velocity, self.motion.acceleration)
 

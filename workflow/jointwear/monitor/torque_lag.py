@@ -47,6 +47,8 @@ BEGINS = 0.1
 STEP, FEWEST = 0.04, 100
 #: Speed [rad/s] over which friction falls after a start, of one column.
 STRIBECK = 0.05
+#: One of so many windows of a block is looked at first, and share of SMALLEST below which the others are not.
+GLANCE, GLANCE_SHARE = 6, 0.5
 
 
 @dataclass(frozen=True)
@@ -145,6 +147,12 @@ def change_of(lag: Lag, first: Lag) -> float:
     if abs(found) > LARGEST:
         return found if gain.sum() >= FAR_LIKELIER else 0.0
     return found if gain.sum() >= LIKELIER and gain.min() >= -WORSE * gain.sum() else 0.0
+
+
+def plainly_none(lag: Lag, first: Lag) -> bool:
+    """Return whether a glance at some windows shows that the lag is that of the first log."""
+    change = _changes(lag, first)
+    return len(change) >= FEWEST_AXES and abs(float(np.median(change))) < GLANCE_SHARE * SMALLEST
 
 
 def rest_of(lag: Lag, first: Lag) -> float:
