@@ -6,6 +6,7 @@ Only the first log decides, so that a log that arrives later changes nothing of 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
-from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import check_first
 from jointwear.monitor.torque_lag import Lag, lag_of, pieces_of
 from jointwear.robots.flange import FlangeLoad
@@ -43,8 +44,8 @@ AT_REST = 0.05
 SHORTEST_PIECE, MOST_PIECES, MISSING = 64, 200, 1.5
 #: Floor of a piece over the usual one above which it is left out: a spike, a bump against a stop.
 LOUDEST_PIECE = 10.0
-#: Samples of it that tell how late its torque is: those of a block of a log.
-LAG_LOOK = 40_000
+#: Samples of it that tell how late its torque is, those of a block of a log; and how long its noise remembers.
+LAG_LOOK, BLOCK_LOOK = 40_000, 30_000
 #: Length of a block in times that the noise remembers, and fewest blocks in the motion of a window.
 BLOCK_TIMES, FEWEST_BLOCKS = 5.0, 30
 
@@ -156,7 +157,8 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     motion = derive_motion(chunk, stretch, cutoff)
     dead_bands, noisy = _dead_band(motion, noise, dead_band)
     left = check_first(chunk, stretch, motion, robot, dead_bands, path)
-    lag = _lag(chunk, stretch, motion, model, dead_bands, length, rate)
+    first = _First(chunk, stretch, motion, model, dead_bands, rate)
+    lag = _lag(first, length)
     return Survey(
         dated=chunk.dated,
         rate=rate,
@@ -165,7 +167,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         torque_reference=_torque_reference(chunk.torque).tolist(),
         measured=roles,
         left=left,
-        block=_block_length(chunk, stretch, motion, model, dead_bands, length, rate),
+        block=_block_length(first, length),
         log=str(path),
         noisy=noisy.tolist(),
         late=lag.late.tolist(),
@@ -173,30 +175,45 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     )
 
 
-def _lag(
-    chunk: Chunk,
-    stretch: np.ndarray,
-    motion: Motion,
-    model: TorqueModel,
-    dead_band: np.ndarray,
-    length: float,
-    rate: float,
-) -> Lag:
+@dataclass(frozen=True)
+class _First:
+    """The first samples of a log and what the model leaves of their torque."""
+
+    chunk: Chunk
+    stretch: np.ndarray
+    motion: Motion
+    model: TorqueModel
+    dead_band: np.ndarray
+    rate: float
+
+    @cached_property
+    def torque(self) -> ModelTorque:
+        """Torques of the model along the first LAG_LOOK samples."""
+        part, motion = slice(0, LAG_LOOK), self.motion
+        temperature = None if motion.temperature is None else motion.temperature[part]
+        q, v, a = motion.position[part], motion.velocity[part], motion.acceleration[part]
+        return self.model(q, v, a, self.chunk.time[part], temperature, self.stretch[part])
+
+    def left(self, part: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the model leaves of the torque of some of them [N m], and where axes move, both (m, n)."""
+        residual = self.chunk.torque[part] - self.torque.total[part]
+        used = moving(self.motion.velocity[part], self.stretch[part], self.dead_band, guard_of(self.rate))
+        return residual, used & self.motion.usable[part] & np.isfinite(residual)
+
+
+def _lag(first: _First, length: float) -> Lag:
     """Return how late the torque of the first log is, of its first LAG_LOOK samples; unknown where these lie far
     apart."""
-    n = len(dead_band)
+    n, rate, motion = len(first.dead_band), first.rate, first.motion
     if rate < SLOWEST_RATE:
         return Lag(np.zeros(n), np.full(n, np.inf), np.zeros(n))
-    part = slice(0, min(len(stretch), LAG_LOOK))
-    time, stretch = chunk.time[part], stretch[part]
+    part = slice(0, LAG_LOOK)
+    residual, used = first.left(part)
     q, v, a = motion.position[part], motion.velocity[part], motion.acceleration[part]
-    temperature = None if motion.temperature is None else motion.temperature[part]
-    torque = model(q, v, a, time, temperature, stretch)
-    residual = chunk.torque[part] - torque.total
-    used = moving(v, stretch, dead_band, guard_of(rate)) & motion.usable[part] & np.isfinite(residual)
-    pieces, along = pieces_of(time, stretch, length), LoadsOnMotion(FlangeLoad(model.robot), q, v, a)
-    torque, clear = with_loads(torque, residual, v, used, pieces, 1 / rate, along, least_mass(model.robot))
-    return lag_of(chunk.torque[part], torque, (v, a), used & clear, pieces, 1 / rate, along)
+    robot, pieces = first.model.robot, pieces_of(first.chunk.time[part], first.stretch[part], length)
+    along = LoadsOnMotion(FlangeLoad(robot), q, v, a)
+    torque, clear = with_loads(first.torque, residual, v, used, pieces, 1 / rate, along, least_mass(robot))
+    return lag_of(first.chunk.torque[part], torque, (v, a), used & clear, pieces, 1 / rate, along)
 
 
 def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -265,24 +282,12 @@ def _torque_reference(torque: np.ndarray) -> np.ndarray:
     return np.where(largest > 0, largest, 1.0)
 
 
-def _block_length(
-    chunk: Chunk,
-    stretch: np.ndarray,
-    motion: Motion,
-    model: TorqueModel,
-    dead_band: np.ndarray,
-    length: float,
-    rate: float,
-) -> float:
+def _block_length(first: _First, length: float) -> float:
     """Return the length of a block [s]: BLOCK_TIMES the time that the noise remembers, FEWEST_BLOCKS fit a window."""
-    m = min(len(stretch), 30_000)
-    part = slice(0, m)
-    time, stretch = chunk.time[part], stretch[part]
-    v, q, a = motion.velocity[part], motion.position[part], motion.acceleration[part]
-    temperature = None if motion.temperature is None else motion.temperature[part]
-    torque = model(q, v, a, time, temperature, stretch)
-    residual = chunk.torque[part] - torque.total
-    used = moving(v, stretch, dead_band, guard_of(rate)) & motion.usable[part] & np.isfinite(residual)
+    part = slice(0, BLOCK_LOOK)
+    time, stretch, v = first.chunk.time[part], first.stretch[part], first.motion.velocity[part]
+    gravity, inertial = first.torque.gravity[part], first.torque.inertial[part]
+    residual, used = first.left(part)
     steps = np.diff(time)[np.diff(stretch) == 0]
     step = float(np.median(steps)) if len(steps) else 1.0
     memory = 1.0
@@ -290,7 +295,7 @@ def _block_length(
         u = used[:, j]
         if u.sum() < 50:
             continue
-        design = np.stack([v[:, j] > 0, v[:, j] < 0, v[:, j], torque.gravity[:, j], torque.inertial[:, j]], axis=1)
+        design = np.stack([v[:, j] > 0, v[:, j] < 0, v[:, j], gravity[:, j], inertial[:, j]], axis=1)
         fit = np.linalg.lstsq(design[u].astype(float), residual[u, j], rcond=1e-9)[0]
         error = np.where(u, residual[:, j] - design @ fit, 0.0)
         memory = max(memory, _memory(error, u, stretch))

@@ -119,7 +119,6 @@ def build_sieve(
     speed: np.ndarray,
     drives: np.ndarray,
     inertial: np.ndarray,
-    restraint: float,
     noise: np.ndarray,
     colour: float,
     weight: float,
@@ -130,8 +129,8 @@ def build_sieve(
     ----------
     first : (p,) first sample of each pair of neighbours that is looked at.
     speed : (2 p, n) absolute speed of the first and then of the second samples [rad/s].
-    drives : (c, 2 p, n) torques of free parameters; c may be 0. inertial : (i, 2 p, n) torques of inertial ones.
-    restraint : inverse prior variance of each coefficient of `inertial`.
+    drives : (c, 2 p, n) torques of free parameters; c may be 0. inertial : (i, 2 p, n) torques of inertial ones,
+        each off by one deviation of its prior (:func:`inertial_torques`).
     noise : (n,) standard deviation of the torque noise [N m]. colour : coefficient of its autoregression.
     weight : how many pairs of the recordings each one stands for; energies are scaled up by it.
     """
@@ -145,7 +144,7 @@ def build_sieve(
     # Each column with unit length keeps the normal equations well conditioned; a column that never moves drops out.
     length = np.linalg.norm(white, axis=0)
     held = np.zeros(len(columns))
-    held[len(drives) :] = restraint
+    held[len(drives) :] = 1.0
     keep = length > 1e-9
     white, length, held = white[:, keep], length[keep], held[keep]
     gram = (white / length).T @ (white / length) + np.diag(held / length**2 + 1e-10)

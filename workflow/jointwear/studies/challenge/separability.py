@@ -45,4 +45,4 @@ def sieve_world(
     pairs = np.concatenate([first, first + 1])
     q, v, a = s.position[pairs], s.velocity[pairs], s.acceleration[pairs]
     inertial = inertial_torques(nominal, q, v, a, prior, without)
-    return build_sieve(first, np.abs(v), drive_columns(v, a, without), inertial, 1.0, deviation, colour, _STRIDE)
+    return build_sieve(first, np.abs(v), drive_columns(v, a, without), inertial, deviation, colour, _STRIDE)

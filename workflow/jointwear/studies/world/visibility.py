@@ -53,4 +53,4 @@ def sieve_samples(
     q, v, a = samples.position[pairs], samples.velocity[pairs], samples.acceleration[pairs]
     inertial = inertial_torques(nominal, q, v, a, prior, without)
     free = drive_columns(v, a, without) if drives else np.empty((0, *v.shape))
-    return build_sieve(first, np.abs(v), free, inertial, 1.0, noise, colour, stride)
+    return build_sieve(first, np.abs(v), free, inertial, noise, colour, stride)
