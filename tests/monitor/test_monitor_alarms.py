@@ -11,7 +11,6 @@ from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.condition import axis_conditions
 from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
-from jointwear.monitor.page import write_page
 from jointwear.monitor.records import _is_news, _Told
 from jointwear.monitor.state import ALARM_COLUMNS, read_state, write_alarms
 
@@ -34,8 +33,6 @@ def test_alarms_of_the_paper_since_a_changed_scale_may_be_that(monitored):
     found = {"axes": [1], "kind": "scale", "words": "The scale changed."}
     for time, told in ((state.start[40], True), (state.start[55], False)):
         stepped = replace(state, findings=[{**found, "time": float(time)}])
-        write_page(stepped, folder / "s.html", folder / "s")
-        assert ("alarms of this detector since then may be that step" in (folder / "s.html").read_text()) == told
         asked = [c.check for c in axis_conditions(stepped) if c.episodes]
         assert any("torque constant and firmware" in check for check in asked) == told
 

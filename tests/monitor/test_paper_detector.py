@@ -51,6 +51,17 @@ def test_an_event_explains_what_the_paper_detector_saw_and_it_learns_anew(monkey
     assert min(a["time"] for a in again if a["detector"] == "paper") > 300 * 3600
 
 
+def test_a_fall_that_was_found_begins_anew_for_the_paper_detector_too(monkeypatch):
+    monkeypatch.setattr(paper_detector, "VARIANCE_SHARE", 0.5)
+    growth = np.zeros((400, 3))
+    growth[150:, 0] = -0.3
+    statistics = statistics_of(residuals(400, growth, 19))
+    assert paper_alarms(statistics, 120, 1e-3, None).alarm[150:].any()
+    judgement = judge(statistics, 120, SETTINGS)
+    assert [f["kind"] for f in judgement.findings].count("proposed_service") == 1
+    assert not [a for a in judgement.alarms if a["detector"] == "paper"]
+
+
 def test_raised_limits():
     random = np.random.default_rng(20)
     quiet = random.uniform(0, 0.5, 200)

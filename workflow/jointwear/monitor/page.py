@@ -62,23 +62,9 @@ def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") ->
         "resolved": resolved,
         "advice": check or advice(episode.quantity, episode.newest["change"]),
         "sure": sure_words(episode.newest["probability_axis"]),
-        "note": _scale_note(state, episode, zone),
         "alarms": alarm_rows(state, episode, zone),
         "sized": any(a["change"] is not None for a in episode.alarms),
     }
-
-
-def _scale_note(state: RobotState, episode: Episode, zone: tzinfo) -> str:
-    """Return in words that alarms of the paper's detector may be a changed scale, which it does not know of."""
-    if episode.detector == DETECTORS[0]:
-        return ""
-    steps = [f["time"] for f in state.findings if f["kind"] == "scale" and f["time"] <= episode.last]
-    if not steps:
-        return ""
-    return (
-        f"The scale of a torque changed {when(state, min(steps), zone)}: alarms of this detector since then may be "
-        "that step, as it learns anew at events of the config only; enter it as 'sensor'."
-    )
 
 
 def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:

@@ -254,7 +254,8 @@ def paper_records(
     Parameters
     ----------
     baseline : windows of the normal period, the first ones. rate : false alarms a window that are allowed.
-    programs : (w,) program of each window, or None. events : of each axis the windows at which it begins anew.
+    programs : (w,) program of each window, or None. events : of each axis the windows at which it begins anew, whether
+        the config says so or a step of its scale or a fall of its friction was found.
 
     Notes
     -----

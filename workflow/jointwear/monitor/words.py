@@ -75,7 +75,7 @@ def change_words(axis: Mapping[str, Any]) -> str:
         own = f" ({size})" if "viscous" in quantity and size else ""
         words.insert(0 if own else 1, f"viscous friction {grown} % now{own}, {limit}")
     elif quantity and "coulomb" not in quantity:
-        words.append(f"{quantity} {size}".rstrip())
+        words.append(f"{quantity} {size or 'changed'}")
     told = "; ".join(words)
     return told[:1].upper() + told[1:] if viscous is not None else told
 
