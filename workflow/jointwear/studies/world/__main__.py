@@ -10,12 +10,10 @@ from typing import Any
 
 from jointwear.files.errors import InputError
 from jointwear.running.processes import single_threaded
+from jointwear.studies.world.answers import is_right
 from jointwear.studies.world.plan import KINDS, SETS, Case, cases
 from jointwear.studies.world.scores import WORDS, score
 from jointwear.studies.world.stages import solve_if_possible
-
-#: The field of a row that says whether the answer is right.
-ANSWERS = {"single": "exact_set", "two": "two_exact", "retuned": "retuned", "outside": "unknown_only"}
 
 
 def line(row: dict[str, Any]) -> str:
@@ -34,8 +32,7 @@ def line(row: dict[str, Any]) -> str:
         f"{name}@{axis or 'arm'}" + ("" if n.get("probability") is None else f" p {n['probability']:.3f}")
         for (name, axis), n in zip(row["named"], row["names"], strict=True)
     )
-    field = ANSWERS.get(row["kind"])
-    good = row[field] if field else not row["false_name"]
+    good = row["retuned"] if row["kind"] == "retuned" else is_right(row)
     extra = f" WORSE {row['worse']}" if row.get("worse") else ""
     gap = f" gap {row['gap_closed']:.2f}" if row.get("gap_closed") is not None else ""
     missed = [k for k, p in (row.get("parameters") or {}).items() if not p["covered"]]
