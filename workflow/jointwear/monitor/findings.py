@@ -22,6 +22,7 @@ from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.thermometers import other_unit
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
+from jointwear.publishing.report.numbers import fixed
 from jointwear.robots.robot import Robot
 
 #: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
@@ -184,8 +185,8 @@ def _shared(
         size = float(means[a:b][np.argmax(np.abs(means[a:b]))])
         lasts = f"for {duration((end - time) / 3600)}, and no more since" if b < len(names) else "to this day"
         words = (
-            f"All axes moved together by up to {100 * size:+.0f} %, {lasts}, which is no wear of one axis: look at the "
-            "load that the robot carries, the temperature, the oil, the model and the unit of the torque."
+            f"All axes moved together by up to {fixed(100 * size, 0, True)} %, {lasts}, which is no wear of one axis: "
+            "look at the load that the robot carries, the temperature, the oil, the model and the unit of the torque."
         )
         until = {"end": end} if b < len(names) else {}
         result.append({"time": time, **until, "axes": [], "kind": "shared", "words": words})
