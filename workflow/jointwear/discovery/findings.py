@@ -10,11 +10,12 @@ from jointwear.discovery.candidates import LINK_MASS, Candidate
 from jointwear.discovery.effect_estimates import Estimate
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.identifiability import Visible
+from jointwear.discovery.link_masses import unlikely_masses
 from jointwear.discovery.noise_floor import floor_with_names
 from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.restrictions import beyond_the_time
-from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in, unlikely_masses
+from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.told_fallbacks import told_fallbacks
 from jointwear.discovery.verdict import (
     NONE,
