@@ -8,9 +8,10 @@ from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks import Refused
-from jointwear.monitor.findings import dead_band_findings, missing_temperature
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.read_findings import missing_temperature
+from jointwear.monitor.seen_growth import dead_band_findings
 from jointwear.monitor.survey import read_survey, survey_log
 from jointwear.robots.robot import EffectEntry, Link
 from jointwear.studies.shop_floor.cell import draw_cell
@@ -119,7 +120,7 @@ def test_an_effect_without_its_temperature_is_told_once(statistics):
     assert told["axes"] == [2, 3]
     assert told["time"] == statistics.start[0]
     assert "temperature-dependent viscous friction" in told["words"]
-    assert "no temperature of axes 2, 3:" in told["words"]
+    assert "no temperature of axes 2 and 3:" in told["words"]
 
 
 def test_only_axes_and_windows_that_lack_it_are_named(statistics):

@@ -9,9 +9,9 @@ from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, 
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.findings import reading_findings
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.read_findings import reading_findings
 from jointwear.monitor.survey import survey_log
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link, load_robot

@@ -10,8 +10,8 @@ from monitor_logs import LENGTH, START, columns, flagged, layout, make_log, mode
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import DISQUALIFYING, Flag
-from jointwear.monitor.findings import reading_findings
 from jointwear.monitor.logs import log_statistics
+from jointwear.monitor.read_findings import reading_findings
 from jointwear.monitor.survey import survey_log
 from jointwear.running.script import with_suggestion
 

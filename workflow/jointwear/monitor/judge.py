@@ -23,7 +23,7 @@ from jointwear.monitor.backlash import (
     backlash_series,
     raised_status,
 )
-from jointwear.monitor.findings import coarse_findings, driving_findings, findings_of, loose_findings, reading_findings
+from jointwear.monitor.findings import findings_of
 from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.learning import AxisNormal, learn_axes
@@ -31,9 +31,11 @@ from jointwear.monitor.observed import Observed, observe
 from jointwear.monitor.parts import viscous_part, viscous_scale
 from jointwear.monitor.present import back_to_normal, error_now
 from jointwear.monitor.programs import program_findings
+from jointwear.monitor.read_findings import driving_findings, reading_findings
 from jointwear.monitor.recall import Recall
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
 from jointwear.monitor.scale import ScaleStep, scale_steps
+from jointwear.monitor.seen_growth import coarse_findings, loose_findings
 from jointwear.monitor.series import Series, usual_speed
 from jointwear.monitor.watching import Watch, before_events, watch
 from jointwear.monitor.windows import WindowStatistics

@@ -22,10 +22,10 @@ from jointwear.monitor.condition import (
     axis_conditions,
     latest,
 )
-from jointwear.monitor.findings import COARSE, coarse_words
 from jointwear.monitor.local_time import log_time
 from jointwear.monitor.present import now_windows
 from jointwear.monitor.records import Reason
+from jointwear.monitor.seen_growth import COARSE, coarse_words
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.words import BADGES
 

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from jointwear.files.wording import name_axes
-from jointwear.monitor.findings import COARSE, FELL, PROGRAM, fell_words
+from jointwear.monitor.findings import FELL, PROGRAM, fell_words
+from jointwear.monitor.seen_growth import COARSE
 
 #: A finding as it is stored.
 Finding = Mapping[str, Any]

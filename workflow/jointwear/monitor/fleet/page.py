@@ -11,10 +11,10 @@ from jointwear.files.text_files import replace_text
 from jointwear.files.wording import name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.findings import COARSE, LOOSE
 from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKING, ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
+from jointwear.monitor.seen_growth import COARSE, LOOSE
 from jointwear.monitor.told_together import told_together
 from jointwear.monitor.words import todo
 from jointwear.publishing.report.rendering import render_page

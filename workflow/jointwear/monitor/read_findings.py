@@ -1,0 +1,127 @@
+"""What was found in the logs themselves: samples that do not count, a turned sign, a temperature that is lacking."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jointwear.effects import get_effect
+from jointwear.files.wording import count, listed, name_axes
+from jointwear.measurement.even_steps import runs
+from jointwear.measurement.flags import Flag
+from jointwear.monitor.windows import WindowStatistics
+from jointwear.robots.robot import Robot
+
+#: What was found in reading that keeps axes from being judged, or samples from counting: kind -> flag and words.
+_READ = {
+    "set_back": (
+        Flag.CLOCK_RESET,
+        "The clock of the logs was set back: windows hold two times, as where summer time ends; log in UTC.",
+    ),
+    "refused": (
+        Flag.REFUSED,
+        "Samples of {axes} contradict the model and are not judged; the reasons, and what mends them, are under Logs.",
+    ),
+    "contradicted": (
+        Flag.CONTRADICTED,
+        (
+            "The torque of {axes} fits neither the model nor the first log: its unit or column may have changed, its "
+            "sign may be missing, its measurement may be faulty, or the flange may carry a load that the robot file "
+            "lacks. These windows are not judged; mend these logs or leave them out, or state the load."
+        ),
+    ),
+    "saturated": (
+        Flag.SATURATED,
+        (
+            "The torque of {axes} stays at a limit of its drive or its sensor in a part of the samples. These are left "
+            "out: what the axis needs there is not known."
+        ),
+    ),
+    "later": (
+        Flag.LATER,
+        (
+            "The torque of {axes} turns at another time against the motion than in the first log: another filter of "
+            "the controller or of the log, or another clock. It is read at the time of the first log, so that it does "
+            "not look like viscous friction; what the filter takes from quick motion is not known."
+        ),
+    ),
+}
+
+
+def reading_findings(statistics: WindowStatistics) -> list[dict[str, Any]]:
+    """Return one finding for each run of windows in which the clock went back, samples were refused, torques are none
+    that the model knows, or torques stay at a limit."""
+    result: list[dict[str, Any]] = []
+    for kind, (flag, words) in _READ.items():
+        marked = statistics.flags & int(flag) != 0
+        if flag == Flag.CLOCK_RESET and not statistics.dated:
+            continue
+        seen = marked.any(axis=1)
+        for part in (p for p in runs(seen) if seen[p.start]):
+            axes = (np.flatnonzero(marked[part].any(axis=0)) + 1).tolist()
+            told = "all axes" if len(axes) == statistics.axes else name_axes(axes)
+            result.append(
+                {
+                    "time": float(statistics.start[part.start]),
+                    "end": float(statistics.end[part.stop - 1]),
+                    "axes": [] if len(axes) == statistics.axes else axes,
+                    "kind": kind,
+                    "words": words.format(axes=told),
+                }
+            )
+    return result
+
+
+def driving_findings(statistics: WindowStatistics, driving: np.ndarray | None) -> list[dict[str, Any]]:
+    """Return one finding for each run of windows, nights between them passed over, in which the friction of an axis
+    came out below zero; a single window tells nothing.
+
+    Parameters
+    ----------
+    driving : (w, n) bool, of :class:`~jointwear.monitor.series.Series`, or None.
+    """
+    if driving is None:
+        return []
+    result = []
+    for j in range(statistics.axes):
+        moved = np.flatnonzero(np.asarray(statistics.count)[:, j] > 0)
+        for part in (p for p in runs(driving[moved, j]) if driving[moved[p.start], j] and p.stop - p.start > 1):
+            words = (
+                f"Friction of axis {j + 1} came out below zero, as if it drove the motion: the sign of its torque or "
+                "of its position looks turned. The axis is not judged in these logs; mend them, or leave them out."
+            )
+            found = {"time": float(statistics.start[moved[part.start]])}
+            if part.stop < len(moved):
+                found["end"] = float(statistics.end[moved[part.stop - 1]])
+            result.append({**found, "axes": [j + 1], "kind": "drives", "words": words})
+    return result
+
+
+def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict[str, Any]]:
+    """Return one finding on effects of the robot file that count as zero because a temperature was not logged, or none.
+
+    Windows in which an axis shows no friction need no temperature.
+    """
+    lacking = ~np.isfinite(statistics.temperature) & (np.asarray(statistics.count) > 0)
+    names, axes = {}, set()
+    for entry in robot.effects:
+        effect = get_effect(entry.effect)
+        if "temperature" not in effect.needs:
+            continue
+        own = range(robot.joints) if entry.axis is None else [entry.axis - 1]
+        without = {j for j in own if lacking[:, j].any()}
+        if without:
+            names[effect.phrase] = None
+            axes |= without
+    if not axes:
+        return []
+    found = lacking[:, sorted(axes)].any(axis=1)
+    where = "" if found.all() else f" in {int(found.sum())} of {count(statistics.windows, 'window')}"
+    numbers = [j + 1 for j in sorted(axes)]
+    words = (
+        f"The robot file has {listed(names)}, but the logs hold no temperature of {name_axes(numbers)}{where}: "
+        "the effect counts as zero there, so its torque looks like friction; log the temperature."
+    )
+    time = float(statistics.start[np.flatnonzero(found)[0]])
+    return [{"time": time, "axes": numbers, "kind": "missing_temperature", "words": words}]
