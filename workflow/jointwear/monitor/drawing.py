@@ -29,6 +29,8 @@ TIME_ROW, TEMPERATURE_ROW = 1.15, 0.95
 FEW_POINTS = 40
 #: A pause that is longer than so many usual steps between points interrupts line and band: nothing was measured in it.
 PAUSE = 4.0
+#: Width of the line of the first alarm of an axis, and of those that tell it again [points].
+FIRST_ALARM, NEXT_ALARM = 1.6, 0.6
 #: A band that is wider than this many times the usual one is cut at the edge of its row.
 WIDE = 4.0
 
@@ -148,7 +150,7 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
     axes = panel.axes
     axes.axvspan(time[0], time[state.baseline - 1], color=palette.GRID, alpha=0.45, linewidth=0)
     told = []
-    marks: dict[int, list] = {}
+    first, again = [], []
     for j in range(n):
         mean, error = _thin(values[:, j], std[:, j], groups)
         # The first windows of a series know little: a row as high as their band would show nothing else.
@@ -168,9 +170,10 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
                 axes.plot(where[alone], middle[alone], "o", markersize=2, color=colour)
         for k, alarm in enumerate(a for a in state.alarms if a["axis"] == j + 1 and _rests_on(a, name)):
             where = time[np.clip(np.searchsorted(state.end, alarm["time"]), 0, w - 1)]
-            marks.setdefault(k % len(palette.DASHES), []).append([(where, row.foot), (where, row.foot + 1)])
+            (again if k else first).append([(where, row.foot), (where, row.foot + 1)])
         told.append(_told(state, j, mean))
-    _mark(axes, marks)
+    _mark(axes, first, FIRST_ALARM)
+    _mark(axes, again, NEXT_ALARM)
     axes.set_xlabel(label)
     if state.dated:
         _date_labels(axes, zone)
@@ -204,15 +207,11 @@ def _points(axes, at: np.ndarray, mean: np.ndarray, size: np.ndarray, colour: st
     axes.plot(at, mean, "o", markersize=3, color=colour)
 
 
-def _mark(axes, marks: dict[int, list]) -> None:
-    """Draw the alarms: vertical lines by the number of their dashes, one artist for all that are alike."""
+def _mark(axes, lines: list, width: float) -> None:
+    """Draw alarms as vertical lines, one artist for all of a width."""
     from matplotlib.collections import LineCollection
 
-    for k, lines in marks.items():
-        axes.add_collection(
-            LineCollection(lines, colors=palette.INK, linewidths=1.1, linestyles=[palette.DASHES[k]], zorder=2),
-            autolim=True,
-        )
+    axes.add_collection(LineCollection(lines, colors=palette.INK, linewidths=width, zorder=2), autolim=True)
 
 
 def _middle(error: np.ndarray) -> float:
