@@ -116,6 +116,14 @@ def test_a_short_delay_of_all_joints_is_told_in_words(example):
     assert "clock of the log" in words
 
 
+def test_what_alternates_from_sample_to_sample_is_no_clock(example):
+    """A controller that answers to the steps of its encoder: read between two samples such a torque would vanish."""
+    _, robot, measured = example
+    assert 0.05 * measured.rate % 1 == pytest.approx(0.5)
+    alternates = 0.2 * measured.torque.std(axis=0) * np.where(np.arange(len(measured.time)) % 2, 1.0, -1.0)[:, None]
+    assert check_delay(replace(measured, torque=measured.torque + alternates), robot, "arm") == []
+
+
 def shifted(recording, seconds):
     """The recording with the torque of some time before."""
     torque = recording.torque.copy()

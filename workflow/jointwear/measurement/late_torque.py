@@ -39,7 +39,7 @@ def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
         return []
     # Further columns explain no less: they are made only where something is left.
     free = np.concatenate([free, _built_up(measured)], axis=2)
-    now = unfollowed(free, samples)
+    now = unfollowed(free, _read_later(measured, samples, 0.0))
     if _explained(now):
         return []
     best, gain = 0.0, np.log(LOWERED)
@@ -79,12 +79,24 @@ def _built_up(measured: Measured) -> np.ndarray:
 
 
 def _read_later(measured: Measured, samples: Measured, delay: float) -> Measured:
-    """Return thinned samples with the torque of all samples read `delay` [s] later, where their record has it."""
+    """Return thinned samples with the torque of all samples read `delay` [s] later, where their record has it.
+
+    It is read at whole samples, each averaged with its neighbours: read between two of them, half of white noise and
+    all that alternates would be gone at that time alone.
+    """
     torque, usable = np.array(samples.torque), samples.usable.copy()
+    delay = round(delay * measured.rate) / measured.rate
     for label in np.unique(samples.trajectory):
         mine, all_of_it = samples.trajectory == label, measured.trajectory == label
         clock, wanted = measured.time[all_of_it], samples.time[mine] + delay
         usable[mine] &= ((wanted >= clock[0]) & (wanted <= clock[-1]))[:, None]
         for joint in range(torque.shape[1]):
-            torque[mine, joint] = np.interp(wanted, clock, measured.torque[all_of_it, joint])
+            smooth = _averaged(measured.torque[all_of_it, joint])
+            torque[mine, joint] = np.interp(wanted, clock, smooth)
     return replace(samples, torque=torque, usable=usable & np.isfinite(torque))
+
+
+def _averaged(torque: np.ndarray) -> np.ndarray:
+    """Return a torque (k,) of which each sample is averaged with the two beside it, once and once and twice itself."""
+    beside = np.pad(torque, 1, mode="edge")
+    return 0.25 * beside[:-2] + 0.5 * torque + 0.25 * beside[2:]
