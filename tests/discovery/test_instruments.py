@@ -12,7 +12,16 @@ from discovery_cases import coarse
 from jointwear import effects
 from jointwear.discovery import discover
 from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.instruments import LATE, Cutoffs, band_limited, cutoff_of, limit, swing_cutoff, torque_noise
+from jointwear.discovery.instruments import (
+    LATE,
+    Cutoffs,
+    axis_cutoffs,
+    band_limited,
+    cutoff_of,
+    limit,
+    swing_cutoff,
+    torque_noise,
+)
 from jointwear.discovery.linear import Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.outcome import Named
@@ -59,6 +68,17 @@ def test_columns_of_torque_end_by_what_they_hold_themselves(rough):
     moved = problem.train_state.acceleration[:, [axis]]
     ended = limit(moved, np.asarray(problem.train_state.record), rough.cutoffs[axis].torque, RATE)
     assert np.std(ended - moved) < 0.01 * np.std(moved)
+
+
+def test_columns_of_torque_end_where_most_of_the_torque_is_noise(rough):
+    for ends in (5.0, 0.1, np.inf):
+        problem = replace(rough.problem)
+        problem.__dict__["motion_ends"] = np.full(problem.robot.joints, ends)
+        for axis in problem.judged:
+            known = rough.cutoffs[axis]
+            found = axis_cutoffs(problem, axis, rough.whiteners[axis])
+            assert found.torque == max(known.structure, min(known.torque, ends))
+            assert (found.structure, found.timing) == (known.structure, known.timing)
 
 
 def test_a_limited_state_keeps_steps_of_friction(white):

@@ -74,6 +74,8 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     derived, density = density, np.maximum(density, shaken)
     structure = cutoff_of(white, density, frequency, rate, 0)
     torque = _of_torque(problem, axis, white, np.stack([derived, shaken]), structure, frequency)
+    # That is asked of all of the torque: sums of columns of motor and links may move far less, with as much noise.
+    torque = max(structure, min(torque, float(problem.motion_ends[axis])))
     # What is motion in a column of timing is seen where noise alone could do no harm.
     timing = cutoff_of(white, density, frequency, rate)
     if np.isfinite(timing):
