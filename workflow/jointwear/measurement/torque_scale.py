@@ -267,8 +267,7 @@ def factors(
         # A load at the flange multiplies the bodies of a wrist and leaves its friction; a wrong unit scales both.
         nominal = np.abs([robot.coulomb_positive[j], robot.coulomb_negative[j]]).mean()
         rubbed = abs(fit[1] / size[1]) / nominal if nominal > 0 else abs(fit[0] / size[0])
-        alike = behind_gears or (rubbed > 0 and abs(np.log(rubbed * size[0] / abs(fit[0]))) < np.log(FRICTION))
-        if clear and alike:
+        if clear and (behind_gears or (rubbed > 0 and abs(np.log(rubbed * size[0] / abs(fit[0]))) < np.log(FRICTION))):
             factor[j], left[j] = fit[0] / size[0], error @ error / float(torque @ torque)
     return factor, left
 
