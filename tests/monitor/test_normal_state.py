@@ -308,6 +308,30 @@ def test_programs_are_told_apart_and_an_unseen_one_is_said_so():
     assert find_regimes(mixed, np.ones(20, dtype=bool)) is None
 
 
+def test_an_axis_without_a_torque_makes_no_new_program():
+    speed = np.array([[1.0, 2.0, 0.5], [0.6, 0.7, 2.0]])
+    hidden = np.zeros((28, 3), dtype=bool)
+    hidden[20:, 1] = True
+    which = np.array([0, 1] * 14)
+
+    def told(logs):
+        share = logs - np.nan_to_num(logs).mean(axis=1, keepdims=True)
+        return np.concatenate([share, np.where(np.isnan(logs), np.nan, 0.2)], axis=1)
+
+    logs = np.where(hidden, np.nan, np.log(speed[which]))
+    baseline = np.arange(28) < 20
+    regime = find_regimes(told(logs), baseline, hidden)
+    assert np.array_equal(regime[20:], regime[:8])
+    assert set(regime) == {0, 1}
+    # At rest it is another program.
+    assert not set(find_regimes(told(logs), baseline)[20:]) & {0, 1}
+    # One that never shows a torque is like one that always rests.
+    never = np.zeros((28, 3), dtype=bool)
+    never[:, 1] = True
+    logs = np.where(never, np.nan, np.log(speed[which]))
+    assert np.array_equal(find_regimes(told(logs), baseline, never), find_regimes(told(logs), baseline))
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.floats(0.002, 0.01), st.integers(4, 8))
 def test_forecasts_of_steady_growth_hold_and_do_not_promise_an_end_too_soon(daily, days):

@@ -13,7 +13,7 @@ from jointwear.monitor.events import event_windows
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.payload import gravity_share
 from jointwear.monitor.programs import labelled_regimes
-from jointwear.monitor.regimes import find_regimes, signatures
+from jointwear.monitor.regimes import find_regimes, signatures, without_torque
 from jointwear.monitor.scale import scale_series
 from jointwear.monitor.series import Series, friction_series, sums_of
 from jointwear.monitor.shifts import shift_labels
@@ -55,7 +55,7 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     regime = labelled_regimes(statistics.labels, first)
     named = regime is not None
     if not named:
-        regime = find_regimes(signatures(statistics), first)
+        regime = find_regimes(signatures(statistics), first, without_torque(statistics))
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     start, end = statistics.start, statistics.end
     return Observed(

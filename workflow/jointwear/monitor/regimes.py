@@ -5,13 +5,15 @@ axes, and the ratio of root mean square and mean speed. Regimes are found one af
 joins the nearest one that lies within :data:`ALIKE`, else it founds one); a regime counts from :data:`FEWEST` windows
 on. A later window that lies near none is a program that was never seen: it founds a regime too, and is not judged
 before its constant has been learnt (:func:`jointwear.monitor.normal_state.introduced`). Where most windows of the
-baseline lie near no regime, each being a mixture of its own, none is told apart.
+baseline lie near no regime, each being a mixture of its own, none is told apart. An axis without a torque in a window
+shows no motion either; such a later window is told by its other axes, and founds no regime.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.windows import WindowStatistics
 
 #: Largest difference of signatures (logs) that still is one program, and beyond which a window is unseen.
@@ -32,13 +34,22 @@ def signatures(statistics: WindowStatistics) -> np.ndarray:
     return np.concatenate([share, np.log(speed / mean)], axis=1)
 
 
-def find_regimes(signature: np.ndarray, baseline: np.ndarray) -> np.ndarray | None:
+def without_torque(statistics: WindowStatistics) -> np.ndarray:
+    """Return the axes (w, n) that have no torque in a window, so that nothing tells whether they moved."""
+    return (statistics.count == 0) & (statistics.flags & int(Flag.NOT_FINITE) != 0)
+
+
+def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray | None = None) -> np.ndarray | None:
     """Return the regime (w,) of every window, -1 where unseen; None where the baseline shows no regimes.
 
     Parameters
     ----------
-    signature : (w, k), NaN where unknown. baseline : (w,) bool.
+    signature : (w, 2 n), NaN where an axis rests. baseline : (w,) bool. hidden : (w, n) bool,
+    :func:`without_torque`; default none.
     """
+    if hidden is None:
+        hidden = np.zeros((len(signature), signature.shape[1] // 2), dtype=bool)
+    late = hidden & ~baseline[:, None]
     centres: list[np.ndarray] = []
     counts: list[int] = []
     label = np.full(len(signature), -1)
@@ -61,9 +72,9 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray) -> np.ndarray | No
     result = np.full(len(signature), -1)
     members = [FEWEST] * len(kept)
     for k in range(len(signature)):
-        distance = _distances(signature[k], kept)
+        distance = _distances(signature[k], kept, late[k])
         best = int(np.argmin(distance))
-        if distance[best] > UNSEEN and not baseline[k] and np.isfinite(signature[k]).any():
+        if distance[best] > UNSEEN and not baseline[k] and not late[k].any() and np.isfinite(signature[k]).any():
             kept.append(signature[k].copy())
             members.append(0)
             best = len(kept) - 1
@@ -76,11 +87,18 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray) -> np.ndarray | No
     return result
 
 
-def _distances(one: np.ndarray, centres: list[np.ndarray]) -> np.ndarray:
-    """Return the distance of a signature from centres; an axis that rests in one and moves in the other is far."""
+def _distances(one: np.ndarray, centres: list[np.ndarray], hidden: np.ndarray | None = None) -> np.ndarray:
+    """Return the distance of a signature (2 n,) from centres; an axis that rests in one and moves in the other is far,
+    and one that is `hidden` (n,) has no say unless all are."""
     if not centres:
         return np.zeros(0)
     step = np.stack(centres) - one
     other = np.isfinite(np.stack(centres)) != np.isfinite(one)
+    if hidden is not None and hidden.any() and not hidden.all():
+        other[:, np.tile(hidden, 2)] = False
+        # Shares are of the mean over all axes: without the hidden ones it is another.
+        shares = step[:, : len(hidden)]
+        known = np.isfinite(shares)
+        shares -= np.where(known, shares, 0.0).sum(axis=1, keepdims=True) / np.maximum(known.sum(axis=1), 1)[:, None]
     step = np.where(other, 1.0, np.nan_to_num(step))
     return np.abs(step).max(axis=1)
