@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.discovery.instruments import limit
+from jointwear.discovery.instruments import held_at_ends, limit
 from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.motor_lines import in_band
 from jointwear.discovery.products import Products
@@ -135,8 +135,8 @@ def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
 
 def _ended(white: White, axis: int, columns: np.ndarray) -> np.ndarray:
     """Return columns (N_train, k) on one axis of effects that spread, ended where those of a swing end."""
-    problem = white.problem
-    return limit(columns, np.asarray(problem.train_state.record), white.cutoffs[axis].swing, problem.measured.rate)
+    measured, record = white.problem.measured, np.asarray(white.problem.train_state.record)
+    return limit(held_at_ends(columns, record, measured.vague_ends), record, white.cutoffs[axis].swing, measured.rate)
 
 
 def whitened(white: White, torques: dict[int, np.ndarray]) -> dict[int, np.ndarray]:

@@ -291,14 +291,17 @@ def band_limited(state: State, axis: int, cutoff: float, rate: float, ends: int 
         return state
     level, record = state.drive.coulomb(axis, state.velocity[:, axis]), np.asarray(state.record)
     parts = np.column_stack([state.load[:, axis], state.torque[:, axis] - level, state.acceleration])
-    limited = limit(_held_at_ends(parts, record, ends), record, cutoff, rate)
+    limited = limit(held_at_ends(parts, record, ends), record, cutoff, rate)
     load, acceleration, torque = state.load.copy(), limited[:, 2:], state.torque.copy()
     load[:, axis], torque[:, axis] = limited[:, 0], limited[:, 1] + level
     return replace(state, load=load, torque=torque, acceleration=acceleration)
 
 
-def _held_at_ends(columns: np.ndarray, record: np.ndarray, ends: int) -> np.ndarray:
-    """Return columns (m, k) of which the first and last `ends` samples of each record have the value beside them."""
+def held_at_ends(columns: np.ndarray, record: np.ndarray, ends: int) -> np.ndarray:
+    """Return columns (m, k) of which the first and last `ends` samples of each record have the value beside them.
+
+    There fitted accelerations are not known, and a filter would carry them to samples that are judged.
+    """
     if ends < 1:
         return columns
     held = columns.copy()

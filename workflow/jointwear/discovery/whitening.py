@@ -15,6 +15,7 @@ from jointwear.discovery.instruments import (
     Cutoffs,
     axis_cutoffs,
     clock_of,
+    held_at_ends,
     limit,
     limited_inertial,
     limited_state,
@@ -195,6 +196,7 @@ class White:
         if (axis, "noise") not in self._states:
             self._states[axis, "noise"] = nominal_noise(problem, axis, whitener)
         frequency, density = self._states[axis, "noise"]
+        column = held_at_ends(column, record, problem.measured.vague_ends)
         # What is motion in a column is seen where noise alone could do no harm.
         energy = float(np.mean(whitener(limit(column, record, timing, rate)) ** 2))
         cutoff = swing_cutoff(whitener, density, frequency, rate, period, damping, energy)
