@@ -16,7 +16,7 @@ from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement import checks
-from jointwear.measurement.axis_readings import Reading, readings
+from jointwear.measurement.axis_readings import Reading, other_scale, readings
 from jointwear.measurement.checks import Refused, check_axes, explained, explained_otherwise
 from jointwear.measurement.filtering import RINGING, low_pass
 from jointwear.measurement.motion import TRANSIENT, measure
@@ -98,6 +98,19 @@ def test_exchanged_columns_of_one_quantity_are_named(puma, pair, role):
     values[:, list(pair)] = values[:, pair[::-1]]
     with pytest.raises(Refused, match=f"the {role}s of joints {pair[0] + 1} and {pair[1] + 1} look swapped"):
         check(replace(recording, **{role: values}), puma)
+
+
+def test_torques_of_a_wrist_as_a_share_of_a_rating_are_no_exchange(puma):
+    recording, factors = make_case(puma, 3), np.array([1.0, 0.53, 1.11, 4.2, 5.0, 5.0])
+    with pytest.raises(Refused, match=r"torque of joints 4, 5 and 6 is 4\.2, 5 and 5 times that") as refusal:
+        check(replace(recording, torque=factors * recording.torque), puma)
+    assert "'scale' with 0.238, 0.2 and 0.2 for joints 4, 5 and 6" in refusal.value.suggestion
+
+
+def test_torques_of_the_size_of_the_model_have_no_other_scale(recording, puma):
+    measured = measure(recording)
+    parts = np.stack([measured.position, measured.velocity, measured.acceleration, measured.torque], axis=1)
+    assert other_scale(Dynamics(puma), parts, measured.usable) is None
 
 
 @pytest.mark.parametrize("seen", [True, False])

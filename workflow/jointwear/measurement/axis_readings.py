@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
-from jointwear.files.wording import numbered
+from jointwear.files.wording import listed, numbered
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import bodies, inertial_regressor, prior_factor, to_joint_frame
 from jointwear.robots.robot import Robot
@@ -37,8 +37,8 @@ ROUNDS = 8
 @dataclass(frozen=True)
 class Reading:
     """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one, turn its
-    "torque" around, take it as of the "motor", or add an angle [rad] to its position, that is count it from another
-    "zero".
+    "torque" around, take it as of the "motor", add an angle [rad] to its position, that is count it from another
+    "zero", or divide the torques of some by a factor each, that is take them in another "scale".
 
     `axes` are 0-based.
     """
@@ -46,6 +46,7 @@ class Reading:
     kind: str
     axes: tuple[int, ...]
     angle: float = 0.0
+    factors: tuple[float, ...] = ()
 
     @property
     def reason(self) -> str:
@@ -58,6 +59,8 @@ class Reading:
             "torque": f"the sign of the torque of {self._joints} looks flipped",
             "motor": f"the torque of {self._joints} looks like that of the motor, before the gear",
             "zero": f"the position of {self._joints} looks counted from another zero, {self._degrees} deg off",
+            "scale": f"the torque of {self._joints} is {_figures(self.factors)} times that of the model, friction "
+            "included",
         }[self.kind]
 
     @property
@@ -74,6 +77,8 @@ class Reading:
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
             "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
             "'offset' in the robot file",
+            "scale": f"give 'scale' with {_figures([1 / f for f in self.factors])} for {self._joints}, or "
+            "'torque_constant' in N m/A for a current",
         }[self.kind]
 
     @property
@@ -95,6 +100,9 @@ class Reading:
                 known[:, there] = usable[:, from_there]
             # What was usable with the torque of its own axis may meet a missing one.
             return turned, known & np.isfinite(turned[:, 3])
+        if self.kind == "scale":
+            turned[:, 3, list(self.axes)] /= self.factors
+            return turned, usable
         (axis,) = self.axes
         if self.kind == "flip":
             turned[:, :, axis] *= -1.0
@@ -103,6 +111,10 @@ class Reading:
         else:
             turned[:, 3, axis] *= -1.0 if self.kind == "torque" else robot.gear_ratio[axis]
         return turned, usable
+
+
+def _figures(values: Sequence[float]) -> str:
+    return listed([f"{value:.3g}" for value in values]) if values else ""
 
 
 def readings(robot: Robot) -> Iterator[Reading]:
@@ -117,6 +129,28 @@ def readings(robot: Robot) -> Iterator[Reading]:
             yield Reading("zero", (axis,), angle)
         if abs(robot.gear_ratio[axis]) > 2:
             yield Reading("motor", (axis,))
+
+
+def other_scale(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> Reading | None:
+    """Return the reading under which each torque has the size of the model's, None where all have by and large.
+
+    Of joints that hardly carry anything friction tells the scale. A joint counts whose factor no drive parameter
+    within three standard deviations explains.
+
+    Parameters
+    ----------
+    parts : (m, 4, n) as of :meth:`Reading.read`. usable : (m, n) bool.
+    """
+    robot = dynamics.robot
+    q, v, a, torque = (parts[:, k] for k in range(4))
+    level = np.where(v > 0, robot.coulomb_positive, robot.coulomb_negative)
+    model = np.where(usable, dynamics.rigid_body_torque(q, v, a) + level + robot.viscous * v, 0.0)
+    shared = np.sum(model * np.where(usable, torque, 0.0), axis=0)
+    factor = shared / np.maximum(np.sum(model**2, axis=0), 1e-12)
+    axes = np.flatnonzero(
+        (factor > 0) & (np.abs(np.log(np.where(factor > 0, factor, 1.0))) > np.log1p(3 * DRIVE_ERROR))
+    )
+    return Reading("scale", tuple(axes.tolist()), factors=tuple(factor[axes].tolist())) if len(axes) else None
 
 
 def payload_std(robot: Robot) -> np.ndarray:

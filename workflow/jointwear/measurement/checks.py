@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.files.wording import count
-from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, readings
+from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, other_scale, readings
 from jointwear.measurement.even_steps import runs
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
@@ -54,6 +54,7 @@ _WHY = {
     "torque": " against its motion",
     "motor": "",
     "zero": "; from there it fits the model",
+    "scale": ": another unit, a current, or a share of a rating",
 }
 #: Share of the squared torque that wrong parameters leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
@@ -338,6 +339,10 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
         if nats > _enough(reading, gained(reading, other), left[list(reading.axes)]):
             believed.append((nats, reading))
     if believed:
-        reading = max(believed, key=lambda x: x[0])[1]
+        nats, reading = max(believed, key=lambda x: x[0])
+        # Friction of another size may ask for another axis, too.
+        scaled = other_scale(dynamics, parts, usable)
+        if scaled and likelihood(*scaled.read(parts, usable, robot)) - as_read > nats + FAVOURS[reading.kind]:
+            reading = scaled
         raise Refused(f"{name}: {reading.reason}{_WHY[reading.kind]}", reading.remedy)
     return True
