@@ -93,6 +93,19 @@ def test_worse_axes_are_named():
     assert worse_axes(predicted, truth) == [2]
 
 
+def test_a_refusal_of_a_disturbance_from_outside_is_a_wrong_answer():
+    facts = dict.fromkeys(answers.CIRCUMSTANCES) | {
+        "case": "world_4000", "tier": "world", "kind": "outside", "subject": "hose", "closed_loop": True,
+        "effects": [], "wrong_parameter": None,
+    }  # fmt: skip
+    nothing = np.full((3, 4, 2), np.nan)
+    case = answers.WorldCase(None, None, {}, facts, nothing[0], nothing[0], nothing[0])
+    judged = answers.judged(case, {"refused": "joints 1 and 2 look swapped"}, nothing, 1.0)
+    assert judged["refused"]
+    assert judged["verdict"] == "refused"
+    assert answers.is_right(judged) is False
+
+
 def test_an_interval_holds_what_lies_within_two_deviations():
     given = {"mass": {"value": 1.1, "std": 0.06}, "moment_x": {"value": 0.2, "std": None}}
     assert answers._parameters({"mass": 1.0, "moment_x": 0.2, "moment_y": 0.0}, given) == {

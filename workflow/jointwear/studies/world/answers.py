@@ -65,7 +65,7 @@ def judged(case: WorldCase, verdict: Mapping[str, Any], predicted: np.ndarray, s
         row["covered"] = peak_covered(facts["effects"][0], named[0])
         row["parameters"] = _parameters(facts["effects"][0]["parameters"], named[0].get("parameters", {}))
     if facts["kind"] == "outside":
-        row["unknown_only"] = unknown_only(case, verdict["verdict"], named)
+        row["unknown_only"] = unknown_only(case, row["verdict"], named)
     row["hidden"] = [
         [e["effect"], e["axis"], e["form"], e["size"], e["energy"], sorted(accepted_names(e) - {e["effect"]})]
         for e in facts["effects"]
