@@ -1,12 +1,13 @@
 """What a model gives up for the sake of an axis that it would make worse."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from jointwear.discovery.estimation import _of_effects
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, OF_LINKS, Step, best_step
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, HELD, OF_LINKS, Step, best_step
 from jointwear.discovery.linear import Term
 from jointwear.discovery.told_fallbacks import told_fallbacks
 from jointwear.discovery.verdict import FallBack, Gap
@@ -26,10 +27,26 @@ def test_links_are_given_up_by_halves_and_never_widened():
     assert widths[0] == [[0.5, 0.1]]
     assert widths[-2] == [[HALVINGS[-1]] * 2]
     assert widths[-1] == []
-    (deaf,) = Step(DRIVE, (own,), deaf=1).taken_off([links, own])
-    assert 1 not in deaf.blocks
-    assert deaf.blocks[0].all()
-    assert links.blocks[1].all()
+
+
+def test_an_axis_that_is_held_says_nothing_of_the_links_and_feels_no_change_of_them():
+    rng = np.random.default_rng(1)
+    raw = {0: rng.normal(size=(9, 3)), 1: np.outer(np.ones(5), [1.0, 2.0, 0.0])}
+    links, own = Term(INERTIAL, raw, np.ones(3), raw), Term("friction 1", {1: np.ones((5, 1))}, np.ones(1))
+    step = Step(HELD, (own,), deaf=1, hold=1e8 * raw[1].T @ raw[1])
+    assert step.touches([links])
+    (held,) = step.taken_off([links, own])
+    assert not step.touches([held])
+    assert set(held.blocks) == {0}
+    prior = held.turn @ np.diag(held.std**2) @ held.turn.T
+    # The other axis keeps what this one does not feel: two directions of three, as wide as before.
+    assert np.linalg.eigvalsh(prior) == pytest.approx([0.0, 1.0, 1.0], abs=1e-6)
+    assert raw[1] @ prior == pytest.approx(np.zeros((5, 3)), abs=1e-6)
+    assert held.blocks[0] == pytest.approx(raw[0] @ held.turn)
+    (narrow,) = OF_LINKS[0].taken_off([held])
+    (twice,) = replace(step, deaf=0, hold=1e8 * raw[0].T @ raw[0]).taken_off([narrow])
+    assert narrow.std.max() == HALVINGS[0]
+    assert twice.std.max() < 1e-3
 
 
 def term(label):

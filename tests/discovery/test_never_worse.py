@@ -9,7 +9,7 @@ from discovery_cases import make_case
 from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import DRIVE, OF_LINKS, Step, put_back
+from jointwear.discovery.fallback import DRIVE, HELD, OF_LINKS, Step, put_back
 from jointwear.discovery.left_out import Asked, left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -188,14 +188,47 @@ def test_friction_of_half_of_the_time_is_no_drive_parameter(found, dragging):
 
 def test_a_part_of_a_model_is_asked_as_if_it_were_the_whole(found):
     final = found.final
-    terms, white = final.fit.terms, final.outcome.white
+    white = final.outcome.white
+    links = next(t for t in white.base if t.label == INERTIAL)
+    terms = [*(t for t in final.fit.terms if t.label != INERTIAL), links]
     ask = Asked(white, terms)
     own = next(t for t in terms if t.drive == (2, 0))
-    for step in (Step("", (own,)), *OF_LINKS, Step("", tuple(t for t in terms if t.effect)), Step("", (own,), deaf=2)):
+    held = Step("", (own,), deaf=2, hold=1e3 * links.raw[2].T @ links.raw[2])
+    for step in (Step("", (own,)), *OF_LINKS, Step("", tuple(t for t in terms if t.effect)), held):
         kept = step.taken_off(terms)
         part, alone = ask(kept), Asked(white, kept)(kept)
         for name in ("ratio", "surely", "gained"):
             assert getattr(part, name) == pytest.approx(getattr(alone, name), rel=1e-9)
+
+
+def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_not_feel(found):
+    """One joint asks for links that another contradicts: as given they would be lost to both."""
+    white = found.final.outcome.white
+    lacks, right = 0, 2
+    rows = {axis: white.whiteners[axis].rows for axis in (lacks, right)}
+    sigma = {axis: white.whiteners[axis].marginal for axis in rows}
+    velocity = white.problem.train_state.velocity
+    own = np.sign(velocity[rows[lacks], lacks])
+    both = np.stack([own, np.cos(np.arange(len(own)))], axis=1)
+    felt = np.stack([np.sign(velocity[rows[right], right]), np.zeros(len(rows[right]))], axis=1)
+    rng = np.random.default_rng(1)
+    told = {lacks: both @ [1.0, 4.0], right: rng.normal(size=len(felt))}
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    targets = [np.zeros_like(y) for y in white.targets]
+    for axis, y in told.items():
+        odd.discrepancy[np.flatnonzero(white.problem.train)[rows[axis]], axis] = sigma[axis] * y
+        targets[axis] = y
+    trial = replace(white, problem=odd, targets=targets)
+    blocks = {lacks: both, right: felt}
+    links = Term(INERTIAL, blocks, np.full(2, 1e3), {axis: sigma[axis] * x for axis, x in blocks.items()})
+    kept, given_up = put_back(trial, [links], {right: list(OF_LINKS)}, "augmented")
+    assert [(f.axis, f.step) for f in given_up] == [(right + 1, HELD)]
+    ratio = Asked(trial, kept)(kept).ratio
+    assert ratio[right] <= white.problem.settings.not_worse
+    assert ratio[lacks] < 0.8
+    (held,) = kept
+    theta = held.turn @ Fit(targets, kept).theta
+    assert theta == pytest.approx([0.0, 4.0], abs=0.3)
 
 
 @pytest.mark.parametrize("last", [0.6, 0.99])

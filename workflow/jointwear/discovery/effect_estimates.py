@@ -67,8 +67,8 @@ def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
     It is the size of what the fit corrects of the links, over the load; 0 for columns that do not follow the load.
     """
     effect, problem = get_effect(candidate.effect), white.problem
-    where = fit.where(INERTIAL)
-    if where is None:
+    links = next((i for i, t in enumerate(fit.terms) if t.label == INERTIAL), None)
+    if links is None:
         return 0.0
     state = problem.train_state
     axis = problem.judged if candidate.axis is None else candidate.axis
@@ -79,7 +79,9 @@ def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
             return 0.0
     elif "gravity" not in effect.needs:
         return 0.0
-    correction = problem.inertial[problem.train] @ (white.directions @ fit.theta[where])
+    correction = problem.inertial[problem.train] @ (
+        white.directions_of(fit.terms[links]) @ fit.theta[fit.slices[links]]
+    )
     return float(np.sqrt(np.mean(correction[:, axis] ** 2) / max(float(np.mean(state.load[:, axis] ** 2)), 1e-300)))
 
 

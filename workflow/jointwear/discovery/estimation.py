@@ -92,7 +92,8 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
         base = [t for t in base if t.label not in without]
         nameless = open_axes(outcome, [c.axis for _, c, _ in refined] + [n.candidate.axis for n in masses])
-        kept, given_up = put_back(white, base + terms, _steps(white, base, refined, forms), "augmented", nameless)
+        steps = _steps(white, base, refined, forms, masses)
+        kept, given_up = put_back(white, base + terms, steps, "augmented", nameless)
         left = {id(t) for t in kept}
         everything = all(id(t) in left for _, _, t in refined)
         if not everything:
@@ -100,6 +101,8 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
             # Parameters of the drives were held where the effect made corrections needless: they are asked again.
             given_up = _of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
         fallbacks += given_up
+        masses = [n for n in masses if id(n.term) in left]
+        mass_terms = [t for n in masses for t in n.terms]
         forms = [f for f, (_, _, t) in zip(forms, refined, strict=True) if id(t) in left]
         refined = [r for r in refined if id(r[2]) in left]
         if everything:
@@ -108,8 +111,10 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     ours = {id(t) for t in terms}
     base = [t for t in kept if id(t) not in ours]
     final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
+    masses = [n for n in named if n.candidate.effect == LINK_MASS]
+    mass_terms = [t for n in masses for t in n.terms]
     alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
-    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(plain, alone, [], [])
+    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(plain, alone, [], [], masses)
     alone, retuned_given_up = put_back(plain, [*alone, *mass_terms], steps, "retuned", nameless)
     retuned = Fit(plain.targets, alone)
     beside = _make_links_sound(plain, retuned, masses)
@@ -248,12 +253,18 @@ def _whole_model(white, refined, forms, mass_terms):
     return base, refined
 
 
-def _steps(white: White, base: list[Term], refined, forms) -> dict[int, list[Step]]:
-    """Return what can be given up for the sake of each axis."""
+def _steps(white: White, base: list[Term], refined, forms, masses: list[Named]) -> dict[int, list[Step]]:
+    """Return what can be given up for the sake of each axis, a link mass by all axes that carry the link."""
     steps = {}
     for axis in white.problem.judged:
         own = tuple(t for t in base if t.drive[:1] == (axis,))
         steps[axis] = [Step(DRIVE, own, of_drive=True), *OF_LINKS]
+        for one in masses:
+            if axis in one.term.blocks:
+                # Of a link that no other joint feels it is as good as motor inertia.
+                alone = set(one.term.blocks) == {axis}
+                words = f"mass of link {one.candidate.axis + 1} as given"
+                steps[axis].append(Step(words, (one.term,), of_drive=alone))
         for (_, candidate, term), form in zip(refined, forms, strict=True):
             if candidate.axis in (axis, None):
                 steps[axis].append(
@@ -340,7 +351,8 @@ def _make_links_sound(white: White, fit: Fit, masses: list[Named]) -> np.ndarray
     problem, mass_terms = white.problem, [t for n in masses for t in n.terms]
     where = fit.where(INERTIAL)
     own = [] if where is None else [np.arange(where.start, where.stop)]
-    change = [] if where is None else [problem.factor @ white.directions]
+    links = next((t for t in fit.terms if t.label == INERTIAL), None)
+    change = [] if links is None else [problem.factor @ white.directions_of(links)]
     for term, place in zip(fit.terms, fit.slices, strict=True):
         for one, of_mass in zip(masses, mass_terms, strict=True):
             if term is of_mass:
@@ -376,7 +388,7 @@ def _base_of(white: White, fit: Fit, masses: list[Named]):
             friction[axis, k] = fit.theta[where][0]
             std[axis, k] = np.sqrt(np.diag(fit.covariance)[where][0])
         elif term.label == INERTIAL:
-            inertial += problem.factor @ (white.directions @ fit.theta[where])
+            inertial += problem.factor @ (white.directions_of(term) @ fit.theta[where])
         for one, own in zip(masses, mass_terms, strict=True):
             if term is own:
                 inertial += mass_direction(problem.robot, one.candidate.axis) * fit.theta[where][0]

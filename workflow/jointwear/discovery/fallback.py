@@ -24,6 +24,8 @@ DRIVE = "friction and motor inertia as given"
 EVERYTHING = "everything of this joint as given"
 #: Words of the step that gives up what acts on one joint alone, and leaves what other joints lean on.
 OWN = "everything of this joint alone as given"
+#: Words of the step that leaves all of a joint as given, and to the others of the links what it does not feel.
+HELD = "friction and motor inertia as given, and the links as far as this joint feels them"
 #: Words of the steps that take corrections of the links back, in part and all of them.
 CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
 #: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
@@ -41,6 +43,8 @@ class Step:
         given up. All axes share the links: for the sake of one they are given up as little as it needs.
     deaf : 0-based axis that says nothing of the links from here on, though they act on it: without parameters of its
         own, what it lacks would bend them.
+    hold : precision (k, k) by which coefficients of the links are held for that axis, so that it feels no change of
+        them; None where it does.
     of_drive : it gives up what was fitted to the drive of a joint, and nothing else.
     """
 
@@ -48,6 +52,7 @@ class Step:
     terms: tuple[Term, ...] = ()
     links: float = np.inf
     deaf: int | None = None
+    hold: np.ndarray | None = None
     of_drive: bool = False
 
     @property
@@ -63,7 +68,9 @@ class Step:
     def touches(self, terms: list[Term]) -> bool:
         """Return whether this step gives up anything of `terms`."""
         return any(
-            any(t is own for own in self.terms) or (t.label == INERTIAL and np.any(t.std > self.links)) for t in terms
+            any(t is own for own in self.terms)
+            or (t.label == INERTIAL and (np.any(t.std > self.links) or self.deaf in t.blocks))
+            for t in terms
         )
 
     def _of_links(self, links: Term) -> Term:
@@ -71,6 +78,9 @@ class Step:
             links = replace(links, std=np.minimum(links.std, self.links))
         if self.deaf in links.blocks:
             links = replace(links, blocks={axis: x for axis, x in links.blocks.items() if axis != self.deaf})
+        if self.hold is not None:
+            loose = np.diag(links.std**-2.0)
+            links = links.turned(self.hold + (loose if links.turn is None else links.turn @ loose @ links.turn.T))
         return links
 
 
@@ -101,7 +111,7 @@ def put_back(
     while True:
         ratio = asked.surely
         bad = [j for j in np.argsort(-ratio) if ratio[j] > limit]
-        best = ((int(j), best_step(ask, kept, steps.get(int(j), []), int(j), ratio, limit)) for j in bad)
+        best = ((int(j), _mending(white, ask, kept, steps.get(int(j), []), int(j), ratio)) for j in bad)
         chosen = next((found for found in best if found[1]), None)
         chosen = chosen or _little_gained(white, ask, kept, steps, open_axes, asked)
         chosen = chosen or _links_in_vain(ask, kept, asked)
@@ -113,6 +123,46 @@ def put_back(
             given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
         kept = step.taken_off(kept)
         asked = ask(kept)
+
+
+def _mending(
+    white: White, ask: Asked, kept: list[Term], steps: list[Step], axis: int, ratio: np.ndarray
+) -> Step | None:
+    """Return what is given up for the sake of an axis, as :func:`best_step` says, or the axis held if that is better.
+
+    Links as given mend an axis and take what was found of them from all others. Where it is held, as firmly as is best
+    for all axes together, they are lost only as far as it feels them.
+    """
+    limit = white.problem.settings.not_worse
+    found = best_step(ask, kept, steps, axis, ratio, limit)
+    best, so_far = found, ratio if found is None else ask(found.taken_off(kept)).surely
+    own = Step(HELD, tuple(t for s in steps if s.of_drive for t in s.terms))
+    for width in HALVINGS:
+        held = _held(white, kept, own, axis, width)
+        if held is None:
+            continue
+        after = ask(held.taken_off(kept)).surely
+        mends = after[axis] <= limit and not np.any(after > np.maximum(limit, ratio))
+        if mends and _together_better(after, so_far):
+            best, so_far = held, after
+    return best
+
+
+def _held(white: White, kept: list[Term], step: Step, axis: int, width: float) -> Step | None:
+    """Return a step by which an axis is held too; None where it hardly feels the links, or has an effect of its own.
+
+    What the links change of the torque of the axis has a prior, of as much in each direction as `width` times what the
+    axis lacks. What it lacks itself is not heard any more.
+    """
+    links = next((t for t in kept if t.label == INERTIAL and axis in t.raw), None)
+    if links is None or any(t.effect and set(t.blocks) == {axis} for t in step.taken_off(kept)):
+        return None
+    felt = links.raw[axis]
+    may = width**2 * float(np.sum(white.raw_targets[axis] ** 2))
+    if np.sum((felt * links.std) ** 2) <= may:
+        return None
+    felt = felt if links.turn is None else felt @ links.turn.T
+    return replace(step, deaf=axis, hold=felt.T @ felt / max(may, 1e-300))
 
 
 def _little_gained(

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import block_diag, cho_factor, cho_solve
 from scipy.special import ndtri
 
 from jointwear.discovery import assumed
@@ -148,7 +148,8 @@ class _EveryFold:
         chosen = np.concatenate([self._places[i] for i in of_term] or [np.zeros(0, int)])
         precision = np.concatenate([1.0 / t.std**2 for t in kept] or [np.zeros(0)])
         of_effect = np.repeat([t.effect for t in kept], [len(t.std) for t in kept]).astype(bool)
-        sums = {fold: self._sums(fold, kept, of_term, chosen) for fold in self._rows}
+        turn = self._turn(kept, of_term)
+        sums = {fold: self._sums(fold, kept, of_term, chosen, turn) for fold in self._rows}
         total_gram, total_right = sum(g for g, _ in sums.values()), sum(r for _, r in sums.values())
         known = of_effect
         if of_effect.any():
@@ -160,6 +161,7 @@ class _EveryFold:
             if len(chosen):
                 factor = cho_factor(total_gram - gram + np.diag(precision))
                 theta[chosen] = cho_solve(factor, total_right - right)
+                theta[chosen] = theta[chosen] if turn is None else turn @ theta[chosen]
                 told_alone |= known.any() and bool(np.any(known & (_left_open(factor, precision) > UNTOLD)))
             for axis, rows in self._rows[fold].items():
                 found.setdefault(axis, []).append(self._record(rows, rows.target - rows.raw @ theta[rows.places]))
@@ -175,8 +177,20 @@ class _EveryFold:
         links = term.label == INERTIAL
         return next(i for i, t in enumerate(self._terms) if (t.label == INERTIAL if links else t is term))
 
+    def _turn(self, kept: list[Term], of_term: list[int]) -> np.ndarray | None:
+        """Return what turns the coefficients (k, k) of `kept` to those of the terms, None where they are the same."""
+        if all(t.turn is self._terms[i].turn for t, i in zip(kept, of_term, strict=True)):
+            return None
+        parts = [np.eye(len(t.std)) for t in kept]
+        for k, (term, i) in enumerate(zip(kept, of_term, strict=True)):
+            before = self._terms[i].turn
+            if term.turn is not before:
+                own = parts[k] if term.turn is None else term.turn
+                parts[k] = own if before is None else before.T @ own
+        return block_diag(*parts)
+
     def _sums(
-        self, fold: int, kept: list[Term], of_term: list[int], chosen: np.ndarray
+        self, fold: int, kept: list[Term], of_term: list[int], chosen: np.ndarray, turn: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return sums of products (k, k) and with the targets (k,) of the terms that are kept, over all axes."""
         gram, right = np.zeros((self._total, self._total)), np.zeros(self._total)
@@ -188,7 +202,8 @@ class _EveryFold:
             places = rows.places[own]
             gram[np.ix_(places, places)] += rows.gram[np.ix_(own, own)]
             right[places] += rows.right[own]
-        return gram[np.ix_(chosen, chosen)], right[chosen]
+        gram, right = gram[np.ix_(chosen, chosen)], right[chosen]
+        return (gram, right) if turn is None else (turn.T @ gram @ turn, turn.T @ right)
 
     def _record(self, rows: _Rows, left: np.ndarray) -> _Record:
         """Return the errors of one axis on one fold of which the model leaves torque (m,) [N m]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -15,7 +15,8 @@ class Term:
     `blocks` holds an (m_axis, k) array for every axis that the coefficients act on, `std` (k,) their prior. `raw`
     holds the same columns before whitening [N m per coefficient], where predictions in N m are wanted. `drive` is
     the 0-based axis of whose drive the coefficients are parameters, and the place of the one that is, if it is one.
-    `effect` says that they are those of a named effect, not of the nominal model.
+    `effect` says that they are those of a named effect, not of the nominal model. `turn` (k, k) holds, a column for
+    each coefficient, the direction that it has among those of the term that this one was made of; None for the same.
     """
 
     label: str
@@ -24,6 +25,17 @@ class Term:
     raw: dict[int, np.ndarray] = field(default_factory=dict)
     drive: tuple[int, ...] = ()
     effect: bool = False
+    turn: np.ndarray | None = None
+
+    def turned(self, precision: np.ndarray) -> Term:
+        """Return the term under a prior (k, k) of its original coefficients that does not hold for each on its own.
+
+        The coefficients are turned to those that are independent under it.
+        """
+        values, vectors = np.linalg.eigh(precision)
+        change = vectors if self.turn is None else self.turn.T @ vectors
+        blocks, raw = ({axis: x @ change for axis, x in part.items()} for part in (self.blocks, self.raw))
+        return replace(self, blocks=blocks, raw=raw, std=1.0 / np.sqrt(values), turn=vectors)
 
 
 class Fit:

@@ -156,6 +156,10 @@ class White:
                 left -= inertial @ (self.directions @ fit.theta[where])
         return left
 
+    def directions_of(self, links: Term) -> np.ndarray:
+        """Return the directions (r, k) of the inertial prior of the coefficients of a term of the links."""
+        return self.directions if links.turn is None else self.directions @ links.turn
+
     def limited(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Return columns (N_train, k) of torque on one axis, without the noise of derived accelerations."""
         return _limited(self.problem, self.cutoffs[axis], columns)
