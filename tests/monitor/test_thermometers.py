@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jointwear.measurement.units import converted
-from jointwear.monitor.thermometers import other_unit
+from jointwear.monitor.thermometers import broken, other_unit, stuck
 from jointwear.monitor.windows import blank_statistics
 
 
@@ -32,3 +32,62 @@ def test_weather_a_hot_oil_and_a_broken_thermometer_are_no_unit(later):
 
 def test_fahrenheit_is_read():
     assert converted(np.array([32.0, 212.0]), "temperature", "°F", "a") == pytest.approx([0.0, 100.0])
+
+
+def days(later, pause=16.0):
+    """Ten shifts of eight windows in which two axes warm up from 20 to 34 degC, a pause [h] between them, then `later`
+    of the first axis."""
+    hours = np.arange(80 + len(later))
+    found = blank_statistics((hours + pause * (hours // 8)) * 3600.0, 3600.0, np.ones(2), True)
+    found.temperature[:] = (20.0 + 2 * (hours % 8))[:, None]
+    found.temperature[80:, 0] = later
+    return found, hours < 80
+
+
+@pytest.mark.parametrize("value", [26.0, 0.0])
+def test_a_thermometer_that_stops_is_told_and_not_believed(value):
+    found, baseline = days([value] * 24)
+    known = stuck(found, baseline)
+    # From the third shift on it is known.
+    assert known[96:, 0].all()
+    assert not known[:96].any()
+    assert not known[:, 1].any()
+    (told,) = (f for f in broken(found, baseline) if "stopped" in f["words"])
+    assert told["axes"] == [1]
+    assert f"stopped at {value:.3g} degC" in told["words"]
+    assert told["end"] == found.end[-1]
+
+
+def test_a_thermometer_that_is_lost_is_told_before_it_is_known_to_be_stuck():
+    (told,) = broken(*days([0.0] * 4))
+    assert "more than 15 K" in told["words"]
+    assert told["axes"] == [1]
+
+
+def test_a_thermometer_that_never_worked_is_told():
+    found, baseline = days([0.0] * 8)
+    found.temperature[:, 0] = 0.0
+    assert not stuck(found, baseline).any()
+    (told,) = broken(found, baseline)
+    assert "shows 0 degC throughout the normal period" in told["words"]
+
+
+@pytest.mark.parametrize("later", [[20.0] * 15, list(20 + 2 * (np.arange(24) % 8)), [12.0, 14.0], [np.nan] * 30])
+def test_a_quiet_shift_and_a_cold_day_are_no_broken_thermometer(later):
+    found, baseline = days(later)
+    assert broken(found, baseline) == []
+    assert not stuck(found, baseline).any()
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_robot_that_never_rests_may_keep_its_temperature(whole):
+    found, baseline = days([30.0] * 40, pause=0.0)
+    found.temperature[slice(None) if whole else slice(60, None)] = 30.0
+    assert broken(found, baseline) == []
+    assert not stuck(found, baseline).any()
+
+
+def test_a_coarse_thermometer_keeps_its_value_for_long():
+    found, baseline = days([30.0] * 24)
+    found.temperature[:80, 0] = np.repeat([28.0, 30.0, 28.0, 30.0], 20)
+    assert not stuck(found, baseline).any()

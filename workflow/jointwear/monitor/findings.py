@@ -16,7 +16,7 @@ from jointwear.monitor.local_time import duration
 from jointwear.monitor.loud import loud_findings
 from jointwear.monitor.scale import ScaleStep
 from jointwear.monitor.shared_error import FINDING
-from jointwear.monitor.thermometers import other_unit
+from jointwear.monitor.thermometers import broken, other_unit
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import fixed
@@ -52,7 +52,7 @@ def findings_of(
     found = _scales(statistics, shift, steps, changed) + _services(statistics, level, steps)
     found += _programs(statistics, conditions, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
-    found += other_unit(statistics, baseline)
+    found += other_unit(statistics, baseline) + broken(statistics, baseline)
     events = [[s.window for s in starts if not s.proposed] for starts in level.starts]
     found += loud_findings(statistics, shift, baseline, events)
     return sorted(found, key=lambda f: f["time"])

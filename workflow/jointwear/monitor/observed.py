@@ -17,6 +17,7 @@ from jointwear.monitor.regimes import find_regimes, signatures, without_torque
 from jointwear.monitor.scale import scale_series
 from jointwear.monitor.series import Series, friction_series, sums_of
 from jointwear.monitor.shifts import shift_labels
+from jointwear.monitor.thermometers import stuck
 from jointwear.monitor.windows import WindowStatistics
 
 
@@ -58,12 +59,13 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
         regime = find_regimes(signatures(statistics), first, without_torque(statistics))
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     start, end = statistics.start, statistics.end
+    temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
     return Observed(
         baseline=first,
         series=series,
         scale=scale_series(sums, noise),
         hidden=hidden_because(statistics, coulomb, first),
-        conditions=Conditions(start, end, statistics.temperature, features, speed, load, regime, named),
+        conditions=Conditions(start, end, temperature, features, speed, load, regime, named),
         shift=shift_labels(start, end, first, steady),
         regime=regime,
         events=event_windows(settings.events, start, statistics.axes),
