@@ -9,6 +9,7 @@ from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, 
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
+from jointwear.measurement.torque_scale import shared_scale
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.read_findings import reading_findings
@@ -190,3 +191,17 @@ def test_another_product_is_no_other_unit_and_another_unit_is_told_beside_it(tmp
         wrong = found(SCALES[kind])
         assert "another multiple" in "".join(wrong.refused), kind
         assert (wrong.statistics.count == 0).all()
+
+
+def test_torques_that_are_all_halved_are_told_where_no_factor_is_clear(good):
+    """Joint by joint the factors of halved torques lie about two, beside a load that is picked up in between too."""
+    log, robot = make_log(48.0, seed=12), model().robot
+    body = Link(1.0, np.array([0.05, -0.03, 0.1]), np.eye(3) * 0.003)
+    carried = TorqueModel(replace(robot, payload=body))(log.position, log.velocity, log.acceleration).total
+    torque = np.where((np.floor(log.time / 3) % 2 == 1)[:, None], carried, log.torque)
+    parts = np.stack([log.position, log.velocity, log.acceleration, torque], axis=1)
+    usable = np.abs(log.velocity) > 0.02
+    for factor, told in ((0.5, 0.5), (2.0, 2.0), (1.0, None), (1.3, None)):
+        scaled = parts * np.array([1, 1, 1, factor])[:, None]
+        found = shared_scale(Dynamics(robot), scaled, usable)
+        assert found == (told and pytest.approx(told, rel=0.25))

@@ -10,7 +10,9 @@ from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.measurement.checks import Refused
 from jointwear.monitor import misreadings
+from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.survey import survey_log
+from jointwear.robots.robot import Link
 
 LENGTH = 12.0
 #: Torque per current [N m/A] and rated torque [N m] of each axis; exchange of axes 2 and 3.
@@ -98,3 +100,31 @@ def test_a_load_that_takes_the_wrong_scale_away_is_told_as_the_other_cause(monke
         assert ("carries a load that its file does not have" in scale.reason) == told
         assert ("'payload' of the robot file" in scale.remedy) == told
         assert scale.remedy.endswith("give 'scale'")
+
+
+def mounted(gravity, payload=None):
+    """The log of the same motion on an arm that gravity pulls another way [m/s2]."""
+    robot = replace(model().robot, gravity=np.array(gravity), **({"payload": payload} if payload else {}))
+    torque = TorqueModel(robot)(LOG.position, LOG.velocity, LOG.acceleration).total
+    return torque + 0.01 * torque.std(axis=0) * np.random.default_rng(4).standard_normal(torque.shape)
+
+
+SLOPE = [9.81 * np.sin(np.radians(50)), 0.0, -9.81 * np.cos(np.radians(50))]
+
+
+@pytest.mark.parametrize(
+    ("gravity", "told"),
+    [([0, -9.81, 0], "[0, -9.81, 0]"), ([9.81, 0, 0], "[9.81, 0, 0]"), ([0, 0, 9.81], "[0, 0, 9.81]"), (SLOPE, "[")],
+)
+@pytest.mark.parametrize("mass", [0.0, 3.0])
+def test_another_mounting_is_told_with_its_gravity(tmp_path, gravity, told, mass):
+    load = Link(mass, np.array([0.05, -0.03, 0.1]), np.eye(3) * mass * 0.05**2) if mass else None
+    with pytest.raises(Refused) as refused:
+        survey(tmp_path, torque=mounted(gravity, load))
+    assert f"gravity along {told}" in str(refused.value)
+    assert f"'gravity: {told}" in refused.value.suggestion
+
+
+def test_a_floor_that_slopes_a_little_is_no_other_mounting(tmp_path):
+    gravity = [9.81 * np.sin(np.radians(5)), 0.0, -9.81 * np.cos(np.radians(5))]
+    survey(tmp_path, torque=mounted(gravity))

@@ -151,6 +151,38 @@ def gained_by(scale: np.ndarray, dynamics: Dynamics, parts: np.ndarray, usable: 
     return likelihood(scaled, usable) - likelihood(parts, usable)
 
 
+def shared_scale(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> float | None:
+    """Return the one factor on the torques of all joints, friction included, under which a model with free parameters
+    and a payload is likeliest; None where that is no other unit, or not clearly likelier than one.
+
+    Factors joint by joint (:func:`factors`) lie to either side of :data:`FACTOR` where all torques are halved, and a
+    load that is picked up in between moves them. What all joints share no load does.
+
+    Parameters
+    ----------
+    parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
+    """
+    likelihood = Likelihood(dynamics, FEWEST)
+
+    def nats(size: float) -> float:
+        scaled = parts.copy()
+        scaled[:, 3] /= np.exp(size)
+        return likelihood(scaled, usable)
+
+    # Coarse, then fine about the best; at the end of what is looked at lies something else.
+    step = np.log(FACTOR) / 2
+    steps = np.arange(-int(np.log(FAR_OFF) / step), int(np.log(FAR_OFF) / step) + 1)
+    found = {float(size): nats(size) for size in step * steps}
+    best = max(found, key=found.__getitem__)
+    if best in (min(found), max(found)):
+        return None
+    for finer in (step / 2, step / 4):
+        found |= {best + d: nats(best + d) for d in (-finer, finer)}
+        best = max(found, key=found.__getitem__)
+    clear = abs(best) > np.log(FACTOR / ALIKE) and found[best] - found[0.0] > LIKELIER
+    return float(np.exp(best)) if clear else None
+
+
 def a_load_explains(measured: Measured, robot: Robot, stated: str = "N m") -> bool:
     """Return whether factors on most joints that stand for no unit may be those of a load at the flange.
 

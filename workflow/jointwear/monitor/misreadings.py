@@ -15,6 +15,7 @@ import numpy as np
 
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.mounting import check_mounting
 from jointwear.measurement.position_unit import better_unit, left_as_read, refusal_of
 from jointwear.measurement.torque_scale import WrongScale, a_load_explains, check_size, thinned, wrong_scale
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
@@ -56,6 +57,9 @@ def check_readings(
     unit = _read_as_rad(thin, robot) if stated == "rad" else better_unit(thin, robot, stated)
     if unit is not None and (scale is None or unit[1] < scale.left):
         raise refusal_of(name, unit[0], stated)
+    if scale is None:
+        samples = (thin.position, thin.velocity, thin.acceleration, np.nan_to_num(thin.torque))
+        check_mounting(name, robot, np.stack(samples, axis=1), thin.usable)
     loaded = False
     if scale is not None and not scale.unit:
         scale = _or_a_load(scale, measured, robot)

@@ -31,7 +31,7 @@ from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import check_torque_moves
-from jointwear.measurement.torque_scale import LIKELIER, OF_ONE, gained_by, off_scale, thinned
+from jointwear.measurement.torque_scale import LIKELIER, OF_ONE, gained_by, off_scale, shared_scale, thinned
 from jointwear.measurement.turns import turns_on
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion
@@ -111,11 +111,12 @@ class LaterCheck:
         self._last: np.ndarray | None = None
         self._scale = np.ones(dynamics.robot.joints)
         self._refusal: Refused | None = None
+        self._whole = True
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
 
     def begin(self) -> None:
         """Begin another block: another scale of the torque that was found is looked for in its parts alone."""
-        self._refusal = None
+        self._refusal, self._whole = None, True
 
     def accept(self) -> None:
         """Take what the last piece left for granted, so that pieces like it are not examined again."""
@@ -137,7 +138,7 @@ class LaterCheck:
         check_derivatives(chunk, stretch, self._name)
         parts, usable = _thinned(measured)
         self._last = self._growth(parts, usable)
-        plain = float(np.nansum(self._last))
+        plain, whole, self._whole = float(np.nansum(self._last)), self._whole, False
         if self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
             raise self._refusal
         # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
@@ -149,6 +150,8 @@ class LaterCheck:
         if best < MENDED and plain - best > WORSE and self._is_likelier(reading, parts, usable):
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy)
         self._check_scale(measured, parts, usable, plain)
+        if whole:
+            self._check_shared_scale(parts, usable)
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             parts, usable = _thinned(lighter)
@@ -193,6 +196,27 @@ class LaterCheck:
             f"{self._name}: the torque is another multiple of the model's than in the first log ({factors}); it looks "
             "like another unit, a current, a share of a rating or a torque that counts the other way round; it would "
             f"fit times about {mended}",
+            "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
+            "logs of a robot",
+        )
+        raise self._refusal
+
+    def _check_shared_scale(self, parts: np.ndarray, usable: np.ndarray) -> None:
+        """Check that the torques of all joints together are no other multiple of the model's; in a whole block, of
+        which short parts tell less.
+
+        Raises
+        ------
+        Refused : with the factor.
+        """
+        factor = shared_scale(self._dynamics, parts, usable)
+        if factor is None:
+            return
+        self._scale = np.full_like(self._scale, factor)
+        self._refusal = Refused(
+            f"{self._name}: the torques of all joints, friction included, are about {factor:.2g} times those of the "
+            "model, unlike in the first log; it looks like another unit, another torque constant or a share of a "
+            f"rating; it would fit times about {1 / factor:.2g}",
             "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
             "logs of a robot",
         )
