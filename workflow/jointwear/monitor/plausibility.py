@@ -151,7 +151,7 @@ class LaterCheck:
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy)
         self._check_scale(measured, parts, usable, plain)
         if whole:
-            self._check_shared_scale(parts, usable)
+            self._check_shared_scale(parts, usable, plain)
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             parts, usable = _thinned(lighter)
@@ -201,7 +201,7 @@ class LaterCheck:
         )
         raise self._refusal
 
-    def _check_shared_scale(self, parts: np.ndarray, usable: np.ndarray) -> None:
+    def _check_shared_scale(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
         """Check that the torques of all joints together are no other multiple of the model's; in a whole block, of
         which short parts tell less.
 
@@ -210,7 +210,7 @@ class LaterCheck:
         Refused : with the factor.
         """
         factor = shared_scale(self._dynamics, parts, usable)
-        if factor is None:
+        if factor is None or not self._explains(parts, usable, np.full_like(self._scale, factor), plain):
             return
         self._scale = np.full_like(self._scale, factor)
         self._refusal = Refused(
