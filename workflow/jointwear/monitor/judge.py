@@ -39,6 +39,7 @@ from jointwear.monitor.seen_growth import coarse_findings, loose_findings
 from jointwear.monitor.series import Series, usual_speed
 from jointwear.monitor.watching import Watch, before_events, watch
 from jointwear.monitor.windows import WindowStatistics
+from jointwear.monitor.zeros import changed_zero, zero_finding
 
 #: Rounds in which changed scales of the torque are looked for, and at which rate of false alarms per 1,000 h: a scale
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
@@ -125,7 +126,8 @@ def judge(
     findings += backlash_findings(seen.hidden, float(statistics.start[0]))
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
     findings += program_findings(statistics, first, most)
-    findings += reading_findings(statistics)
+    zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
+    findings += reading_findings(statistics) + zero_finding(statistics, zero)
     findings += driving_findings(statistics, seen.series["friction"].driving)
     return Judgement(
         estimates=estimates,

@@ -21,7 +21,7 @@ from jointwear.monitor.inspection import Inspector
 from jointwear.monitor.model import ModelTorque, TorqueModel
 from jointwear.monitor.plausibility import outside_limits
 from jointwear.monitor.reversals import reach_of
-from jointwear.monitor.survey import Survey, guard_of
+from jointwear.monitor.survey import SLOWEST_RATE, Survey, guard_of
 from jointwear.monitor.torque_lag import (
     GLANCE,
     LARGEST,
@@ -35,6 +35,8 @@ from jointwear.monitor.torque_lag import (
     rest_of,
 )
 from jointwear.monitor.windows import WindowStatistics, blank_statistics, merge
+from jointwear.monitor.zeros import angles_of
+from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 
 #: Samples of a block, and samples around it that are read along for filters and reversals.
@@ -185,7 +187,7 @@ def _block_statistics(
         values, usable = read_later(chunk.torque, chunk.time, around.stretch, usable, later)
         loaded, clear = seen.with_loads(torque, values, usable & sound)
     torque, usable = loaded, usable & clear
-    return window_statistics(
+    result = window_statistics(
         chunk.time,
         motion.position,
         motion.velocity,
@@ -200,6 +202,8 @@ def _block_statistics(
         kept=kept,
         dated=chunk.dated,
     )
+    seen.add_zeros(result, torque, values, usable & sound, model.dynamics, kept)
+    return result
 
 
 @dataclass(frozen=True)
@@ -235,6 +239,28 @@ class _Seen:
         if len(self._pieces) > GLANCE and plainly_none(self.lag(model, torque, usable, GLANCE), first):
             return 0.0
         return change_of(self.lag(model, torque, usable), first)
+
+    def add_zeros(
+        self,
+        statistics: WindowStatistics,
+        model: ModelTorque,
+        torque: np.ndarray,
+        usable: np.ndarray,
+        dynamics: Dynamics,
+        kept: slice,
+    ) -> None:
+        """Add to the windows what the `kept` samples tell of the zeros of the joints; not where these lie far apart."""
+        if self.survey.rate < SLOWEST_RATE or not usable.any():
+            return
+        motion = self.motion.position, self.motion.velocity, self.motion.acceleration
+        used, time = self._moved(usable), self.around.chunk.time
+        for piece in self._pieces:
+            own = slice(max(piece.start, kept.start), min(piece.stop, kept.stop))
+            if own.stop > own.start:
+                row = int(np.searchsorted(statistics.start, time[own.start], side="right")) - 1
+                told = angles_of(torque, model, motion, used, own, 1 / self.survey.rate, dynamics, self._along)
+                statistics.turned[row] += told[0]
+                statistics.turned_shown[row] += told[1]
 
     def _moved(self, usable: np.ndarray) -> np.ndarray:
         settings = self.settings

@@ -107,7 +107,7 @@ def lag_of(
         for j in axes:
             u = on[:, j]
             parts = v[u, j], a[u, j], model.gravity[rows[u], j], model.inertial[rows[u], j], bodies[u, j]
-            columns = _nuisances(*parts, unit[u, :, j])
+            columns = nuisances(*parts, unit[u, :, j])
             both = np.stack([residual[u, j], -slope[u, j]], axis=1)
             rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
             crossed[j] += rest[:, 1] @ rest[:, 0]
@@ -123,7 +123,7 @@ def lag_of(
     return Lag(late, error, sharp)
 
 
-def _nuisances(
+def nuisances(
     v: np.ndarray, a: np.ndarray, gravity: np.ndarray, inertial: np.ndarray, bodies: np.ndarray, unit: np.ndarray
 ) -> np.ndarray:
     """Return the columns (k, p) of one axis that are left free, each of root mean square one."""

@@ -43,6 +43,8 @@ _LAYOUT: dict[str, tuple[tuple[str, ...], str, str | None]] = {
     "near_count": (_WA, "samples in pulse_near", "1"),
     "far_count": (_WA, "samples in pulse_far", "1"),
     "turns": (_WA, "reversals of the load in motion", "1"),
+    "turned": (_WA, "angle of each joint's zero times turned_shown", "rad-1"),
+    "turned_shown": (_WA, "what all axes tell of that angle, inverse variance", "rad-2"),
     "labels": (("window",), "samples of each program that the log names", None),
     "flags": (_WA, "what was found in reading, a bit field", "1"),
 }

@@ -64,6 +64,8 @@ class WindowStatistics:
     pulse_near, pulse_far : (w, n) sums of the squares of the quick part of e [N2 m2] near reversals of the
         load and away from them, `near_count`, `far_count` their numbers of samples, `turns` the reversals
         (:mod:`jointwear.monitor.reversals`).
+    turned, turned_shown : (w, n) what all axes tell of the angle by which each joint counts from another zero
+        (:mod:`jointwear.monitor.zeros`): their ratio is the angle [rad]; zeros where that was not asked.
     labels : (w,) samples of each program that the log names, as text (:mod:`jointwear.monitor.program_labels`);
         empty without.
     flags : (w, n) bit field of :class:`Flag`.
@@ -94,6 +96,8 @@ class WindowStatistics:
     near_count: np.ndarray
     far_count: np.ndarray
     turns: np.ndarray
+    turned: np.ndarray
+    turned_shown: np.ndarray
     labels: np.ndarray
     flags: np.ndarray
     dated: bool = False
@@ -151,7 +155,7 @@ class WindowStatistics:
 _SUMMED = (
     "gram", "moment", "square", "count", "samples", "residual_square", "freedom", "lag_square", "lag_count", "score",
     "blocks", "stretches", "travel", "temperature_count", "torque_histogram", "pulse_near", "pulse_far", "near_count",
-    "far_count", "turns",
+    "far_count", "turns", "turned", "turned_shown",
 )  # fmt: skip
 PER_WINDOW = tuple(f.name for f in fields(WindowStatistics) if f.name not in ("torque_reference", "dated"))
 _WHOLE = (

@@ -9,12 +9,13 @@ from typing import Any
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.loud import LOUD
 from jointwear.monitor.thermometers import BROKEN
+from jointwear.monitor.zeros import ZERO
 
 #: What a robot can be in, the most urgent first, and the words for it.
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = ("scale", "clock", "proposed_service", LOUD)
+ASKING = ("scale", "clock", "proposed_service", LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque is none, day after day, is not healthy,
 #: and a thermometer that shows none hides what it was to explain.
 WHILE_IT_LASTS = ("contradicted", BROKEN)

@@ -1,0 +1,87 @@
+"""A joint that counts from another zero from one day on is told and not judged; programs, loads and files are none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from monitor_logs import RATE, Log, columns, model, read, write_parquet
+
+from jointwear.monitor.windows import blank_statistics
+from jointwear.monitor.zeros import changed_zero, zero_finding
+from jointwear.robots.trajectory import Task
+
+
+def quick(seed):
+    """A log of moves of one to two seconds, between which the arm hardly rests."""
+    rng, time = np.random.default_rng(5), np.arange(3000) / RATE
+    motion = Task("quick", rng.uniform(-0.8, 0.8, (8, 6)), rng.uniform(1.0, 2.0, 8)).motion(time)
+    torque = model()(motion.position, motion.velocity, motion.acceleration).total
+    torque = torque + 0.01 * np.std(torque, axis=0) * np.random.default_rng(seed).standard_normal(torque.shape)
+    return Log(time, motion.position, motion.velocity, motion.acceleration, torque)
+
+
+@pytest.mark.parametrize(("joint", "degrees"), [(1, 10.0), (2, -6.0)])
+def test_a_log_shows_the_angle_of_a_joint(tmp_path, joint, degrees):
+    log, good = quick(12), write_parquet(tmp_path / "good.parquet", columns(quick(1)))
+    position = log.position.copy()
+    position[:, joint] += np.radians(degrees)
+    angles = []
+    for name, one in (("usual", log), ("turned", replace(log, position=position))):
+        s = read(write_parquet(tmp_path / f"{name}.parquet", columns(one)), good).statistics
+        assert (s.turned_shown[:, joint] > 0).all()
+        angles.append(np.degrees(s.turned.sum(axis=0) / np.maximum(s.turned_shown.sum(axis=0), 1e-12))[joint])
+    assert angles[0] == pytest.approx(0.0, abs=0.5)
+    assert angles[1] == pytest.approx(-degrees, abs=0.15 * abs(degrees))
+
+
+def month(change, joint=1, programs=2, spread=0.3):
+    """Twenty shifts of eight windows of three axes, programs in turn; from shift 14 on joint 2 changes [deg]."""
+    rng, w = np.random.default_rng(4), 160
+    found = blank_statistics(np.arange(w) * 3600.0, 3600.0, np.ones(3), True)
+    found.count[:] = 100
+    shift, program = np.arange(w) // 8, np.arange(w) % programs
+    angle = np.radians(np.array([0.0, 7.0])[program][:, None] + spread * rng.standard_normal((w, 3)))
+    angle[112:, joint] += np.radians(change)
+    found.turned_shown[:] = [1e4, 2e4, 1e4]
+    found.turned[:] = angle * found.turned_shown
+    return found, program, shift, np.arange(w) < 80
+
+
+@pytest.mark.parametrize("change", [10.0, -4.0])
+def test_the_same_change_in_two_shifts_is_another_zero(change):
+    statistics, program, shift, baseline = month(change)
+    found = changed_zero(statistics, program, shift, baseline, [[]] * 3)
+    assert found.axes == (1,)
+    assert (found.begin, found.known, found.end) == (112, 128, 160)
+    assert np.degrees(found.angle) == pytest.approx(change, abs=0.5)
+    (told,) = zero_finding(statistics, found)
+    assert told["axes"] == [2]
+    assert "counts from another zero" in told["words"]
+    assert "'sensor'" in told["words"]
+    assert "answered" not in told
+
+
+def test_an_event_answers_it():
+    statistics, program, shift, baseline = month(10.0)
+    found = changed_zero(statistics, program, shift, baseline, [[136], [136], [136]])
+    assert (found.known, found.end) == (128, 136)
+    assert zero_finding(statistics, found)[0]["answered"]
+    assert changed_zero(statistics, program, shift, baseline, [[112], [112], [112]]) is None
+
+
+@pytest.mark.parametrize(("change", "spread"), [(0.0, 0.3), (2.0, 0.3), (5.0, 6.0)])
+def test_programs_small_changes_and_what_scatters_as_much_are_none(change, spread):
+    statistics, program, shift, baseline = month(change, spread=spread)
+    assert changed_zero(statistics, program, shift, baseline, [[]] * 3) is None
+
+
+def test_what_was_not_asked_tells_nothing():
+    statistics, program, shift, baseline = month(10.0)
+    statistics.turned_shown[:] = 0.0
+    assert changed_zero(statistics, program, shift, baseline, [[]] * 3) is None
+
+
+def test_a_joint_that_hardly_carries_anything_tells_nothing():
+    statistics, program, shift, baseline = month(10.0, joint=2)
+    statistics.turned_shown[:, 2] = 1e-12
+    assert changed_zero(statistics, program, shift, baseline, [[]] * 3) is None

@@ -1,0 +1,173 @@
+"""From which zero each joint counts: what a replaced encoder or another calibration changes, window by window.
+
+A joint that counts from another zero by some degrees has its gravity torque out of step with its position. Friction,
+loads and wrong masses hide that in part, so that friction seems to have grown or fallen. To first order
+
+    residual_i(t) = nuisances_i(t) + angle_j db_i/dq_j(t) + noise_i(t),
+
+b the torque of the bodies, with the nuisances of :mod:`.torque_lag` free in every axis. What a robot file has wrong
+looks like an angle too, differently in each program and the same whenever it runs: so a window is held against those of
+the baseline in its program, and one joint has to show the same change shift after shift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jointwear.monitor.carried import UnitTorques
+from jointwear.monitor.model import ModelTorque
+from jointwear.monitor.torque_lag import FEWEST, nuisances
+from jointwear.monitor.windows import WindowStatistics
+from jointwear.robots.dynamics import Dynamics
+from jointwear.statistics.known import known_median
+
+#: Kind of the finding.
+ZERO = "zero"
+#: Time [s] between samples that suffices, and most samples of a piece; step [rad] of the derivative.
+STEP, MOST, TURN = 0.1, 400, 1e-4
+#: Smallest change [rad] that is told, as it takes a twentieth off the steepest gravity torque; in standard deviations
+#: of the shifts of the baseline; and shifts in a row, windows of each, that have to show it.
+SMALLEST, CLEAR, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
+#: Standard error [rad] of the angle of a window from which on it tells nothing: what hardly shows in the torques, as
+#: the zero of a wrist, does no harm to friction either; and largest angle that is found to first order.
+KNOWN, LARGEST = SMALLEST / 2, np.radians(45.0)
+#: Windows of a program in the baseline that its usual angle is told from.
+USUAL = 3
+#: Share of the evidence of the likeliest joint from which another is named beside it.
+AS_LIKELY = 0.8
+
+
+def angles_of(
+    torque: np.ndarray,
+    model: ModelTorque,
+    motion: tuple[np.ndarray, np.ndarray, np.ndarray],
+    used: np.ndarray,
+    piece: slice,
+    step: float,
+    dynamics: Dynamics,
+    loads: UnitTorques,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return of each joint what the samples of a piece of one window tell of its angle: sums (n,), which add up.
+
+    The angle is the first [1/rad] over the second [1/rad2].
+
+    Parameters
+    ----------
+    torque : (m, n) [N m]. model : along the motion, with the loads. motion : position, velocity, acceleration (m, n).
+    used : (m, n) samples that count. step : [s] between samples. loads : torques of loads at the flange, by samples.
+    """
+    n = torque.shape[1]
+    every = max(round(STEP / step), (piece.stop - piece.start) // MOST, 1)
+    rows = np.arange(piece.start, piece.stop, every)
+    crossed, shown = np.zeros(n), np.zeros(n)
+    if len(rows) < FEWEST:
+        return crossed, shown
+    q, v, a = (x[rows] for x in motion)
+    bodies, slopes = dynamics.rigid_body_torque(q, v, a), np.empty((n, *q.shape))
+    for j in range(n):
+        turned = q.copy()
+        turned[:, j] += TURN
+        slopes[j] = (dynamics.rigid_body_torque(turned, v, a) - bodies) / TURN
+    residual, unit = torque[rows] - model.total[rows], loads.unit(rows)
+    for i in range(n):
+        u = used[rows, i] & np.isfinite(residual[:, i])
+        if u.sum() < FEWEST:
+            continue
+        gravity, inertial = model.gravity[rows[u], i], model.inertial[rows[u], i]
+        columns = nuisances(v[u, i], a[u, i], gravity, inertial, gravity + inertial, unit[u, :, i])
+        both = np.column_stack([residual[u, i], slopes[:, u, i].T])
+        rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
+        weight = u.sum() / max(float(rest[:, 0] @ rest[:, 0]), 1e-12)
+        crossed += weight * (rest[:, 1:].T @ rest[:, 0])
+        shown += weight * np.sum(rest[:, 1:] ** 2, axis=0)
+    return crossed, shown
+
+
+@dataclass(frozen=True)
+class ChangedZero:
+    """A joint (`axes`, 0-based, the likeliest first) that counts from another zero by `angle` [rad] from window `begin`
+    on, known from window `known` on, until window `end`, where an event of the config answers it."""
+
+    axes: tuple[int, ...]
+    angle: float
+    begin: int
+    known: int
+    end: int
+
+
+def changed_zero(
+    statistics: WindowStatistics,
+    regime: np.ndarray | None,
+    shift: np.ndarray,
+    baseline: np.ndarray,
+    events: Sequence[Sequence[int]],
+) -> ChangedZero | None:
+    """Return the first change of a zero after the baseline, None where there is none.
+
+    Parameters
+    ----------
+    regime : (w,) program of each window, -1 unknown, or None for one. shift : (w,) labels. baseline : (w,) bool.
+    events : for each axis the windows of the events that a user entered: what follows one is not held against before.
+    """
+    w, n = statistics.count.shape
+    program = np.zeros(w, dtype=int) if regime is None else regime
+    shown = statistics.turned_shown
+    known = shown > KNOWN**-2
+    angle = np.divide(statistics.turned, shown, out=np.full((w, n), np.nan), where=known)
+    angle[np.abs(np.nan_to_num(angle)) > LARGEST] = np.nan
+    change = np.full((w, n), np.nan)
+    for name in np.unique(program[baseline & (program >= 0)]):
+        there, normal = program == name, (program == name) & baseline & known.any(axis=1)
+        if normal.sum() >= USUAL:
+            change[there] = angle[there] - known_median(angle[normal], axis=0)
+    shifts = [(s, np.flatnonzero((shift == s) & np.isfinite(change).any(axis=1))) for s in np.unique(shift)]
+    shifts = [(s, rows) for s, rows in shifts if len(rows) >= WINDOWS]
+    if not shifts:
+        return None
+    mean = np.array([known_median(change[rows], axis=0) for _, rows in shifts])
+    early = np.array([baseline[rows].all() for _, rows in shifts])
+    if early.sum() < USUAL:
+        return None
+    many = np.isfinite(mean[early]).sum(axis=0)
+    spread = np.sqrt(np.nansum(mean[early] ** 2, axis=0) / np.maximum(many, 1))
+    spread[many < USUAL] = np.inf
+    first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]
+    with np.errstate(invalid="ignore"):
+        clear = (np.abs(mean) > np.maximum(SMALLEST, CLEAR * spread)) & ~early[:, None]
+    clear &= np.array([[rows[-1] < k for k in first] for _, rows in shifts])
+    for k in range(SHIFTS - 1, len(shifts)):
+        recent = slice(k - SHIFTS + 1, k + 1)
+        same = clear[recent].all(axis=0) & (np.abs(np.sign(mean[recent]).sum(axis=0)) == SHIFTS)
+        if not same.any():
+            continue
+        rows = np.concatenate([r for _, r in shifts[recent]])
+        typical = np.median(shown[rows], axis=0)
+        evidence = np.where(same, typical * np.median(mean[recent], axis=0) ** 2, 0.0)
+        order = [int(j) for j in np.argsort(-evidence) if evidence[j] >= AS_LIKELY * evidence.max() > 0]
+        if not order:
+            continue
+        size = float(np.median(mean[recent], axis=0)[order[0]])
+        return ChangedZero(tuple(order), size, int(shifts[k - SHIFTS + 1][1][0]), int(rows[-1]) + 1, first[order[0]])
+    return None
+
+
+def zero_finding(statistics: WindowStatistics, found: ChangedZero | None) -> list[dict[str, Any]]:
+    """Return a finding on a changed zero, none where there is none."""
+    if found is None:
+        return []
+    joints = " or ".join(str(j + 1) for j in found.axes)
+    degrees = np.degrees(found.angle)
+    words = (
+        f"Joint {joints} counts from another zero than in the normal period, by about {degrees:.2g} deg: a replaced "
+        "encoder, or another calibration. What that does to the torques of all axes looks like friction: growth from "
+        f"there on is not to be trusted. Add {degrees:.2g} deg to its position in these logs, calibrate it as it was, or "
+        "enter the event as 'sensor' for all axes, so that they are learnt anew."
+    )
+    result = {"time": float(statistics.start[found.begin]), "axes": sorted(j + 1 for j in found.axes), "kind": ZERO}
+    if found.end < statistics.windows:
+        return [{**result, "end": float(statistics.start[found.end]), "words": words, "answered": True}]
+    return [{**result, "words": words}]
