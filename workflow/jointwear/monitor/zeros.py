@@ -164,7 +164,7 @@ def zero_finding(statistics: WindowStatistics, found: ChangedZero | None) -> lis
     words = (
         f"Joint {joints} counts from another zero than in the normal period, by about {degrees:.2g} deg: a replaced "
         "encoder, or another calibration. What that does to the torques of all axes looks like friction: growth from "
-        f"there on is not to be trusted. Add {degrees:.2g} deg to its position in these logs, calibrate it as it was, or "
+        f"there on is not to be trusted. Add {degrees:.2g} deg to its position in these logs, calibrate it, or "
         "enter the event as 'sensor' for all axes, so that they are learnt anew."
     )
     result = {"time": float(statistics.start[found.begin]), "axes": sorted(j + 1 for j in found.axes), "kind": ZERO}
