@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfilt, sosfilt_zi
 
 #: Fewest samples that are filtered.
 SHORTEST = 24
@@ -19,9 +19,10 @@ RINGING = 30
 
 
 @lru_cache(maxsize=512)
-def _butterworth(cutoff: float, rate: float) -> np.ndarray:
-    """Sections of a Butterworth filter of order 4."""
-    return butter(4, cutoff, fs=rate, output="sos")
+def _butterworth(cutoff: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Sections (2, 6) of a Butterworth filter of order 4, and their states (2, 2) after a long row of ones."""
+    sections = butter(4, cutoff, fs=rate, output="sos")
+    return sections, sosfilt_zi(sections)
 
 
 def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
@@ -30,8 +31,13 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
         return values
     # Rates that were found from stamps differ in their last digits from stretch to stretch.
     pad = min(len(values) - 1, max(int(3 * rate / cutoff + 1e-6), RINGING))
-    sections = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
-    return sosfiltfilt(sections, values, axis=0, padlen=pad)
+    # As scipy.signal.sosfiltfilt does, which works out the settled states anew at every call: a third of its time.
+    sections, settled = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
+    settled = settled.reshape(2, 2, *[1] * (values.ndim - 1))
+    before, after = 2 * values[:1] - values[pad:0:-1], 2 * values[-1:] - values[-2 : -pad - 2 : -1]
+    forward, _ = sosfilt(sections, np.concatenate([before, values, after]), axis=0, zi=settled * before[0])
+    backward, _ = sosfilt(sections, forward[::-1], axis=0, zi=settled * forward[-1])
+    return backward[::-1][pad : len(values) + pad]
 
 
 def zero_phase_gain(frequency: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
@@ -42,7 +48,7 @@ def zero_phase_gain(frequency: np.ndarray, cutoff: float, rate: float) -> np.nda
     if cutoff >= HIGHEST * rate:
         return np.ones(np.shape(frequency))
     bent = np.tan(np.pi * np.minimum(frequency / rate, 0.5)) / np.tan(np.pi * cutoff / rate)
-    return 1.0 / (1.0 + bent**8)
+    return 1.0 / (1.0 + ((bent**2) ** 2) ** 2)
 
 
 def derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

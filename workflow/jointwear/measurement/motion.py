@@ -203,7 +203,8 @@ class _Raw:
 
     `pieces` are its uninterrupted stretches, `rate` [Hz]. `velocity` and `acceleration` are None where they were not
     given; `derived` says that one of them was not. `finite` marks samples that were measured. `reach` (n,) [Hz] up to
-    which the positions hold a signal, `velocity_lag` (n,) [s] as of :class:`Measured`.
+    which the positions hold a signal, `velocity_lag` (n,) [s] as of :class:`Measured`. `spectra` holds, by how often a
+    given signal is to be differentiated, its noise density (n,) [unit^2/Hz] and up to where (n,) [Hz] it reaches.
     """
 
     time: np.ndarray
@@ -219,6 +220,7 @@ class _Raw:
     reach: np.ndarray
     derived: bool
     velocity_lag: np.ndarray | None
+    spectra: dict[int, tuple[np.ndarray, np.ndarray]]
 
 
 def _raw(recording: Recording) -> _Raw:
@@ -237,10 +239,14 @@ def _raw(recording: Recording) -> _Raw:
     finite[np.any([long_gaps(x, pieces) for x in motion], axis=0)] = False
     position = bridge(recording.position, pieces)
     velocity = None if recording.velocity is None else bridge(recording.velocity, pieces)
-    reach = np.array([spectral_floor([x[p] for p in pieces], rate)[1] for x in position.T])
-    lag = None
+    spectra = {2: _floors(position, pieces, rate)}
+    reach, lag = spectra[2][1], None
     if velocity is not None:
         velocity, lag = put_in_time(time, pieces, position, velocity, reach, rate)
+        spectra[1] = _floors(velocity, pieces, rate)
+    acceleration = None if recording.acceleration is None else bridge(recording.acceleration, pieces)
+    if acceleration is not None:
+        spectra[0] = _floors(acceleration, pieces, rate)
     return _Raw(
         time=time,
         trajectory=recording.trajectory,
@@ -248,14 +254,21 @@ def _raw(recording: Recording) -> _Raw:
         rate=rate,
         position=position,
         velocity=velocity,
-        acceleration=None if recording.acceleration is None else bridge(recording.acceleration, pieces),
+        acceleration=acceleration,
         torque=bridge(recording.torque, pieces),
         temperature=temperature,
         finite=finite,
         reach=reach,
         derived=recording.velocity is None or recording.acceleration is None,
         velocity_lag=lag,
+        spectra=spectra,
     )
+
+
+def _floors(signal: np.ndarray, pieces: list[slice], rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return :func:`spectral_floor` of every joint of a signal (m, n): noise densities (n,) and ends (n,) [Hz]."""
+    density, end = np.array([spectral_floor([x[p] for p in pieces], rate) for x in signal.T]).T
+    return density, end
 
 
 def _noise_of_signals(raw: _Raw, encoder_step: float | None) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
@@ -267,8 +280,7 @@ def _noise_of_signals(raw: _Raw, encoder_step: float | None) -> tuple[np.ndarray
     signals is differentiated.
     """
     orders = (0,) if raw.acceleration is not None else (2,) if raw.velocity is None else (2, 1)
-    signals = {2: raw.position, 1: raw.velocity, 0: raw.acceleration}
-    floors = np.array([[spectral_floor([x[p] for p in raw.pieces], raw.rate)[0] for x in signals[k].T] for k in orders])
+    floors = np.array([raw.spectra[k][0] for k in orders])
     densities = floors.copy()
     if orders == (2, 1):
         # What a filter hides of the noise of the positions is there all the same.
@@ -282,17 +294,13 @@ def _noise_of_signals(raw: _Raw, encoder_step: float | None) -> tuple[np.ndarray
 def _cutoffs(raw: _Raw) -> tuple[np.ndarray, np.ndarray]:
     """Return the cut-off (n,) [Hz] of the filter of every joint, NaN where none is needed, and the noise of its
     velocity (n,) [rad/s]."""
-    n, rate = raw.position.shape[1], raw.rate
-    floor, cutoff = np.zeros(n), np.full(n, np.nan)
-    for j, x in enumerate((raw.position if raw.velocity is None else raw.velocity).T):
-        density, end = spectral_floor([x[p] for p in raw.pieces], rate)
-        if raw.derived:
-            cutoff[j] = min(max(2.0 * end, LOWEST_CUTOFF), 0.45 * rate)
-        limit = min(cutoff[j] if np.isfinite(cutoff[j]) else 0.5 * rate, 0.5 * rate)
-        # Differentiation multiplies the noise density by (2 pi f)^2.
-        scale = (2 * np.pi) ** 2 * limit**3 / 3 if raw.velocity is None else limit
-        floor[j] = np.sqrt(density * scale)
-    return cutoff, floor
+    rate = raw.rate
+    density, end = raw.spectra[2 if raw.velocity is None else 1]
+    cutoff = np.clip(2.0 * end, LOWEST_CUTOFF, 0.45 * rate) if raw.derived else np.full(len(end), np.nan)
+    limit = np.where(np.isfinite(cutoff), cutoff, 0.5 * rate)
+    # Differentiation multiplies the noise density by (2 pi f)^2.
+    scale = (2 * np.pi) ** 2 * limit**3 / 3 if raw.velocity is None else limit
+    return cutoff, np.sqrt(density * scale)
 
 
 def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool) -> list[np.ndarray]:
