@@ -152,6 +152,18 @@ def test_delays_and_lags_have_a_sign(state, delay):
     assert np.corrcoef(back[calm], there[calm])[0, 1] < -0.9
 
 
+def test_delays_that_searches_start_from_are_worked_out_once_for_a_state(state):
+    effect = effects.get_effect("actuation_delay")
+    delays = [*effect.grid(state, 1), {"delay": 0.007, "lag": 0}]
+    once = [effect.columns(state, 1, None, p) for p in delays]
+    again = [effect.columns(state, 1, None, p) for p in delays]
+    assert [a is b for a, b in zip(once, again, strict=True)] == [True] * 12 + [False]
+    # What is kept belongs to this torque: another state of the same motion has its own.
+    other = effect.columns(replace(state, torque=2.0 * state.torque, drive=state.drive), 1, None, delays[0])
+    assert np.abs(other - once[0]).max() > 0.1 * np.abs(once[0]).max()
+    np.testing.assert_array_equal(once[-1], again[-1])
+
+
 def test_a_spring_carries_its_preload(state):
     effect = effects.get_effect("joint_spring")
     nonlinear = effect.grid(state, 1)[0]

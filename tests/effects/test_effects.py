@@ -108,7 +108,7 @@ def test_lag_of_friction_knows_the_instant_of_reversal(state):
 
     lag, rate = 0.013, 5.0
     time = np.arange(300) * 0.01
-    samples = SimpleNamespace(time=time, record=np.zeros(len(time), int))
+    samples = replace(state, time=time, record=np.zeros(len(time), int))
     np.testing.assert_allclose(lagged(samples, 2 + 3 * time, lag), 2 + 3 * (time - lag), atol=1e-12)
     velocity = np.sin(rate * time + 0.3)
     turns = (np.arange(1, 5) * np.pi - 0.3) / rate

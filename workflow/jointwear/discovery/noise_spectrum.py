@@ -176,9 +176,9 @@ def _smooth(power: np.ndarray, width: int) -> np.ndarray:
     """Return the mean of `width` neighbouring cells of a spectrum around each."""
     if width < 2:
         return power
-    return np.convolve(np.pad(power, width // 2, mode="edge"), np.full(width, 1.0 / width), mode="same")[
-        width // 2 : width // 2 + len(power)
-    ]
+    beyond = width // 2
+    padded = np.concatenate([np.full(beyond, power[0]), power, np.full(beyond, power[-1])])
+    return np.convolve(padded, np.full(width, 1.0 / width), mode="same")[beyond : beyond + len(power)]
 
 
 def of_density(

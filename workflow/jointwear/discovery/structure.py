@@ -139,7 +139,7 @@ def _level(power: np.ndarray, records: int = 1) -> np.ndarray:
         return np.ones((1, 1))
     blocks = power.reshape(rates, -1, SURROUNDINGS)
     median = np.maximum(np.median(blocks, axis=2) * records / gammaincinv(records, 0.5), 1.0)
-    padded = np.pad(median, ((0, 0), (1, 1)), mode="edge")
+    padded = np.concatenate([median[:, :1], median, median[:, -1:]], axis=1)
     return np.repeat(np.maximum(np.maximum(padded[:, :-2], median), padded[:, 2:]), SURROUNDINGS, axis=1)
 
 

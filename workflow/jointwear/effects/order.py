@@ -47,24 +47,33 @@ def lagged(state: State, values: np.ndarray, lag: float, velocity: np.ndarray | 
     if state.record is None or lag == 0:
         return values
     result = np.array(values, dtype=float)
-    for part in record_slices(state):
-        if part.stop - part.start < 2:
-            continue
-        t, x, v = state.time[part], result[part], None if velocity is None else velocity[part]
+    for part, step, usual in _steps(state):
+        x, v = result[part], None if velocity is None else velocity[part]
         if lag > 0:
-            result[part] = _lagged(t, x, lag, v)
+            result[part] = _lagged(step, usual, x, lag, v)
         else:
-            result[part] = _lagged(-t[::-1], x[::-1], -lag, None if v is None else v[::-1])[::-1]
+            result[part] = _lagged(step[::-1], usual, x[::-1], -lag, None if v is None else v[::-1])[::-1]
     return result
 
 
-def _lagged(t: np.ndarray, x: np.ndarray, lag: float, v: np.ndarray | None) -> np.ndarray:
-    """Return one record (m,) behind a lag [s]."""
-    step = np.diff(t)
-    # Samples are evenly spaced but for jitter.
-    keep = float(np.exp(-np.median(step) / lag))
+def _steps(state: State) -> list[tuple[slice, np.ndarray, float]]:
+    """Return the records of at least two samples, with the steps (m - 1,) of their times [s] and the median of these.
+
+    Samples are evenly spaced but for jitter.
+    """
+
+    def steps() -> list[tuple[slice, np.ndarray, float]]:
+        found = [(part, np.diff(state.time[part])) for part in record_slices(state)]
+        return [(part, step, float(np.median(step))) for part, step in found if len(step)]
+
+    return state.of_motion(("steps",), steps, state.time, state.record)
+
+
+def _lagged(step: np.ndarray, usual: float, x: np.ndarray, lag: float, v: np.ndarray | None) -> np.ndarray:
+    """Return one record (m,) behind a lag [s]; its times rise by `step` (m - 1,), by and large by `usual`."""
+    keep = float(np.exp(-usual / lag))
     if v is None:
-        share = (1 - keep) * lag / np.median(step)
+        share = (1 - keep) * lag / usual
         drive = (share - keep) * x[:-1] + (1 - share) * x[1:]
         start = x[0] - lag * (x[1] - x[0]) / step[0]
     else:
@@ -86,11 +95,9 @@ def turn_by_lag(state: State, values: np.ndarray, lag: float) -> np.ndarray:
     result = np.zeros(np.shape(values))
     if state.record is None or lag == 0:
         return result
-    for part in record_slices(state):
-        if part.stop - part.start < 2:
-            continue
+    for part, _, usual in _steps(state):
         padded, inside = continued(values[part])
-        frequency = np.fft.rfftfreq(len(padded), float(np.median(np.diff(state.time[part]))))
+        frequency = np.fft.rfftfreq(len(padded), usual)
         angle = np.arctan(2 * np.pi * frequency * lag)
         along = 0.5 * (1.0 + np.cos(angle)) / (np.cos(angle) if lag < 0 else 1.0)
         spectrum = np.fft.rfft(padded) * along * (np.exp(-1j * angle) - 1.0)
@@ -104,7 +111,8 @@ def continued(values: np.ndarray) -> tuple[np.ndarray, slice]:
     Turned about the ends: what begins with a step would ring when its spectrum is changed.
     """
     more = min(len(values) - 1, CONTINUED)
-    return np.pad(values, more, mode="reflect", reflect_type="odd"), slice(more, more + len(values))
+    before, after = 2 * values[:1] - values[more:0:-1], 2 * values[-1:] - values[-2 : -more - 2 : -1]
+    return np.concatenate([before, values, after]), slice(more, more + len(values))
 
 
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
@@ -117,12 +125,13 @@ def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     """
     if state.record is None:
         return state.torque[..., axis]
-    if delay == 0 and axis in state.torque_now:
-        return state.torque_now[axis]
+    now = "torque now", axis
+    if delay == 0 and now in state.known:
+        return state.known[now]
     smooth, velocity = state.between(axis).earlier(delay).T
     torque = smooth + level_of(state, axis, _sense(state, axis, velocity, delay))
     if delay == 0:
-        state.torque_now[axis] = torque
+        state.known[now] = torque
     return torque
 
 

@@ -84,10 +84,8 @@ class State:
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
     _between: dict[int, Between] = field(init=False, repr=False, default_factory=dict)
-    #: Torque as it is now, by axis; see :func:`jointwear.effects.order.late_torque`.
-    torque_now: dict[int, np.ndarray] = field(init=False, repr=False, default_factory=dict)
-    #: Wind-ups of gears and their second derivatives, by axis, stiffness and drag, that several searches start from.
-    wind_ups: dict[tuple, tuple[np.ndarray, np.ndarray]] = field(init=False, repr=False, default_factory=dict)
+    #: What several searches start from, by what it is, axis and parameters: late torques and wind-ups of gears.
+    known: dict[tuple, Any] = field(init=False, repr=False, default_factory=dict)
     #: Handed on to states of the same motion with other torques, on which what is here does not depend.
     _of_motion: dict[tuple, tuple[tuple[np.ndarray, ...], Any]] = field(repr=False, default_factory=dict)
 

@@ -7,18 +7,28 @@ from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.order import change_by_delay, change_by_lag
 
 _LONGEST = 0.06
+#: Delays and time constants [s] to start from, to either side.
+_DEAD, _LAGS = (0.004, 0.012, 0.02), (0.005, 0.015, 0.03)
 
 
 def _columns(state, axis, source, p):
     if state.record is None:
         return np.zeros((*np.shape(state.time), 1))
-    change = change_by_lag if p.get("lag") else change_by_delay
-    return change(state, axis, p["delay"])[..., None]
+    delay, lag = p["delay"], bool(p.get("lag"))
+    key = "late", axis, delay, lag
+    if key in state.known:
+        return state.known[key]
+    change = (change_by_lag if lag else change_by_delay)(state, axis, delay)[..., None]
+    # The fit behind the noise and the search ask the same of one state; what a search moves is asked once.
+    if abs(delay) in (_LAGS if lag else _DEAD):
+        state.known[key] = change
+    return change
 
 
 def _grid(state, axis):
-    dead = [{"delay": sign * d, "lag": 0} for sign in (1, -1) for d in (0.004, 0.012, 0.02)]
-    return dead + [{"delay": d, "lag": 1} for d in (0.005, 0.015, 0.03, -0.005, -0.015, -0.03)]
+    return [
+        {"delay": sign * d, "lag": lag} for lag, delays in enumerate((_DEAD, _LAGS)) for sign in (1, -1) for d in delays
+    ]
 
 
 EFFECT = Effect(
