@@ -6,7 +6,7 @@ import pytest
 from jointwear.measurement.filtering import low_pass
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.smoothing import END, smooth
+from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, smooth
 
 STEP = 2e-5
 
@@ -73,6 +73,21 @@ def test_given_accelerations_are_kept_and_ends_left_out():
     assert edge >= 1
     assert not derived.usable[:edge].any()
     assert not derived.usable[-edge:].any()
+
+
+def test_ends_are_left_out_on_all_joints_by_the_widest_knots_up_to_a_longest_time():
+    time, q, _, _ = motion(rate=200.0)
+    for waves in (0.0, 4e-3):
+        shaken = q + waves * np.sin(2 * np.pi * 12.0 * time)[:, None] * np.array([1.0, 0.05])
+        found = measure(recording(time, shaken))
+        assert found.fitted
+        spacing = 0.5 / found.cutoff
+        clear = int(200.0 * min(CLEAR * spacing.max(), LONGEST_END))
+        for joint in (0, 1):
+            edge = max(clear, int(200.0 * END * spacing[joint]))
+            assert not found.usable[:edge, joint].any()
+            assert not found.usable[-edge:, joint].any()
+            assert found.usable[edge : edge + 8, joint].any()
 
 
 def test_missing_samples_and_unresolved_motion_go_to_the_filter():

@@ -24,7 +24,7 @@ from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
 from jointwear.measurement.jumps import without_jumps
 from jointwear.measurement.missing_samples import bridge, long_gaps
 from jointwear.measurement.recording import Recording, elapsed_time
-from jointwear.measurement.smoothing import END, smooth, widest_band
+from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, smooth, widest_band
 from jointwear.measurement.velocity_lag import put_in_time
 
 #: Rates above this are decimated [Hz], to about TARGET.
@@ -82,7 +82,7 @@ class Measured:
         """Samples at either end of a record whose fitted accelerations are far more uncertain than those inside.
 
         Of least-squares splines these are 140 times as uncertain at the very end, 10 times at half a spacing of the
-        knots, where judging begins, and 4 times at one: within one spacing of the joint that has the widest.
+        knots, 4 times at one and 1.5 at two: within one spacing of the joint that has the widest.
         """
         known = self.cutoff[np.isfinite(self.cutoff)] if self.fitted else np.zeros(0)
         return math.ceil(0.5 / float(known.min()) * self.rate) if len(known) else 0
@@ -329,10 +329,12 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
         tau, v, a = (low_pass(x, limit, rate) for x in (tau, v, a))
     ok = raw.finite[p].copy()
     if raw.derived or factor > 1:
+        clear = min(CLEAR * 0.5 / min(cutoff[np.isfinite(cutoff)], default=np.inf), LONGEST_END)
         for j in range(n):
             known = cutoff[j] if np.isfinite(cutoff[j]) else 0.4 * rate / factor
             # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.
-            reaches = END * 0.5 / known if splines else TRANSIENT / known
+            # The torque of a joint is that of the accelerations of all joints.
+            reaches = max(END * 0.5 / known, clear) if splines else TRANSIENT / known
             edge = min(int(np.ceil(reaches * rate)) + 1, len(ok) // 4)
             ok[:edge, j] = ok[len(ok) - edge :, j] = False
             # A gap spoils its surroundings as far as the filter reaches.

@@ -25,6 +25,9 @@ SLOWEST = NARROWEST / WIDEST
 SAME = 1e-9
 #: Closer to an end than this share of the spacing an acceleration is ten times as uncertain as elsewhere.
 END = 0.5
+#: Spacings of the widest knots of a robot from which on it is at most one and a half times as uncertain, and time [s]
+#: beyond which that does not matter: the accelerations of motion so smooth are known everywhere.
+CLEAR, LONGEST_END = 2.0, 0.1
 
 
 def widest_band(rate: float) -> float:
