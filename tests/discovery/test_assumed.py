@@ -18,16 +18,17 @@ OTHERS = {
         saturated.START saturated.SHARP shared_delay.STEPS shared_delay.ASKED sound_links.BARRIER spectra.LONGEST
         spectra.SHORTEST spectra.SPAN structure.KNOTS structure.KNOTS_OF_OTHERS structure.FEWEST_KNOTS
         structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS structure.SURROUNDINGS structure.FASTEST_CHIRP
-        structure.SLOW_SWEEP structure.WIDEST_SWEEP structure.COARSER leftovers.STEP_ORDERS encoder_step.NEAREST
+        structure.SLOW_SWEEP structure.WIDEST_SWEEP structure.COARSER encoder_step.NEAREST
         encoder_step.WIDER
     """,
     "a bound on time": """
+        leftovers.SPEEDS
         base.MOST_FREE base.HALVINGS between_axes.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
         posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS
     """,
     "the fewest samples of a statistic": """
-        encoder_step.FEWEST instruments.SHORT leftovers.FEWEST_OF_WAVE noise_spectrum.FEWEST_ROWS
+        encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
         noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES shaken.BINS shared_drives.FEWEST
         spectra.FEWEST
     """,

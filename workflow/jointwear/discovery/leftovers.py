@@ -15,7 +15,7 @@ from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.structure import TIME_BIN, Basis, Line, strongest_line, time_bins
+from jointwear.discovery.structure import Basis, Line, chance_of, strongest_line, where_strongest
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
@@ -27,8 +27,8 @@ from jointwear.files.wording import numbered
 MOST = 0.5
 #: Argument of structure that is a wave or a linear chirp.
 LINE = "line over time"
-#: Waves over one step of an encoder that are no structure, and samples of a bin of time for each of their columns.
-STEP_ORDERS, FEWEST_OF_WAVE = 2, 5
+#: Constant speeds of one joint that are left out, one after the other, each with a wave of its own.
+SPEEDS = 4
 
 
 def unexplained(
@@ -107,35 +107,30 @@ def unexplained(
 
 
 def _line(white: White, fit: Fit, axis: int) -> Line | None:
-    """Return the strongest line over time that is left on an axis, without those that the steps of its encoder make."""
-    problem, rows, residual = white.problem, white.whiteners[axis].rows, fit.residual[axis]
-    state, rate = problem.train_state, problem.measured.rate
-    line, step = strongest_line(residual, rows, state, rate), problem.encoder_steps[axis]
-    if line is None or line.p_value >= problem.settings.unexplained_p or not np.isfinite(step):
-        return line
-    return strongest_line(without_steps(white, axis, residual, step), rows, state, rate)
+    """Return the strongest line over time that is left on an axis, at more than one speed of it.
 
-
-def without_steps(white: White, axis: int, residual: np.ndarray, step: float) -> np.ndarray:
-    """Return the whitened residual (m,) of an axis without waves over the steps of its encoder.
-
-    A controller that reads its positions in steps answers with a torque of their period, which at a constant speed is a
-    line over time, folded into the band of the log. How large it is, and how late, depends on the speed: each bin of
-    time has waves of its own.
-
-    Parameters
-    ----------
-    step : of the encoder [rad].
+    A controller that reads its positions in steps answers with a torque of their period, whatever digits the log keeps.
+    At a constant speed that is a line over time, folded into the band of the log, as is every wave over the position.
+    What shakes an arm from outside does so at any speed.
     """
-    state, rows = white.problem.train_state, white.whiteners[axis].rows
-    angle = 2 * np.pi * np.outer(state.position[:, axis] / step, np.arange(1, STEP_ORDERS + 1))
-    waves = white.columns(axis, np.concatenate([np.sin(angle), np.cos(angle)], axis=1))
-    left = residual.copy()
-    for inside in time_bins(state, TIME_BIN)[rows].T > 0:
-        if np.count_nonzero(inside) > FEWEST_OF_WAVE * waves.shape[1]:
-            own = waves[inside]
-            left[inside] -= own @ np.linalg.lstsq(own, residual[inside], rcond=None)[0]
-    return left
+    problem, settings = white.problem, white.problem.settings
+    rows, residual = white.whiteners[axis].rows, fit.residual[axis]
+    state, rate, same = problem.train_state, problem.measured.rate, problem.measured.speed_floor[axis]
+    speed, sure = np.abs(state.velocity[rows, axis]), np.exp(-settings.accept)
+    line = strongest_line(residual, rows, state, rate)
+    for _ in range(SPEEDS):
+        if line is None or line.p_value >= settings.unexplained_p:
+            break
+        # Sweeps from below zero are slow structure, which has bases of its own.
+        if chance_of(line, residual, rows, state, rate) > sure:
+            break
+        at = float(np.median(speed[where_strongest(line, residual, rows, state, rate)]))
+        away = np.abs(speed - at) > same
+        others = strongest_line(residual[away], rows[away], state, rate)
+        if others is None or chance_of(line, residual[away], rows[away], state, rate) < sure:
+            break
+        line, residual, rows, speed = others, residual[away], rows[away], speed[away]
+    return line
 
 
 def _beside(fit: Fit, axis: int, columns: np.ndarray, raw: np.ndarray, theta: np.ndarray) -> np.ndarray:

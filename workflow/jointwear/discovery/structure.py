@@ -273,3 +273,38 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
             p = joint
             best = Line(count * value, joint, float(frequency[cell]), float(chirp[row]), -1)
     return Line(best.power, p, best.frequency, best.rate, best.record)
+
+
+def _turned(line: Line, residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> list[np.ndarray]:
+    """Return the whitened residual (k,) turned back by a line, in each record that it was found in."""
+    label, pieces = np.asarray(state.record), []
+    for one in np.unique(label) if line.record < 0 else [line.record]:
+        inside = label[rows] == one
+        time = (rows[inside] - np.flatnonzero(label == one)[0]) / rate
+        pieces.append(residual[inside] * np.exp(-2j * np.pi * (line.frequency * time + 0.5 * line.rate * time**2)))
+    return pieces
+
+
+def where_strongest(line: Line, residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> np.ndarray:
+    """Return which samples (m,) of a whitened residual lie in the bin of time in which a line is strongest."""
+    label = np.asarray(state.record)[rows]
+    inside = np.ones(len(rows), bool) if line.record < 0 else label == line.record
+    turned = np.zeros(len(rows), complex)
+    turned[inside] = np.concatenate(_turned(line, residual, rows, state, rate))
+    bins = time_bins(state, TIME_BIN)[rows]
+    power = np.abs(turned @ bins) ** 2 / np.maximum(bins.sum(axis=0), 1.0)
+    return bins[:, int(np.argmax(power))] > 0
+
+
+def chance_of(line: Line, residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> float:
+    """Return how likely noise alone holds as much of one line as the samples `rows` (m,) do.
+
+    As for :func:`strongest_line` the line has to stand out of what is around it.
+    """
+    pieces = [piece for piece in _turned(line, residual, rows, state, rate) if len(piece)]
+    total = 0.0
+    for piece in pieces:
+        near = np.abs(np.fft.fft(piece)) ** 2 / len(piece)
+        around = np.concatenate([near[1 : SURROUNDINGS // 2 + 1], near[-(SURROUNDINGS // 2) :]])
+        total += float(near[0]) / max(float(np.median(around)) / np.log(2.0), 1.0)
+    return float(gammaincc(max(len(pieces), 1), total))
