@@ -42,7 +42,7 @@ def _outcome(white, torques):
     """Return an outcome in which a spring of joint 3 has a name and joint 2 lacks what `torques` says."""
     spring = Candidate("joint_spring", 2, None, {"centre": 0.0, "low": -9.0, "high": 9.0})
     columns = raw_columns(white, spring)
-    term = Term("spring", {2: white.columns(2, columns)}, np.ones(4), {2: white.raw(2, columns)})
+    term = Term("spring", {2: white.columns(2, columns)}, np.full(4, 20.0), {2: white.raw(2, columns)})
     targets = [y + white.columns(a, torques[a]) if a in torques else y for a, y in enumerate(white.targets)]
     asked = replace(white, targets=targets)
     left = [Unexplained(1, "position", "rad", 0.0, 1.0, 1e-12, 50.0)]

@@ -44,10 +44,10 @@ MOST_REFUSED = 24
 
 
 def settle(outcome: Outcome) -> None:
-    """Fit the named effects again and test what they leave; names where structure is left become suspects."""
+    """Fit the named effects again and test what they leave; names that do not stand beside it become suspects."""
     outcome.fit = outcome.white.fit([t for n in outcome.named for t in n.terms])
     outcome.unexplained, outcome.profile = unexplained(outcome)
-    if outcome.unexplained:
+    if outcome.named:
         stand_alone(outcome)
 
 

@@ -13,6 +13,7 @@ from jointwear.discovery.acceptance import of_timing, predictive
 from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.explained import explained, explained_elsewhere
+from jointwear.discovery.in_its_place import better_in_its_place
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, Line, chance_of, strongest_line, where_strongest
@@ -183,6 +184,7 @@ def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> t
 def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
+    A name in whose place structure without a name explains more is a suspect on any axis.
     An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
     axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
     axes in the model, and no other joint lacks the same; one of timing has to be most of it too.
@@ -193,6 +195,12 @@ def stand_alone(outcome: Outcome) -> None:
         elsewhere = acts_elsewhere(outcome, one)
         if elsewhere is not None:
             outcome.suspects.append((one, f"joint {elsewhere + 1} lacks the same torque, and this effect acts on one"))
+            continue
+        instead = better_in_its_place(outcome, one)
+        if instead is not None:
+            basis, axis, lead = instead
+            reason = f"structure over {basis.argument} of joint {axis + 1} explains {lead:.0f} nats more in its place"
+            outcome.suspects.append((one, reason))
             continue
         axes = left_open(outcome, one)
         if not axes:

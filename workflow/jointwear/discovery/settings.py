@@ -32,7 +32,8 @@ class Settings:
     most_on_axis : no more effects than this are named on one axis. Axes do not share places: what one lacks must not
         keep another from being asked.
     accept : evidence [nats], after the price of complexity and of searching, that an effect needs, and a parameter of
-        the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. Half of it is
+        the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. By as much
+        structure without a name has to explain more in the place of a name that is taken back for it. Half of it is
         enough for what only has to hold beside what has been found: a name beside the others or with inertial
         parameters known less, a bend of a form, a form that is less plain, a parameter set free.
     certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
@@ -47,8 +48,8 @@ class Settings:
         `accept` and up to twice as many nats as `accept`.
     worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
-        and direction, because no form is known exactly; and the share of the nats of an effect that it may cost one
-        record.
+        and direction, because no form is known exactly (its square is the share of the nats of an effect that this
+        costs); and the share of the nats of an effect that it may cost one record.
     parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
         and forms are never exact.
     filter_error : the same of the share of a fast wave that filters take: how much of it is in the acceleration, and

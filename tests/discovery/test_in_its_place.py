@@ -1,0 +1,62 @@
+"""A name that only comes close to what structure over one argument explains in its place."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.in_its_place import better_in_its_place
+from jointwear.discovery.leftovers import stand_alone
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named, Outcome
+
+
+def _outcome(white, axis, candidate, torque):
+    """Return an outcome in which an effect of one joint has a name, and the joint lacks a torque (N_train,) [N m]."""
+    columns = raw_columns(white, candidate)
+    width = columns.shape[1]
+    term = Term(
+        candidate.effect, {axis: white.columns(axis, columns)}, np.full(width, 20.0), {axis: white.raw(axis, columns)}
+    )
+    extra = white.columns(axis, torque[:, None])[:, 0]
+    targets = [y + extra if a == axis else y for a, y in enumerate(white.targets)]
+    asked = replace(white, targets=targets)
+    return Outcome(asked.problem, asked, asked.fit([term]), None, named=[Named(candidate, term, None, 99.0)])
+
+
+SPRING = Candidate("joint_spring", 2, None, {"centre": 0.0, "low": -9.0, "high": 9.0})
+
+
+@pytest.mark.parametrize("between", [False, True])
+def test_a_hose_between_two_joints_is_no_spring_of_one(white, between):
+    position = white.problem.train_state.position
+    mean = position.mean(axis=0)
+    q, p = position[:, 2] - mean[2], position[:, 1] - mean[1]
+    outcome = _outcome(white, 2, SPRING, 20.0 * (q * p if between else q) + 5.0 * q)
+    found = better_in_its_place(outcome, outcome.named[0])
+    assert (found is not None) == between
+    if between:
+        basis, axis, lead = found
+        assert (basis.argument, axis) == ("position x position of joint 2", 2)
+        assert lead > 9.0
+        stand_alone(outcome)
+        assert not outcome.named
+        assert "position x position of joint 2" in outcome.suspects[0][1]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.03, 0.3])
+def test_a_form_that_is_off_keeps_its_name(white, share):
+    """What structure over the argument of the effect itself does better is the form."""
+    q = white.problem.train_state.position[:, 2]
+    outcome = _outcome(white, 2, SPRING, 40.0 * q * (1.0 + share * np.sin(3.0 * q)))
+    assert better_in_its_place(outcome, outcome.named[0]) is None
+
+
+def test_a_torque_signal_that_is_blind_around_zero_is_no_friction(white):
+    torque = white.problem.train_state.torque[:, 1]
+    outcome = _outcome(
+        white, 1, Candidate("stribeck_friction", 1, None, {"speed": 0.1, "exponent": 2.0}), -np.clip(torque, -4.0, 4.0)
+    )
+    basis, axis, _ = better_in_its_place(outcome, outcome.named[0])
+    assert (basis.argument, axis) == ("torque", 1)

@@ -1,0 +1,74 @@
+"""What structure without a name would explain if it stood in the place of a name."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.discovery import assumed
+from jointwear.discovery.candidates import LINK_MASS, resolved
+from jointwear.discovery.linear import Fit, gain
+from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.structure import Basis
+from jointwear.discovery.tolerance import with_tolerances
+from jointwear.effects import get_effect
+
+#: Priors of the size of a structure, over the `usual` share of the friction of its axis: decades and halves of them,
+#: from what noise hides to several times the friction. All are as likely.
+SIZES = np.logspace(-2, 1, 7)
+
+
+def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float] | None:
+    """Return the structure of one joint over one argument that explains more than a name does in its place, or None.
+
+    A form that is right needs a few parameters where structure has one for each knot, and pays for them: structure over
+    an argument, any of those that leftovers are tested over, then explains less. Where it explains more, by `accept`,
+    the torque follows that argument and the name has only come close to it: a name is taken back for as much evidence
+    as it is given for. Its torque may be off by `form_error`, which costs the square of that of its own nats; an effect
+    of the whole arm is asked on every joint that it moves. Structure over the argument of the effect itself is no
+    rival: what it does better is the form.
+
+    Returns
+    -------
+    the structure, its 0-based axis and the nats by which it is ahead.
+    """
+    white = outcome.white
+    rest = [n for n in outcome.named if n is not one]
+    before = [*with_tolerances(white, rest), *white.attenuation]
+    fit = white.fit(before)
+    own = white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation]).evidence - fit.evidence
+    best = None
+    for axis in asked_of(one):
+        for basis in white.bases(axis):
+            if basis.argument == "motor angle" and not resolved(white, axis, assumed.RESOLVED_ORDER):
+                continue
+            if of_its_form(one, basis.argument):
+                continue
+            lead = _nats(outcome, fit, axis, basis) - own
+            if best is None or lead > best[2]:
+                best = basis, axis, lead
+    settings = outcome.problem.settings
+    return best if best is not None and best[2] > settings.accept + settings.form_error**2 * own else None
+
+
+def asked_of(one: Named) -> list[int]:
+    """Return the 0-based axes on which structure may stand for an effect: its own, or all that it moves."""
+    if one.candidate.effect == LINK_MASS:
+        return []
+    return sorted(one.term.blocks) if get_effect(one.candidate.effect).whole_arm else [one.candidate.axis]
+
+
+def of_its_form(one: Named, argument: str) -> bool:
+    """Return whether structure is over the argument of the effect itself, in whatever sense of motion."""
+    own = get_effect(one.candidate.effect).argument
+    return own.split(" x ")[0] == argument.split(" x ")[0] and " of joint " not in argument
+
+
+def _nats(outcome: Outcome, fit: Fit, axis: int, basis: Basis) -> float:
+    """Return the evidence [nats] that structure over an argument adds to a fit, averaged over :data:`SIZES`."""
+    problem, columns = outcome.problem, outcome.white.columns(axis, basis.columns)
+    columns = columns[:, np.sum(columns**2, axis=0) > 1e-9]
+    if not columns.shape[1]:
+        return -np.inf
+    b, gram = fit.gram({axis: columns})
+    size = problem.settings.usual * problem.scale[axis] * np.ones(columns.shape[1])
+    return float(np.logaddexp.reduce([gain(b, gram, share * size) for share in SIZES]) - np.log(len(SIZES)))
