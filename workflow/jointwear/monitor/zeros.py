@@ -28,7 +28,7 @@ from jointwear.statistics.known import known_median
 #: Kind of the finding.
 ZERO = "zero"
 #: Time [s] between samples that suffices, and most samples of a piece; step [rad] of the derivative.
-STEP, MOST, TURN = 0.1, 400, 1e-4
+STEP, MOST, TURN = 0.2, 400, 1e-4
 #: Smallest change [rad] that is told, as it takes a twentieth off the steepest gravity torque; in standard deviations
 #: of the shifts of the baseline; and shifts in a row, windows of each, that have to show it.
 SMALLEST, CLEAR, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
