@@ -54,6 +54,14 @@ def test_gravity(oracle, puma):
     np.testing.assert_allclose(puma.gravity_torque(position), data.by_joint("gravload_Nm"), atol=TOLERANCE)
 
 
+def test_slopes_are_differences_of_the_torque(puma):
+    random = np.random.default_rng(3)
+    q, v, a = random.normal(size=(3, 4, 6))
+    for joint, step in enumerate(1e-5 * np.eye(6)):
+        differences = (puma.rigid_body_torque(q + step, v, a) - puma.rigid_body_torque(q - step, v, a)) / 2e-5
+        np.testing.assert_allclose(puma.torque_slopes(q, v, a)[:, :, joint], differences, atol=1e-6)
+
+
 def test_mass_matrix(oracle, puma):
     _, (position, _, _) = states(oracle)
     expected = oracle("inertia").column("M_kgm2").reshape(-1, 6, 6)

@@ -254,13 +254,12 @@ class _Seen:
             return
         motion = self.motion.position, self.motion.velocity, self.motion.acceleration
         used, time = self._moved(usable), self.around.chunk.time
-        for piece in self._pieces:
-            own = slice(max(piece.start, kept.start), min(piece.stop, kept.stop))
-            if own.stop > own.start:
-                row = int(np.searchsorted(statistics.start, time[own.start], side="right")) - 1
-                told = angles_of(torque, model, motion, used, own, 1 / self.survey.rate, dynamics, self._along)
-                statistics.turned[row] += told[0]
-                statistics.turned_shown[row] += told[1]
+        own = [slice(max(s.start, kept.start), min(s.stop, kept.stop)) for s in self._pieces]
+        own = [s for s in own if s.stop > s.start]
+        row = np.searchsorted(statistics.start, time[[s.start for s in own]], side="right") - 1
+        crossed, shown = angles_of(torque, model, motion, used, own, 1 / self.survey.rate, dynamics, self._along)
+        np.add.at(statistics.turned, row, crossed)
+        np.add.at(statistics.turned_shown, row, shown)
 
     def _moved(self, usable: np.ndarray) -> np.ndarray:
         settings = self.settings

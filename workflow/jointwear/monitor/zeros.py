@@ -20,21 +20,21 @@ import numpy as np
 
 from jointwear.monitor.carried import UnitTorques
 from jointwear.monitor.model import ModelTorque
-from jointwear.monitor.torque_lag import FEWEST, nuisances
+from jointwear.monitor.torque_lag import nuisances
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.dynamics import Dynamics
 from jointwear.statistics.known import known_median
 
 #: Kind of the finding.
 ZERO = "zero"
-#: Time [s] between samples that suffices, and most samples of a piece; step [rad] of the derivative.
-STEP, MOST, TURN = 0.2, 400, 1e-4
+#: Time [s] between samples that suffices, and fewest and most samples of a piece.
+STEP, FEWEST, MOST = 0.2, 50, 400
 #: Smallest change [rad] that is told, as it takes a twentieth off the steepest gravity torque; in standard deviations
 #: of the shifts of the baseline; and shifts in a row, windows of each, that have to show it.
 SMALLEST, CLEAR, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
 #: Standard error [rad] of the angle of a window from which on it tells nothing: what hardly shows in the torques, as
 #: the zero of a wrist, does no harm to friction either; and largest angle that is found to first order.
-KNOWN, LARGEST = SMALLEST / 2, np.radians(45.0)
+KNOWN, LARGEST = 0.7 * SMALLEST, np.radians(45.0)
 #: Windows of a program in the baseline that its usual angle is told from.
 USUAL = 3
 #: Share of the evidence of the likeliest joint from which another is named beside it.
@@ -46,44 +46,46 @@ def angles_of(
     model: ModelTorque,
     motion: tuple[np.ndarray, np.ndarray, np.ndarray],
     used: np.ndarray,
-    piece: slice,
+    pieces: Sequence[slice],
     step: float,
     dynamics: Dynamics,
     loads: UnitTorques,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return of each joint what the samples of a piece of one window tell of its angle: sums (n,), which add up.
+    """Return of each joint what each piece of a window tells of its angle: sums (p, n), which add up over pieces.
 
     The angle is the first [1/rad] over the second [1/rad2].
 
     Parameters
     ----------
     torque : (m, n) [N m]. model : along the motion, with the loads. motion : position, velocity, acceleration (m, n).
-    used : (m, n) samples that count. step : [s] between samples. loads : torques of loads at the flange, by samples.
+    used : (m, n) samples that count. pieces : samples of each. step : [s] between samples.
+    loads : torques of loads at the flange, by samples.
     """
     n = torque.shape[1]
-    every = max(round(STEP / step), (piece.stop - piece.start) // MOST, 1)
-    rows = np.arange(piece.start, piece.stop, every)
-    crossed, shown = np.zeros(n), np.zeros(n)
-    if len(rows) < FEWEST:
+    crossed, shown = np.zeros((2, len(pieces), n))
+    thinned = [np.arange(s.start, s.stop, max(round(STEP / step), (s.stop - s.start) // MOST, 1)) for s in pieces]
+    enough = [p for p, rows in enumerate(thinned) if len(rows) >= FEWEST]
+    if not enough:
         return crossed, shown
+    # Bodies and loads of all pieces at once: short pieces would cost more in calls than in sums.
+    rows = np.concatenate([thinned[p] for p in enough])
+    piece = np.repeat(enough, [len(thinned[p]) for p in enough])
     q, v, a = (x[rows] for x in motion)
-    bodies, slopes = dynamics.rigid_body_torque(q, v, a), np.empty((n, *q.shape))
-    for j in range(n):
-        turned = q.copy()
-        turned[:, j] += TURN
-        slopes[j] = (dynamics.rigid_body_torque(turned, v, a) - bodies) / TURN
-    residual, unit = torque[rows] - model.total[rows], loads.unit(rows)
-    for i in range(n):
-        u = used[rows, i] & np.isfinite(residual[:, i])
-        if u.sum() < FEWEST:
-            continue
-        gravity, inertial = model.gravity[rows[u], i], model.inertial[rows[u], i]
-        columns = nuisances(v[u, i], a[u, i], gravity, inertial, gravity + inertial, unit[u, :, i])
-        both = np.column_stack([residual[u, i], slopes[:, u, i].T])
-        rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
-        weight = u.sum() / max(float(rest[:, 0] @ rest[:, 0]), 1e-12)
-        crossed += weight * (rest[:, 1:].T @ rest[:, 0])
-        shown += weight * np.sum(rest[:, 1:] ** 2, axis=0)
+    slopes, unit = dynamics.torque_slopes(q, v, a), loads.unit(rows)
+    gravity, inertial, residual = model.gravity[rows], model.inertial[rows], torque[rows] - model.total[rows]
+    counts = used[rows] & np.isfinite(residual)
+    for p in enough:
+        for i in range(n):
+            u = (piece == p) & counts[:, i]
+            if u.sum() < FEWEST:
+                continue
+            bodies = gravity[u, i] + inertial[u, i]
+            columns = nuisances(v[u, i], a[u, i], gravity[u, i], inertial[u, i], bodies, unit[u, :, i])
+            both = np.column_stack([residual[u, i], slopes[u, i]])
+            rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
+            weight = u.sum() / max(float(rest[:, 0] @ rest[:, 0]), 1e-12)
+            crossed[p] += weight * (rest[:, 1:].T @ rest[:, 0])
+            shown[p] += weight * np.sum(rest[:, 1:] ** 2, axis=0)
     return crossed, shown
 
 

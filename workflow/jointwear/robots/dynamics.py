@@ -167,6 +167,16 @@ class Dynamics:
         rest = np.zeros_like(position, dtype=float)
         return self.rigid_body_torque(position, rest, rest)
 
+    def torque_slopes(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """Return what an angle (last axis) changes of the torque without friction of each joint [N m/rad].
+
+        Shape (m, n, n) for states (m, n).
+        """
+        slopes = np.empty((*position.shape, position.shape[-1]))
+        for i, state in enumerate(zip(position, velocity, acceleration, strict=True)):
+            slopes[i] = pin.computeRNEADerivatives(self.model, self.data, *state)[0]
+        return slopes
+
     def mass_matrix(self, position: np.ndarray) -> np.ndarray:
         """Return M(q) with motor inertia, shape (..., n, n) [kg m2]."""
         n = self.robot.joints
