@@ -1,4 +1,4 @@
-"""A joint that counts from another zero from one day on is told and not judged; programs, loads and files are none."""
+"""A joint that counts from another zero from one day on is told; programs, loads and files are none."""
 
 from dataclasses import replace
 
@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from monitor_logs import RATE, Log, columns, model, read, write_parquet
 
+from jointwear.monitor.condition import AxisCondition
+from jointwear.monitor.episodes import Episode
+from jointwear.monitor.judge import CHANGED, DETECTORS
 from jointwear.monitor.windows import blank_statistics
 from jointwear.monitor.zeros import changed_zero, zero_finding
 from jointwear.robots.trajectory import Task
@@ -59,6 +62,14 @@ def test_the_same_change_in_two_shifts_is_another_zero(change):
     assert "counts from another zero" in told["words"]
     assert "'sensor'" in told["words"]
     assert "answered" not in told
+
+
+@pytest.mark.parametrize(("turned", "first"), [(90.0, "first settle from which zero"), (200.0, "check the gear")])
+def test_alarms_that_follow_send_nobody_to_the_gear(turned, first):
+    alarm = {"time": 100.0, "change": 9.0}
+    episode = Episode(3, "coulomb friction", DETECTORS[0], (alarm,), None)
+    condition = AxisCondition(3, "elbow", CHANGED, 9.0, 3.0, 20.0, None, (episode,), (), turned=turned)
+    assert condition.check.startswith(first)
 
 
 def test_an_event_answers_it():

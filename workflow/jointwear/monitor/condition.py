@@ -20,6 +20,7 @@ from jointwear.monitor.loud import LOUD
 from jointwear.monitor.present import FEWEST_NOW, NOW, now_windows
 from jointwear.monitor.records import Reason
 from jointwear.monitor.state import RobotState
+from jointwear.monitor.zeros import ZERO
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
 UNRESOLVED = "unresolved alarm"
@@ -54,6 +55,7 @@ class AxisCondition:
     unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
     unknown. `seen`: it has been judged after the baseline. `rescaled`: time [s] of a changed scale of its torque.
     `fell`: time [s] of a fall of its friction that nobody has explained. `loud`: its torque has grown uneven.
+    `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered.
     """
 
     axis: int
@@ -72,6 +74,7 @@ class AxisCondition:
     rescaled: float = math.inf
     fell: float = math.inf
     loud: bool = False
+    turned: float = math.inf
 
     @property
     def change(self) -> float | None:
@@ -92,6 +95,8 @@ class AxisCondition:
         """What to check, one line; empty where nothing calls for it."""
         if self.main is None:
             return "known from an event of the config; keep watching it" if self.level == CHANGED else ""
+        if self.turned <= self.main.last:
+            return "first settle from which zero the joints count, as told below: another zero looks like friction"
         if self.level != CHANGED and self.main.detector == DETECTORS[0]:
             what = "play" if self.main.quantity == BACKLASH else "friction"
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
@@ -169,6 +174,9 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         rescaled=_first(state, "scale", j),
         fell=_first(state, "proposed_service", j),
         loud=loud,
+        turned=min(
+            (f["time"] for f in state.findings if f["kind"] == ZERO and not f.get("answered")), default=math.inf
+        ),
     )
 
 

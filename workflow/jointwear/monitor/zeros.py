@@ -22,6 +22,7 @@ from jointwear.monitor.carried import UnitTorques
 from jointwear.monitor.model import ModelTorque
 from jointwear.monitor.torque_lag import nuisances
 from jointwear.monitor.windows import WindowStatistics
+from jointwear.publishing.report.numbers import number
 from jointwear.robots.dynamics import Dynamics
 from jointwear.statistics.known import known_median
 
@@ -162,11 +163,11 @@ def zero_finding(statistics: WindowStatistics, found: ChangedZero | None) -> lis
     if found is None:
         return []
     joints = " or ".join(str(j + 1) for j in found.axes)
-    degrees = np.degrees(found.angle)
+    degrees = number(float(np.degrees(found.angle)), 2)
     words = (
-        f"Joint {joints} counts from another zero than in the normal period, by about {degrees:.2g} deg: a replaced "
+        f"Joint {joints} counts from another zero than in the normal period, by about {degrees} deg: a replaced "
         "encoder, or another calibration. What that does to the torques of all axes looks like friction: growth from "
-        f"there on is not to be trusted. Add {degrees:.2g} deg to its position in these logs, calibrate it, or "
+        f"there on is not to be trusted. Add {degrees} deg to its position in these logs, calibrate it, or "
         "enter the event as 'sensor' for all axes, so that they are learnt anew."
     )
     result = {"time": float(statistics.start[found.begin]), "axes": sorted(j + 1 for j in found.axes), "kind": ZERO}
