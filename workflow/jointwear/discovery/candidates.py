@@ -13,6 +13,7 @@ from jointwear.discovery.instruments import held_at_ends, limit
 from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.motor_lines import in_band
 from jointwear.discovery.products import Products
+from jointwear.discovery.structure import Basis
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import get_effect, library
 
@@ -203,6 +204,19 @@ def _std_of_size(white: White, candidate: Candidate, size: np.ndarray) -> np.nda
 def resolved(white: White, axis: int, order: float) -> bool:
     """Return whether a line of `order` over the motor angle lies in the band of the torque for half of the samples."""
     return in_band(white.problem, axis, order * abs(white.problem.robot.gear_ratio[axis]))
+
+
+def resolved_bases(white: White, axis: int) -> list[Basis]:
+    """Return the bases of structure on an axis, over the angle of its motor only where waves over it are resolved."""
+    known = resolved(white, axis, assumed.RESOLVED_ORDER)
+    return [basis for basis in white.bases(axis) if known or basis.argument != "motor angle"]
+
+
+def columns_of(white: White, axis: int, basis: Basis) -> tuple[np.ndarray, np.ndarray]:
+    """Return the whitened columns (m, k) of a basis that hold anything, and which of its columns (K,) they are."""
+    columns = white.columns(axis, basis.columns)
+    good = np.sum(columns**2, axis=0) > 1e-9
+    return columns[:, good], good
 
 
 def sources_of(axis: int, joints: int) -> list[int]:

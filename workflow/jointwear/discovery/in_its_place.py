@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery import assumed
-from jointwear.discovery.candidates import LINK_MASS, resolved
+from jointwear.discovery.candidates import LINK_MASS, columns_of, resolved_bases
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.structure import Basis
@@ -38,9 +37,7 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     own = white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation]).evidence - fit.evidence
     best = None
     for axis in asked_of(one):
-        for basis in white.bases(axis):
-            if basis.argument == "motor angle" and not resolved(white, axis, assumed.RESOLVED_ORDER):
-                continue
+        for basis in resolved_bases(white, axis):
             if of_its_form(one, basis.argument):
                 continue
             lead = _nats(outcome, fit, axis, basis) - own
@@ -65,9 +62,8 @@ def of_its_form(one: Named, argument: str) -> bool:
 
 def _nats(outcome: Outcome, fit: Fit, axis: int, basis: Basis) -> float:
     """Return the evidence [nats] that structure over an argument adds to a fit, averaged over :data:`SIZES`."""
-    problem, columns = outcome.problem, outcome.white.columns(axis, basis.columns)
-    columns = columns[:, np.sum(columns**2, axis=0) > 1e-9]
-    if not columns.shape[1]:
+    problem, (columns, good) = outcome.problem, columns_of(outcome.white, axis, basis)
+    if not good.any():
         return -np.inf
     b, gram = fit.gram({axis: columns})
     size = problem.settings.usual * problem.scale[axis] * np.ones(columns.shape[1])

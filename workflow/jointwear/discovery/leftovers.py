@@ -10,7 +10,7 @@ from scipy.special import gammaincc
 
 from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import of_timing, predictive
-from jointwear.discovery.candidates import LINK_MASS, raw_columns, resolved
+from jointwear.discovery.candidates import LINK_MASS, columns_of, raw_columns, resolved_bases
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.in_its_place import better_in_its_place
@@ -55,15 +55,11 @@ def unexplained(
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
         least = _least_square(outcome, axis)
-        for basis in white.bases(axis):
+        for basis in resolved_bases(white, axis):
             if asked is not None and (axis, basis.argument) not in asked:
                 continue
-            if basis.argument == "motor angle" and not resolved(white, axis, assumed.RESOLVED_ORDER):
-                continue
-            columns = white.columns(axis, basis.columns)
-            good = np.sum(columns**2, axis=0) > 1e-9
-            columns = columns[:, good]
-            if not columns.shape[1]:
+            columns, good = columns_of(white, axis, basis)
+            if not good.any():
                 continue
             b, gram = fit.gram({axis: columns})
             statistic, freedom = chi_square(b, gram, columns.T @ columns)
@@ -127,8 +123,10 @@ def _line(white: White, fit: Fit, axis: int) -> Line | None:
             break
         at = float(np.median(speed[where_strongest(line, residual, rows, state, rate)]))
         away = np.abs(speed - at) > same
+        if chance_of(line, residual[away], rows[away], state, rate) < sure:
+            break
         others = strongest_line(residual[away], rows[away], state, rate)
-        if others is None or chance_of(line, residual[away], rows[away], state, rate) < sure:
+        if others is None:
             break
         line, residual, rows, speed = others, residual[away], rows[away], speed[away]
     return line

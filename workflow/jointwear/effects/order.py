@@ -125,14 +125,12 @@ def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     """
     if state.record is None:
         return state.torque[..., axis]
-    now = "torque now", axis
-    if delay == 0 and now in state.known:
-        return state.known[now]
-    smooth, velocity = state.between(axis).earlier(delay).T
-    torque = smooth + level_of(state, axis, _sense(state, axis, velocity, delay))
-    if delay == 0:
-        state.known[now] = torque
-    return torque
+
+    def torque() -> np.ndarray:
+        smooth, velocity = state.between(axis).earlier(delay).T
+        return smooth + level_of(state, axis, _sense(state, axis, velocity, delay))
+
+    return state.once(("late torque", axis, delay), torque, keep=delay == 0)
 
 
 def change_by_delay(state: State, axis: int, delay: float) -> np.ndarray:

@@ -84,8 +84,8 @@ class State:
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
     _between: dict[int, Between] = field(init=False, repr=False, default_factory=dict)
-    #: What several searches start from, by what it is, axis and parameters: late torques and wind-ups of gears.
-    known: dict[tuple, Any] = field(init=False, repr=False, default_factory=dict)
+    #: What :meth:`once` has worked out.
+    _known: dict[tuple, Any] = field(init=False, repr=False, default_factory=dict)
     #: Handed on to states of the same motion with other torques, on which what is here does not depend.
     _of_motion: dict[tuple, tuple[tuple[np.ndarray, ...], Any]] = field(repr=False, default_factory=dict)
 
@@ -162,6 +162,21 @@ class State:
         if known is None or any(a is not b for a, b in zip(known[0], arrays, strict=True)):
             known = self._of_motion[key] = arrays, make()
         return known[1]
+
+    def once(self, key: tuple, make: Callable[[], Any], keep: bool = True) -> Any:
+        """Return what `make` makes of this state, worked out once: noise and search ask the same.
+
+        Parameters
+        ----------
+        key : tells what is made, with its parameters. Nobody may change what is returned.
+        keep : whether it will be asked again; what a search moves is asked once.
+        """
+        if key in self._known:
+            return self._known[key]
+        made = make()
+        if keep:
+            self._known[key] = made
+        return made
 
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""

@@ -78,6 +78,11 @@ class Measured:
         return partial(zero_phase_gain, cutoff=self.band, rate=self.noise.rate)
 
     @property
+    def parts(self) -> np.ndarray:
+        """Position, velocity, acceleration and torque (m, 4, n); torque that was not measured is zero."""
+        return np.stack([self.position, self.velocity, self.acceleration, np.nan_to_num(self.torque)], axis=1)
+
+    @property
     def vague_ends(self) -> int:
         """Samples at either end of a record whose fitted accelerations are far more uncertain than those inside.
 

@@ -49,14 +49,16 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
 
     # A load that the file lacks turns what is found; the likelihood knows of it.
     along = np.sign(way) * (np.abs(way) == np.abs(way).max())
-    way = way if nats(size * way) - nats(size * along) > FAVOURS["zero"] else along
+    found, simpler = nats(size * way), nats(size * along)
+    if not found - simpler > FAVOURS["zero"]:
+        way, found = along, simpler
     as_given, turned = Dynamics(robot), Dynamics(replace(robot, gravity=size * way))
     if _left(as_given, parts, usable) - _left(turned, parts, usable) < CLEARLY:
         return
-    if nats(size * way) - nats(robot.gravity) < FAVOURS["zero"]:
+    if found - nats(robot.gravity) < FAVOURS["zero"]:
         return
     rival, reading = _best_reading(as_given, parts, usable)
-    ahead = nats(size * way) - rival
+    ahead = found - rival
     # Hanging from a ceiling and a shoulder that counts from the opposite zero are the same to the torques.
     if ahead < (-FAVOURS["zero"] if reading.kind == "zero" else 0.0):
         return

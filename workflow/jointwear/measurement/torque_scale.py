@@ -134,9 +134,8 @@ def _is_likelier(found: Factors, concerned: np.ndarray) -> bool:
     concerned : (n,) joints whose factor is taken off.
     """
     samples = found.samples
-    parts = np.stack([samples.position, samples.velocity, samples.acceleration, np.nan_to_num(samples.torque)], axis=1)
     scale = np.abs(np.where(concerned, found.factor, 1.0))
-    return gained_by(scale, Dynamics(found.robot), parts, samples.usable) > 0
+    return gained_by(scale, Dynamics(found.robot), samples.parts, samples.usable) > 0
 
 
 def gained_by(scale: np.ndarray, dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> float:
@@ -199,13 +198,12 @@ def a_load_explains(measured: Measured, robot: Robot, stated: str = "N m") -> bo
     stays = _of_most(*beside, robot.gear_ratio, stated) is not None
     if not beyond and not stays:
         return True
-    dynamics, usable = Dynamics(robot), measured.usable
-    parts = (measured.position, measured.velocity, measured.acceleration, np.nan_to_num(measured.torque))
+    dynamics, parts, usable = Dynamics(robot), measured.parts, measured.usable
     # One for each joint, or one for all: a load hides that of a wrist.
     scales = [_clearly_off(plain[0])]
     if stays:
         scales += [_clearly_off(beside[0]), np.full(robot.joints, np.nanmedian(np.abs(beside[0])))]
-    return max(gained_by(scale, dynamics, np.stack(parts, axis=1), usable) for scale in scales) < LIKELIER
+    return max(gained_by(scale, dynamics, parts, usable) for scale in scales) < LIKELIER
 
 
 def _clearly_off(factor: np.ndarray) -> np.ndarray:

@@ -146,7 +146,7 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
     level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
-    loud = any(f["kind"] == LOUD and j + 1 in f["axes"] and not f.get("answered") for f in state.findings)
+    loud = any(j + 1 in f["axes"] for f in _unanswered(state, LOUD))
     if level == HEALTHY and (loud or _long_unseen(state, j, int(judged[-1]))):
         level = UNJUDGED
     if level == CHANGED and state.back[j] and open_ones:
@@ -174,9 +174,7 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         rescaled=_first(state, "scale", j),
         fell=_first(state, "proposed_service", j),
         loud=loud,
-        turned=min(
-            (f["time"] for f in state.findings if f["kind"] == ZERO and not f.get("answered")), default=math.inf
-        ),
+        turned=min((f["time"] for f in _unanswered(state, ZERO)), default=math.inf),
     )
 
 
@@ -190,6 +188,11 @@ def _mended(resolved: list[Episode]) -> bool:
 def _first(state: RobotState, kind: str, j: int) -> float:
     """Return the time [s] of the first finding of a kind on a 0-based axis, infinite where there is none."""
     return min((f["time"] for f in state.findings if f["kind"] == kind and j + 1 in f["axes"]), default=math.inf)
+
+
+def _unanswered(state: RobotState, kind: str) -> list[Mapping[str, Any]]:
+    """Return the findings of a kind that no event of the config has answered."""
+    return [f for f in state.findings if f["kind"] == kind and not f.get("answered")]
 
 
 def _long_unseen(state: RobotState, j: int, last: int) -> bool:

@@ -49,7 +49,7 @@ class Inspector:
             seen = part_of(around, part)
             cut = Motion(**{k: None if v is None else v[part] for k, v in moved.items()})
             try:
-                marks[part] |= self._check(seen.chunk, seen.stretch, cut)
+                marks[part] |= self._check(seen.chunk, seen.stretch, cut, whole=len(edges) == 2)
             except Refused as refusal:
                 marks[part] |= int(Flag.REFUSED)
                 self.tell(refusal)

@@ -58,8 +58,7 @@ def check_readings(
     if unit is not None and (scale is None or unit[1] < scale.left):
         raise refusal_of(name, unit[0], stated)
     if scale is None:
-        samples = (thin.position, thin.velocity, thin.acceleration, np.nan_to_num(thin.torque))
-        check_mounting(name, robot, np.stack(samples, axis=1), thin.usable)
+        check_mounting(name, robot, thin.parts, thin.usable)
     loaded = False
     if scale is not None and not scale.unit:
         scale = _or_a_load(scale, measured, robot)

@@ -111,20 +111,23 @@ class LaterCheck:
         self._last: np.ndarray | None = None
         self._scale = np.ones(dynamics.robot.joints)
         self._refusal: Refused | None = None
-        self._whole = True
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
 
     def begin(self) -> None:
         """Begin another block: another scale of the torque that was found is looked for in its parts alone."""
-        self._refusal, self._whole = None, True
+        self._refusal = None
 
     def accept(self) -> None:
         """Take what the last piece left for granted, so that pieces like it are not examined again."""
         self._known = self._last
 
-    def __call__(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> np.ndarray:
+    def __call__(self, chunk: Chunk, stretch: np.ndarray, motion: Motion, whole: bool) -> np.ndarray:
         """Return flags (n,): where the model explains much less of the torque than in the first log, and of which axes
         next to nothing.
+
+        Parameters
+        ----------
+        whole : it is a block and no part of one: parts are too short to tell a scale that all torques share.
 
         Raises
         ------
@@ -138,7 +141,7 @@ class LaterCheck:
         check_derivatives(chunk, stretch, self._name)
         parts, usable = _thinned(measured)
         self._last = self._growth(parts, usable)
-        plain, whole, self._whole = float(np.nansum(self._last)), self._whole, False
+        plain = float(np.nansum(self._last))
         if self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
             raise self._refusal
         # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
@@ -202,8 +205,7 @@ class LaterCheck:
         raise self._refusal
 
     def _check_shared_scale(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
-        """Check that the torques of all joints together are no other multiple of the model's; in a whole block, of
-        which short parts tell less.
+        """Check that the torques of all joints together are no other multiple of the model's.
 
         Raises
         ------
@@ -290,8 +292,7 @@ def _measured(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.n
 def _thinned(measured: Measured) -> tuple[np.ndarray, np.ndarray]:
     """Return position, velocity, acceleration and torque (k, 4, n) of about THINNED samples, and which are usable."""
     step = max(1, len(measured.time) // THINNED)
-    parts = (measured.position, measured.velocity, measured.acceleration, np.nan_to_num(measured.torque))
-    return np.stack([p[::step] for p in parts], axis=1), measured.usable[::step]
+    return measured.parts[::step], measured.usable[::step]
 
 
 def _check_units(measured: Measured, robot: Robot, name: str, units: Mapping[str, str]) -> None:

@@ -70,21 +70,22 @@ def angles_of(
         return crossed, shown
     # Bodies and loads of all pieces at once: short pieces would cost more in calls than in sums.
     rows = np.concatenate([thinned[p] for p in enough])
-    piece = np.repeat(enough, [len(thinned[p]) for p in enough])
+    ends = np.cumsum([len(thinned[p]) for p in enough])
     q, v, a = (x[rows] for x in motion)
     slopes, unit = dynamics.torque_slopes(q, v, a), loads.unit(rows)
     gravity, inertial, residual = model.gravity[rows], model.inertial[rows], torque[rows] - model.total[rows]
     counts = used[rows] & np.isfinite(residual)
-    for p in enough:
+    for p, end in zip(enough, ends, strict=True):
+        begin = end - len(thinned[p])
         for i in range(n):
-            u = (piece == p) & counts[:, i]
-            if u.sum() < FEWEST:
+            u = begin + np.flatnonzero(counts[begin:end, i])
+            if len(u) < FEWEST:
                 continue
             bodies = gravity[u, i] + inertial[u, i]
             columns = nuisances(v[u, i], a[u, i], gravity[u, i], inertial[u, i], bodies, unit[u, :, i])
             both = np.column_stack([residual[u, i], slopes[u, i]])
             rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
-            weight = u.sum() / max(float(rest[:, 0] @ rest[:, 0]), 1e-12)
+            weight = len(u) / max(float(rest[:, 0] @ rest[:, 0]), 1e-12)
             crossed[p] += weight * (rest[:, 1:].T @ rest[:, 0])
             shown[p] += weight * np.sum(rest[:, 1:] ** 2, axis=0)
     return crossed, shown

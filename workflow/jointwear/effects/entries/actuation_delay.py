@@ -15,14 +15,9 @@ def _columns(state, axis, source, p):
     if state.record is None:
         return np.zeros((*np.shape(state.time), 1))
     delay, lag = p["delay"], bool(p.get("lag"))
+    change, starts = (change_by_lag, _LAGS) if lag else (change_by_delay, _DEAD)
     key = "late", axis, delay, lag
-    if key in state.known:
-        return state.known[key]
-    change = (change_by_lag if lag else change_by_delay)(state, axis, delay)[..., None]
-    # The fit behind the noise and the search ask the same of one state; what a search moves is asked once.
-    if abs(delay) in (_LAGS if lag else _DEAD):
-        state.known[key] = change
-    return change
+    return state.once(key, lambda: change(state, axis, delay)[..., None], keep=abs(delay) in starts)
 
 
 def _grid(state, axis):

@@ -38,10 +38,8 @@ def _lag(state, axis, p, axes):
         return np.zeros(np.shape(state.position[..., axes]))
     drag = 2.0 * p.get("damping", _DAMPING) * np.sqrt(stiffness * p["inertia"])
     key = "wind-up", axis, stiffness, drag
-    twist, acceleration = state.known.get(key) or wind_up(state, load, inertia, stiffness, drag)
-    # The fit behind the noise and the search ask the same of one state; what a search moves is asked once.
-    if p["inertia_over_stiffness"] in _SWINGS:
-        state.known[key] = twist, acceleration
+    keep = p["inertia_over_stiffness"] in _SWINGS
+    twist, acceleration = state.once(key, lambda: wind_up(state, load, inertia, stiffness, drag), keep)
     return -by_acceleration[:, axes] * acceleration[:, None] - by_angle[:, axes] * twist[:, None]
 
 
