@@ -1,9 +1,13 @@
 """Waves over the motor angle in the noise: plain ones are held by the fit behind it, others are not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from discovery_cases import make_case
 
+from jointwear.discovery.motor_lines import loud_waves
+from jointwear.discovery.noise import estimate
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import axis_noise
@@ -33,6 +37,26 @@ def noise_of(robot, size):
 def test_a_plain_cogging_torque_is_no_noise(robot):
     quiet = noise_of(robot, 0.0).marginal
     assert noise_of(robot, 20.0 * quiet).marginal == pytest.approx(quiet, rel=0.3)
+
+
+def test_a_wave_is_held_by_how_quiet_the_residual_is_without_it(robot):
+    """The noise model of the residual with the wave may know all of it: that says nothing against the wave."""
+    problem = build_problem(split(make_case(robot, 5, cogging(robot, 0.5))), robot, Settings())
+    state, rng = problem.train_state, np.random.default_rng(1)
+    noise = 0.01 * rng.standard_normal(problem.discrepancy.shape)
+    wave = get_effect("cogging_torque").columns(state, AXIS, None, {"order": 1.0})
+
+    def found(size):
+        noise[problem.train, AXIS] += size * wave[:, 0]
+        label = problem.measured.trajectory[problem.train]
+        white = estimate(noise[problem.train, AXIS], problem.usable[:, AXIS], label, 6)
+        return loud_waves(replace(problem, discrepancy=noise), AXIS, state, white, lambda series: series, 6)
+
+    assert found(0.0).shape[1] == 0
+    loud = found(0.4)
+    left = np.linalg.lstsq(loud, wave, rcond=None)
+    assert loud.shape[1]
+    np.testing.assert_allclose(loud @ left[0], wave, atol=1e-6)
 
 
 def test_the_answer_of_a_controller_is_seen_where_filters_take_the_shaking(robot):

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.linear import chi_square
-from jointwear.discovery.noise import Whitener
+from jointwear.discovery.linear import chi_square, least_squares
+from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.problem import Problem
 from jointwear.effects import State, library
 
@@ -28,6 +28,64 @@ def shown_waves(
     """
     accept = problem.settings.accept
     target = white(take_off(problem.discrepancy[problem.train, axis]))
+    waves, shown = waves_in_band(problem, axis, state), [np.zeros((len(state.velocity), 0))]
+    for columns in waves:
+        # What columns share with the fit makes them look larger, not better: few have to be held against it.
+        if _gain(white(columns), target) <= 0.5 * accept:
+            continue
+        if _gain(white(take_off(columns)), target) - np.log(len(waves)) > accept:
+            shown.append(columns)
+    return np.concatenate(shown, axis=1)
+
+
+def loud_waves(
+    problem: Problem,
+    axis: int,
+    state: State,
+    noise: Whitener,
+    take_off: Callable[[np.ndarray], np.ndarray],
+    highest: int,
+) -> np.ndarray:
+    """Return the columns (N_train, k) of the waves that are louder than the noise, k = 0 for none, the loudest first.
+
+    A noise model of a residual with such a wave has learnt its frequencies: whitened by it next to nothing of the wave
+    is left (39 nats of a wave that was 0.87 of a variance). So residuals without the wave are given a noise model of
+    their own, and a wave is held whose noise is smaller by the nats that a name needs.
+
+    Parameters
+    ----------
+    state : training samples that the columns are made from. noise : the noise model of what the fit leaves. take_off :
+        what a fit that knows no noise leaves of series (N_train, k). highest : order that a noise model may have.
+    """
+    used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
+    waves, shown = waves_in_band(problem, axis, state), [np.zeros((len(state.velocity), 0))]
+    left = take_off(problem.discrepancy[problem.train, axis])
+    beside = np.split(take_off(np.concatenate(waves, axis=1)), len(waves), axis=1) if waves else []
+    while waves:
+        fits = [_fitted(columns[used], left[used]) for columns in beside]
+        # The loudest by what it takes off the squares; how much better the noise is then, decides.
+        best = int(np.argmax([gained for gained, _ in fits]))
+        needed = problem.settings.accept + np.log(len(waves))
+        if 0.5 * fits[best][0] <= needed * np.mean(left[used] ** 2):
+            break
+        without = left - beside[best] @ fits[best][1]
+        quieter = estimate(without, used, label, highest)
+        if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= needed:
+            break
+        shown.append(waves.pop(best))
+        beside.pop(best)
+        left, noise = without, quieter
+    return np.concatenate(shown, axis=1)
+
+
+def _fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return what columns (m, k) take off the squares of a target (m,), and their coefficients (k,)."""
+    gram, b = columns.T @ columns, columns.T @ target
+    return chi_square(b, gram, gram)[0], least_squares(b, gram, gram)
+
+
+def waves_in_band(problem: Problem, axis: int, state: State) -> list[np.ndarray]:
+    """Return the columns (N_train, k) of every wave over the angle of the motor that the band of the torque holds."""
     # How much of a fast wave shakes the joint, and how much its controller answers, is up to the controller.
     states = (state, replace(state, derives=None))
     # Both are held, so that the forms of one wave are one.
@@ -38,15 +96,7 @@ def shown_waves(
         for nonlinear in effect.grid(replace(state, derives=None), axis)
         if in_band(problem, axis, repeats := effect.waves(state, axis, nonlinear))
     }
-    waves = list(shapes.values())
-    shown = [np.zeros((len(state.velocity), 0))]
-    for columns in waves:
-        # What columns share with the fit makes them look larger, not better: few have to be held against it.
-        if _gain(white(columns), target) <= 0.5 * accept:
-            continue
-        if _gain(white(take_off(columns)), target) - np.log(len(waves)) > accept:
-            shown.append(columns)
-    return np.concatenate(shown, axis=1)
+    return list(shapes.values())
 
 
 def _gain(columns: np.ndarray, target: np.ndarray) -> float:
