@@ -23,3 +23,22 @@ def test_samples_of_a_shared_drive_that_sticks_are_left_out():
     np.testing.assert_array_equal(stuck[:, 1:], np.stack([slow, slow], axis=1))
     missing[:, 1] = 0.02 * rng.standard_normal(4000)
     assert not sticking(usable, velocity, acceleration, missing, inertial)[:, 1].any()
+
+
+def test_a_shared_drive_that_sticks_for_a_third_of_the_time_is_no_program():
+    """Friction of a shared drive holds two joints together for whole stretches; a program that does leaves no trace."""
+    rng = np.random.default_rng(4)
+    time = np.arange(4000) / RATE
+    velocity = np.stack([np.sin(2.0 * time), np.cos(3.1 * time)], axis=1)
+    held = np.cos(0.7 * time) > 0.4
+    velocity[held, 1] = -velocity[held, 0]
+    acceleration = np.gradient(velocity, 1 / RATE, axis=0)
+    usable, inertial = np.ones((4000, 2), dtype=bool), rng.standard_normal((4000, 2, 2))
+    speed = velocity.sum(axis=1)
+    slow = np.abs(speed) < assumed.STICKS
+    assert 0.3 < slow.mean() < 0.5
+    noise = 0.02 * rng.standard_normal((4000, 2))
+    friction = 0.8 * np.where(slow, rng.uniform(-1, 1, 4000), np.sign(speed))
+    stuck = sticking(usable, velocity, acceleration, noise + friction[:, None], inertial)
+    np.testing.assert_array_equal(stuck, np.stack([slow, slow], axis=1))
+    assert not sticking(usable, velocity, acceleration, noise, inertial).any()

@@ -77,8 +77,6 @@ SLOWEST_SAMPLES = 1 / 3
 STICKS = 0.05
 #: Largest share of the squared residual elsewhere that the friction of the shared drive may leave.
 EXPLAINED = 0.7
-#: Largest share of samples that may be left out: joints that turn as one all the time are made to, by their program.
-MADE_TO = 0.2
 
 # Priors, as standard deviations.
 

@@ -46,7 +46,7 @@ def sticking(
             slow = np.abs(speed) < assumed.STICKS
             for axis, other in (pair, pair[::-1]):
                 used = usable[:, axis]
-                if not FEWEST <= np.sum(used & slow) <= assumed.MADE_TO * used.sum():
+                if not FEWEST <= np.sum(used & slow) <= 0.5 * used.sum():
                     continue
                 shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)
                 if _sticks(base_of(axis), shared, missing[:, axis], used, slow):
