@@ -10,6 +10,7 @@ from jointwear.discovery.in_its_place import better_in_its_place
 from jointwear.discovery.leftovers import stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.whitening import White
 
 
 def _outcome(white, axis, candidate, torque):
@@ -60,3 +61,15 @@ def test_a_torque_signal_that_is_blind_around_zero_is_no_friction(white):
     )
     basis, axis, _ = better_in_its_place(outcome, outcome.named[0])
     assert (basis.argument, axis) == ("torque", 1)
+
+
+def test_what_stands_for_all_of_a_name_leaves_nothing_to_explain_in_its_place(white, monkeypatch):
+    """Noise of accelerations may take off a torque what a gain does: the tolerance of the name is then all price."""
+    q = white.problem.train_state.position[:, 2]
+    columns = raw_columns(white, SPRING)
+    outcome = _outcome(white, 2, SPRING, 40.0 * (q - q.mean()))
+    all_of_it = Term(
+        "attenuation 2", {2: white.columns(2, columns)}, np.full(columns.shape[1], 50.0), {2: white.raw(2, columns)}
+    )
+    monkeypatch.setattr(White, "attenuation", [all_of_it])
+    assert better_in_its_place(outcome, outcome.named[0]) is None

@@ -34,7 +34,9 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     rest = [n for n in outcome.named if n is not one]
     before = [*with_tolerances(white, rest), *white.attenuation]
     fit = white.fit(before)
-    own = white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation]).evidence - fit.evidence
+    # What noise takes off fitted inertias may stand for all of a torque constant, and what is left of the name is the
+    # price of its tolerance: then there is nothing that structure could explain in its place.
+    own = max(white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation]).evidence - fit.evidence, 0.0)
     best = None
     for axis in asked_of(one):
         for basis in resolved_bases(white, axis):
