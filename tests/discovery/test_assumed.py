@@ -30,7 +30,7 @@ OTHERS = {
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
         noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES shaken.BINS shared_drives.FEWEST
-        spectra.FEWEST
+        shared_drives.FEWEST_EACH spectra.FEWEST
     """,
     "rounding, of numbers and of their digits in a log": """
         base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL

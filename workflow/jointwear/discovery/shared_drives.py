@@ -15,8 +15,8 @@ import numpy as np
 
 from jointwear.discovery import assumed
 
-#: Fewest samples that say that a drive sticks.
-FEWEST = 5
+#: Fewest samples that say that a drive sticks, and fewest elsewhere for each column of the regression.
+FEWEST, FEWEST_EACH = 5, 3
 #: Samples that the regression is made of, at most.
 SAMPLES = 3000
 #: Ridge of the regression as a share of the mean square of its columns.
@@ -46,7 +46,7 @@ def sticking(
             slow = np.abs(speed) < assumed.STICKS
             for axis, other in (pair, pair[::-1]):
                 used = usable[:, axis]
-                if not FEWEST <= np.sum(used & slow) <= 0.5 * used.sum():
+                if np.sum(used & slow) < FEWEST:
                     continue
                 shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)
                 if _sticks(base_of(axis), shared, missing[:, axis], used, slow):
@@ -57,6 +57,8 @@ def sticking(
 def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.ndarray, slow: np.ndarray) -> bool:
     """Return whether the columns (N, 3) of a shared drive explain what is `missing` (N,), but for its slow samples."""
     rows = np.flatnonzero(used & ~slow)
+    if len(rows) < FEWEST_EACH * (base.shape[1] + shared.shape[1]):
+        return False
     rows = rows[:: -(-len(rows) // SAMPLES)]
     inside = np.flatnonzero(used & slow)
     x, y = np.concatenate([base.take(rows, axis=0), shared[rows]], axis=1), missing[rows]
