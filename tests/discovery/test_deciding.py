@@ -223,6 +223,23 @@ def test_one_sample_that_jumps_is_no_structure(found):
     assert [(u.axis, u.argument) for u in lasting(jumped)] == [(u.axis, u.argument) for u in before]
 
 
+def test_samples_that_are_all_far_off_are_no_outliers(found):
+    """Clipped at four times the noise a torque of hundreds of times the noise is too small to matter to the joint."""
+    outcome = found.final.outcome
+    white, axis = outcome.white, 4
+    rows = white.whiteners[axis].rows
+    position = white.problem.train_state.position[rows, 3]
+    targets = [y.copy() for y in white.targets]
+    targets[axis] += 300.0 * np.sin(3.0 * position) * np.sign(white.axis_state(axis).velocity[rows, axis])
+    # Only what is worth twenty times the noise matters to this joint.
+    torque = float(np.sqrt(np.mean(white.problem.train_state.torque[white.problem.usable[:, axis], axis] ** 2)))
+    share = 20.0 * white.whiteners[axis].marginal / torque
+    problem = replace(white.problem, settings=replace(white.problem.settings, smallest_share=share))
+    off = replace(outcome, problem=problem, white=replace(white, problem=problem, targets=targets))
+    off.unexplained = unexplained(off)[0]
+    assert axis in {u.axis for u in lasting(off)}
+
+
 def test_of_a_torque_constant_only_counts_what_drives_cannot_take_over(found):
     problem = found.final.outcome.white.problem
     used = problem.usable[:, 1]

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.special import gammaincc
+from scipy.stats import median_abs_deviation
 
 from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import of_timing, predictive
@@ -162,8 +163,13 @@ def lasting(outcome: Outcome) -> list[Unexplained]:
 
 
 def _without_outliers(fit: Fit) -> Fit:
-    """Return the fit to targets in which no sample lies further off than noise does (winsorised, one step)."""
-    excess = [r - np.clip(r, -assumed.SIGMAS, assumed.SIGMAS) for r in fit.residual]
+    """Return the fit to targets in which no sample lies further off than noise does (winsorised, one step).
+
+    Where half of the samples lie further off than that, they are no outliers: the scale is that of the residual itself.
+    """
+    scales = [max(1.0, median_abs_deviation(r, scale="normal")) if len(r) else 1.0 for r in fit.residual]
+    limits = [assumed.SIGMAS * scale for scale in scales]
+    excess = [r - np.clip(r, -limit, limit) for r, limit in zip(fit.residual, limits, strict=True)]
     if not any(e.any() for e in excess):
         return fit
     return Fit([y - e for y, e in zip(fit.targets, excess, strict=True)], fit.terms)
