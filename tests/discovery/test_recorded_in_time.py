@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from test_instruments import RATE, coarse
@@ -10,7 +11,13 @@ from test_instruments import RATE, coarse
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.harmless_band import where_noise_is_harmless
 from jointwear.discovery.problem import build_problem
-from jointwear.discovery.recorded_in_time import bridged, change_in_time, nats_of_time, put_forward
+from jointwear.discovery.recorded_in_time import (
+    bridged,
+    change_in_time,
+    nats_of_time,
+    put_forward,
+    whitened_change,
+)
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import whiten
@@ -102,3 +109,22 @@ def test_a_torque_that_cannot_be_judged_says_nothing_of_a_delay():
     assert np.abs(change[:290]).max() < 1e2
     plain = change_in_time(white, white.fit(), axis, delay)
     np.testing.assert_allclose(change[:200], plain[:200], atol=0.05 * np.abs(plain).max())
+
+
+@pytest.mark.parametrize("delay", [0.01, -0.01])
+def test_a_stretch_that_cannot_be_judged_leaves_no_jump_beside_it(delay):
+    """Slow noise is whitened by differences: a change that ended at that stretch would be a jump of many deviations."""
+    white = whitened(load_robot("config/robots/puma560.yaml"), seed=6)
+    axis = 1
+    lags = np.array([1.6, -0.62])
+    slow = [None if w is None else replace(w, lags=lags, sigma=0.1 * w.sigma) for w in white.whiteners]
+    white = replace(white, whiteners=slow)
+    usable = white.problem.measured.usable.copy()
+    usable[300:340, axis] = False
+    spoilt = replace(white.problem, measured=replace(white.problem.measured, usable=usable))
+    whole, cut = (whitened_change(replace(white, problem=p), white.fit(), axis, delay) for p in (white.problem, spoilt))
+    rows = white.whiteners[axis].rows
+    elsewhere = (rows < 300) | (rows > 355)
+    wanted = np.where(cut == 0.0, 0.0, whole)[elsewhere]
+    np.testing.assert_allclose(cut[elsewhere], wanted, atol=0.1 * np.abs(whole).max())
+    assert np.mean(cut != 0.0) > 0.9

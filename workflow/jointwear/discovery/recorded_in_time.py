@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import fourier_shift
 
@@ -43,9 +44,21 @@ def nats_of_time(white: White, fit: Fit, axis: int, delay: float) -> float:
     """
     gains = []
     for share in SHARES:
-        column = white.columns(axis, change_in_time(white, fit, axis, share * delay)[:, None])
+        column = whitened_change(white, fit, axis, share * delay)[:, None]
         gains.append(gain_of_one(*fit.gram({axis: column})))
     return max(gains)
+
+
+def whitened_change(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
+    """Return :func:`change_in_time` whitened, (m,), 0 in the rows to which a sample belongs that cannot be judged.
+
+    A change that ends at such a sample jumps there, and where noise changes slowly a jump is worth more than all else.
+    """
+    change, known = _change(white, fit, axis, delay)
+    whitener = white.whiteners[axis]
+    order = len(whitener.lags)
+    judged = sliding_window_view(known, order + 1).all(axis=1)[whitener.rows - order]
+    return np.where(judged, white.columns(axis, change[:, None])[:, 0], 0.0)
 
 
 def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
@@ -55,6 +68,11 @@ def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarra
     between two samples, as :class:`Steps` has it. Below 0 it is early. 0 where what was recorded at the other time
     cannot be judged: a torque that is led over stops and reversals says nothing of a delay.
     """
+    return _change(white, fit, axis, delay)[0]
+
+
+def _change(white: White, fit: Fit, axis: int, delay: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return :func:`change_in_time` and where it can be judged, both (m,)."""
     problem = white.problem
     torque, used = problem.measured.torque[problem.train, axis], problem.usable[:, axis]
     late, now = (_coulomb(problem.train_state, fit, axis, d) for d in (delay, 0.0))
@@ -62,7 +80,7 @@ def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarra
     smooth = bridged(torque - late, used)
     parts = [put_forward(smooth[piece], delay, problem.measured.rate) for piece in pieces]
     known = np.concatenate([_known(used[piece], delay * problem.measured.rate) for piece in pieces])
-    return np.where(known, torque - np.concatenate(parts) - now, 0.0)
+    return np.where(known, torque - np.concatenate(parts) - now, 0.0), known
 
 
 def _known(used: np.ndarray, later: float) -> np.ndarray:

@@ -18,7 +18,7 @@ from jointwear.discovery import assumed
 from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.recorded_in_time import Steps, bridged, change_in_time, put_forward
+from jointwear.discovery.recorded_in_time import Steps, bridged, put_forward, whitened_change
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 from jointwear.effects.order import change_by_delay
@@ -94,11 +94,12 @@ def _of_joints(white: White, fit: Fit, period: float, shares: np.ndarray, record
     asked, found = np.linspace(shares.min(), shares.max(), ASKED), []
     for axis in white.problem.judged:
         if recorded:
-            late = [change_in_time(white, fit, axis, share * period) for share in asked]
+            late = np.stack([whitened_change(white, fit, axis, share * period) for share in asked], axis=1)
         else:
             limited = white.timing_state(axis)
-            late = [change_by_delay(limited, axis, share * period) for share in asked]
-        b, gram = fit.gram({axis: white.columns(axis, np.stack(late, axis=1))})
+            changes = [change_by_delay(limited, axis, share * period) for share in asked]
+            late = white.columns(axis, np.stack(changes, axis=1))
+        b, gram = fit.gram({axis: late})
         if not np.diag(gram).any():
             continue
         misfit = max(float(np.mean(fit.residual[axis] ** 2)), 1.0)
