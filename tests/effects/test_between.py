@@ -21,6 +21,16 @@ def test_a_smooth_signal_is_read_off_at_any_time_of_its_record_and_held_beyond_i
     np.testing.assert_allclose(found, wanted, atol=1e-7)
 
 
+def test_beyond_the_ends_of_a_record_what_is_turned_goes_on_and_the_rest_is_held():
+    values = np.stack([3.0 - 2.0 * TIME, 3.0 - 2.0 * TIME], axis=1)
+    between = Between(TIME, values, [slice(0, 40)], turned=[0])
+    for delay in (0.12, -0.12):
+        line = 3.0 - 2.0 * (TIME - delay)
+        np.testing.assert_allclose(between.earlier(delay)[:, 0], line, atol=1e-9)
+        held = np.clip(line, values[-1, 1], values[0, 1])
+        np.testing.assert_allclose(between.earlier(delay)[:, 1], held, atol=1e-9)
+
+
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_records_too_short_for_the_splines_have_straight_lines(count):
     time, values = TIME[:count], np.arange(count) ** 2.0

@@ -23,24 +23,36 @@ class Between:
     Parameters
     ----------
     time : (m,) [s], rising within each record. values : finite. records : their slices.
+    turned : columns of `values` (m, k) that go on beyond the ends of a record turned about them, as their slope has it
+        and noise stays as large; all others keep their end values.
 
     Raises
     ------
     InputError : names the first sample whose time does not rise, or that is not finite.
     """
 
-    def __init__(self, time: np.ndarray, values: np.ndarray, records: Sequence[slice]) -> None:
-        self._time, self._values = time, values
+    def __init__(
+        self, time: np.ndarray, values: np.ndarray, records: Sequence[slice], turned: Sequence[int] = ()
+    ) -> None:
+        self._time, self._values, self._turned = time, values, list(turned)
         self._records = [(part, _spline(time, values, part)) for part in records]
 
     def earlier(self, delay: float) -> np.ndarray:
-        """Return the values as they were `delay` [s] earlier; beyond the ends of a record its end values hold."""
+        """Return the values as they were `delay` [s] earlier; negative: as they will be."""
         if delay == 0:
             return np.array(self._values, dtype=float)
         result = np.empty(np.shape(self._values))
         for part, spline in self._records:
             time = self._time[part]
-            result[part] = spline(np.clip(time - delay, time[0], time[-1]))
+            asked = time - delay
+            inside = np.clip(asked, time[0], time[-1])
+            found = spline(inside)
+            beyond = np.flatnonzero(asked != inside)
+            if len(beyond) and self._turned:
+                mirror = np.clip(2.0 * inside[beyond] - asked[beyond], time[0], time[-1])
+                where = np.ix_(beyond, self._turned)
+                found[where] = 2.0 * found[where] - spline(mirror)[:, self._turned]
+            result[part] = found
         return result
 
 

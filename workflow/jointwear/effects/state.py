@@ -139,7 +139,9 @@ class State:
         if axis not in self._between:
             velocity = self.velocity[..., axis]
             smooth = self.torque[..., axis] - self.drive.coulomb(axis, velocity)
-            self._between[axis] = Between(self.time, np.stack([smooth, velocity], axis=-1), record_slices(self))
+            values = np.stack([smooth, velocity], axis=-1)
+            # Before a log began a torque went on as it was about to; the sense of friction is not guessed.
+            self._between[axis] = Between(self.time, values, record_slices(self), turned=[0])
         return self._between[axis]
 
     def waves_of(self, axis: int, count: float) -> np.ndarray:
