@@ -8,8 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_instruments import RATE, coarse
 
-from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.acceptance import refusals
+from jointwear.discovery.candidates import Candidate, term_of
+from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.harmless_band import where_noise_is_harmless
+from jointwear.discovery.outcome import Named
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.recorded_in_time import (
     bridged,
@@ -128,3 +131,14 @@ def test_a_stretch_that_cannot_be_judged_leaves_no_jump_beside_it(delay):
     wanted = np.where(cut == 0.0, 0.0, whole)[elsewhere]
     np.testing.assert_allclose(cut[elsewhere], wanted, atol=0.1 * np.abs(whole).max())
     assert np.mean(cut != 0.0) > 0.9
+
+
+def test_a_clock_that_is_far_off_predicts_as_well_as_a_delay_but_is_not_believed():
+    white = whitened(load_robot("config/robots/puma560.yaml"), seed=6, step=2 * np.pi / 2**22, late=0.8 / RATE)
+    settings = white.problem.settings
+    one = Candidate("actuation_delay", 1, None, {"delay": 0.8 / RATE, "lag": 0})
+    term = term_of(white, one)
+    evidence = white.fit([term]).evidence - white.fit().evidence
+    assert evidence > 10.0 * settings.accept
+    assert cross_validate(white, [], [term]).nats < settings.accept
+    assert not refusals(white, [], Named(one, term, None, evidence))

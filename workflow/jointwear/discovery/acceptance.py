@@ -21,7 +21,7 @@ from jointwear.discovery.problem import Problem
 from jointwear.discovery.recorded_in_time import nats_of_time
 from jointwear.discovery.scan import gain_about_one, possible
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.whitening import INERTIAL, Folds, White
+from jointwear.discovery.whitening import INERTIAL, Folds, White, clock_label
 from jointwear.effects import get_effect
 
 #: The gate that asks every record alone.
@@ -36,6 +36,17 @@ def follows_time(candidate: Candidate) -> bool:
 def of_timing(candidate: Candidate) -> bool:
     """Return whether an effect is made of rates of torque."""
     return candidate.effect != LINK_MASS and get_effect(candidate.effect).timing
+
+
+def of_late_torque(candidate: Candidate) -> bool:
+    """Return whether an effect is torque at another time."""
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).late
+
+
+def without_clock(white: White, axis: int) -> White:
+    """Return the problem in which position and torque of an axis (0-based) are recorded at the same instant."""
+    label = clock_label(axis)
+    return replace(white, base=[t for t in white.base if t.label != label])
 
 
 def of_drive(candidate: Candidate) -> bool:
@@ -95,6 +106,8 @@ def predictive(white: White, before: list[Term], trial: Named) -> tuple[CrossVal
         white, before, trial = _by_misfit(white, before, trial)
     lasting, parts_of = follows_time(trial.candidate), left_out_of(white, trial.candidate)
     evidence = trial.evidence
+    if of_late_torque(trial.candidate):
+        white = without_clock(white, trial.candidate.axis)
     if is_body(trial.candidate):
         # Links that are wrong beyond what anyone would believe predict as well as a body does: the evidence tells them
         # apart. Records left out tell whether the robot as given predicts better with the body.
@@ -153,9 +166,10 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         effect = get_effect(trial.candidate.effect)
         if effect.late:
             delay = float(trial.candidate.nonlinear[effect.scaled])
-            nats = nats_of_time(white, beside, trial.candidate.axis, delay)
+            on_time = without_clock(white, trial.candidate.axis).fit(before)
+            nats = nats_of_time(white, on_time, trial.candidate.axis, delay)
             gates.append(("nats of the recorded torque put forward in time", nats, half))
-            nats, share = where_noise_is_harmless(white, beside, trial.candidate)
+            nats, share = where_noise_is_harmless(white, on_time, trial.candidate)
             gates.append(("nats in the band in which noise feigns no rate of torque", nats, half))
             gates.append(("share of what that band has of it at any size", share, settings.nearly_all))
         if effect.of_drive:

@@ -237,6 +237,11 @@ class White:
         return self.problem.block_of_sample[self.whiteners[axis].rows]
 
 
+def clock_label(axis: int) -> str:
+    """Return the label of the term for what the torque of an axis (0-based) changes within the accuracy of its time."""
+    return f"clock {axis}"
+
+
 def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
     """Whiten targets and base regression; inertial directions that the data cannot see are dropped."""
     cutoffs = [Cutoffs() if w is None else axis_cutoffs(problem, axis, w) for axis, w in enumerate(whiteners)]
@@ -261,7 +266,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
                 Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], assumed.FILTER), {axis: nothing})
             )
         clock = clock_of(problem, axis, cutoffs[axis])
-        base.append(Term(f"clock {axis}", {axis: white(clock)}, np.ones(1), {axis: np.zeros((len(white.rows), 1))}))
+        base.append(Term(clock_label(axis), {axis: white(clock)}, np.ones(1), {axis: np.zeros((len(white.rows), 1))}))
         raw_inertial[axis], inertial[axis] = _raw(problem, axis, cutoffs[axis], white, columns), white(columns)
     rank = problem.factor.shape[1]
     gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
