@@ -164,6 +164,20 @@ def test_delays_that_searches_start_from_are_worked_out_once_for_a_state(state):
     np.testing.assert_array_equal(once[-1], again[-1])
 
 
+def test_unequal_levels_of_friction_fall_by_the_same_share(state, robot):
+    """The PUMA's levels differ: warm, both lose their share, and only equal ones lose as much either way."""
+    effect = effects.get_effect("temperature_dependent_coulomb_friction")
+    plain = effect.plain(state, 1)[0]
+    torque = effect.torque(state, 1, None, effect.complete({**plain, "slope": 0.1}))
+    level = robot.coulomb(state.velocity)[:, 1]
+    warm = state.temperature[:, 1] - plain["reference"]
+    mean = 0.5 * (robot.coulomb_positive[1] - robot.coulomb_negative[1])
+    np.testing.assert_allclose(torque, -0.1 * warm * level / mean, rtol=1e-3, atol=1e-9)
+    assert {p["unequal"] for p in effect.grid(state, 1)} == {plain["unequal"], 0.0}
+    level_arm = replace(state.drive, coulomb_negative=-state.drive.coulomb_positive)
+    assert [p["unequal"] for p in effect.grid(replace(state, drive=level_arm), 1)] == [0.0] * 3
+
+
 def test_a_spring_carries_its_preload(state):
     effect = effects.get_effect("joint_spring")
     nonlinear = effect.grid(state, 1)[0]

@@ -20,12 +20,14 @@ def reference_temperature(state: State, axis: int) -> float | None:
 
 
 def temperature_shape(
-    carrier: Callable[[State, int], np.ndarray],
+    carrier: Callable[[State, int, Mapping[str, float]], np.ndarray],
 ) -> Callable[[State, int, Mapping[str, float]], tuple[np.ndarray, np.ndarray]]:
     """Return the `shape` of an effect with this carrier; an unknown temperature counts as the reference."""
 
     def shape(state: State, axis: int, parameters: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
-        return carrier(state, axis), np.nan_to_num(state.temperature[..., axis], nan=parameters["reference"])
+        return carrier(state, axis, parameters), np.nan_to_num(
+            state.temperature[..., axis], nan=parameters["reference"]
+        )
 
     return shape
 

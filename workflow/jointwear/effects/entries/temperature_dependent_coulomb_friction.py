@@ -10,28 +10,53 @@ from jointwear.effects.temperature import reference_temperature, temperature_sha
 _STRAIGHT = 1e4
 
 
+def _level(state, axis, p):
+    # 1 + unequal forward, -1 + unequal backward: both levels fall by the same share.
+    direction = state.direction[..., axis]
+    return direction + p.get("unequal", 0.0) * np.abs(direction)
+
+
 def _columns(state, axis, source, p):
     scale = p["scale"]
     fall = scale * np.expm1(-warming(state, axis, p["reference"]) / scale)
-    return (fall * state.direction[..., axis])[..., None]
+    return (fall * _level(state, axis, p))[..., None]
+
+
+def _unequal(state, axis):
+    """Return what the robot file's two levels differ by, as a share of their sum; 0 without friction."""
+    forward, backward = state.drive.coulomb_positive[axis], -state.drive.coulomb_negative[axis]
+    both = forward + backward
+    return float(np.clip((forward - backward) / both, -1.0, 1.0)) if both > 0 else 0.0
 
 
 def _grid(state, axis):
     reference = reference_temperature(state, axis)
-    return [] if reference is None else [{"reference": reference, "scale": s} for s in (_STRAIGHT, 100.0, 40.0)]
+    if reference is None:
+        return []
+    forms = dict.fromkeys((_unequal(state, axis), 0.0))
+    return [{"reference": reference, "scale": s, "unequal": u} for u in forms for s in (_STRAIGHT, 100.0, 40.0)]
 
 
-_SHAPE = temperature_shape(lambda state, axis: state.direction[..., axis])
+_SHAPE = temperature_shape(_level)
 
 EFFECT = Effect(
     identifier="temperature_dependent_coulomb_friction",
     name="Temperature-dependent Coulomb friction",
-    equation="a Fc Tc (exp(-(T - T0)/Tc) - 1) sign(v), which is -a Fc (T - T0) sign(v) for a large Tc",
+    equation="a Fc Tc (exp(-(T - T0)/Tc) - 1) (sign(v) + u), which is -a Fc (T - T0) (sign(v) + u) for a large Tc",
     parameters=(
         Parameter("slope", "N m/K", 0.0, 1e3, "a Fc, fall of Coulomb friction per kelvin at T0"),
         Parameter("scale", "K", 10.0, _STRAIGHT, "Tc, warming over which the fall bends", _STRAIGHT),
         Parameter(
             "reference", "degC", -50.0, 200.0, "T0, at which the robot file's Coulomb friction holds", 25.0, fixed=True
+        ),
+        Parameter(
+            "unequal",
+            "1",
+            -1.0,
+            1.0,
+            "u, by which the fall of positive motion is larger and that of negative motion smaller",
+            0.0,
+            fixed=True,
         ),
     ),
     confused_with=("torque_constant_temperature", "wear_drift"),

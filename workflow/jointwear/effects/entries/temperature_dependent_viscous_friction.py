@@ -25,7 +25,7 @@ def _plain(state, axis):
     return [p for p in _grid(state, axis) if p["scale"] == _USUAL]
 
 
-_SHAPE = temperature_shape(lambda state, axis: state.velocity[..., axis])
+_SHAPE = temperature_shape(lambda state, axis, p: state.velocity[..., axis])
 
 EFFECT = Effect(
     identifier="temperature_dependent_viscous_friction",

@@ -28,7 +28,7 @@ def _grid(state, axis):
     return [] if reference is None else [{"reference": reference}]
 
 
-_SHAPE = temperature_shape(lambda state, axis: state.torque[..., axis])
+_SHAPE = temperature_shape(lambda state, axis, p: state.torque[..., axis])
 
 EFFECT = Effect(
     identifier="torque_constant_temperature",
