@@ -73,7 +73,7 @@ class Outcome:
     """What the search found; `white`, `fit` and `dictionary` are those of the final model, None where it failed.
 
     `refusals` are candidates that a gate refused, `suspects` effects that were taken off an axis that stays
-    unexplained, with the reason, `not_tried` (effect, 0-based axis or None) -> reason. `force` (3,) [N] at the
+    unexplained, with the reason, `not_tried` (effect, 0-based axis or None) -> reason. `force` (4,) [N, N m-1] at the
     flange in the base frame, where what is unexplained is most like one.
     """
 

@@ -1,9 +1,11 @@
 """A force at the flange that no effect of the library is: a hose, the wind, a rope or a contact.
 
 Most of what such a force does is that of a mean force, the same in the base frame at all poses, at the end of the arm:
-three columns J' F (Siciliano and Khatib 2016, Springer Handbook of Robotics, statics of serial chains). Without them
+three columns J' F (Siciliano and Khatib 2016, Springer Handbook of Robotics, statics of serial chains). What is fixed
+somewhere, as a hose or a rope is, pulls the harder the further the flange is off, towards where it is fixed: a force
+F - k (x - mean x), whose fourth column is J' (mean x - x). Without them
 effects that pull at all joints take it: a tilted base turns the pull of gravity on every link, and is named with
-thousands of nats where a hose hangs at the last. So where these three columns explain more than any effect does,
+thousands of nats where a hose hangs at the last. So where these four columns explain more than any effect does,
 effects of single joints are looked for beside them; what the force changes by would look like those of the whole arm.
 They are no effect themselves: the torque stays unexplained, and what it looks like is told in words.
 """
@@ -65,7 +67,9 @@ def beside_force(white: White, dictionary: Dictionary, term: Term) -> tuple[Whit
 
 
 def force_of(white: White, term: Term, named: Sequence[Named]) -> np.ndarray | None:
-    """Return the force (3,) [N] in the base frame beside named effects, None where they do without it.
+    """Return the force (4,) beside named effects, None where they do without it.
+
+    Its mean over the poses in the base frame [N], and by how much it pulls back as the flange moves [N/m].
 
     Parameters
     ----------
@@ -78,22 +82,32 @@ def force_of(white: White, term: Term, named: Sequence[Named]) -> np.ndarray | N
 
 
 def force_in_words(force: np.ndarray) -> str:
-    """Return what is told of a force (3,) [N] at the flange."""
-    parts = ", ".join(f"{x:.2g}" for x in force)
+    """Return what is told of a force (4,) at the flange, as :func:`force_of` has it."""
+    mean, stiffness = force[:3], force[3]
+    parts = ", ".join(f"{x:.2g}" for x in mean)
+    way = "against" if stiffness > 0 else "along with"
     return (
-        f"what is unexplained is most like a force of {np.linalg.norm(force):.2g} N at the flange, ({parts}) N along "
-        "x, y and z of the base in all poses: look for a hose, a cable, a rope, wind or a contact"
+        f"what is unexplained is most like a force of {np.linalg.norm(mean):.2g} N at the flange, ({parts}) N along "
+        f"x, y and z of the base in the mean of all poses, that grows by {abs(stiffness):.2g} N/m {way} the motion of "
+        "the flange: look for a hose, a cable, a rope, wind or a contact"
     )
 
 
 def _term(white: White) -> Term | None:
-    """Return the columns of a force at the flange, as strong as the weight of a usual load; None without gravity."""
+    """Return the columns of a force at the flange, as strong as the weight of a usual load; None without gravity.
+
+    It usually changes by as much over the way of the flange.
+    """
     problem = white.problem
     usual = [effect.prior(problem.robot)[0] for effect in library().values() if effect.sound is not None]
     weight = max(usual, default=0.0) * float(np.linalg.norm(problem.robot.gravity))
     if not weight > 0:
         return None
-    pull = problem.flange_pull
+    path = problem.flange_path
+    back = np.einsum("...ij,...j->...i", problem.flange_pull, -path)
+    pull = np.concatenate([problem.flange_pull, back[..., None]], axis=-1)
+    way = max(float(np.sqrt(np.mean(np.sum(path**2, axis=-1)))), np.finfo(float).tiny)
+    std = np.array([weight, weight, weight, weight / way])
     blocks = {a: white.columns(a, pull[:, a]) for a in problem.judged}
     raw = {a: white.raw(a, pull[:, a]) for a in problem.judged}
-    return Term(LABEL, blocks, np.full(3, weight), raw)
+    return Term(LABEL, blocks, std, raw)

@@ -105,6 +105,12 @@ class Problem:
         return gravity_regressor(body, position) - without
 
     @cached_property
+    def flange_path(self) -> np.ndarray:
+        """(N_train, 3) place of the flange in the base frame [m], less its mean."""
+        place, _ = self.dynamics.forward_kinematics(self.train_state.position)
+        return place - place.mean(axis=0)
+
+    @cached_property
     def encoder_steps(self) -> np.ndarray:
         """(n,) step of the encoder of every joint [rad], nan where there is none that can be told."""
         if self.encoder_step is not None:
