@@ -8,6 +8,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
+from jointwear.discovery import shared_delay as module
 from jointwear.discovery.candidates import Candidate, raw_blocks
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
@@ -134,3 +135,41 @@ def test_torque_is_read_later_within_each_trajectory():
     np.testing.assert_allclose(without_delay(uneven, 0.05).torque[:3, 0], [0.5, 1.25, 2.0])
     assert "2 ms early (0.50 of a sampling period)" in delay_in_words(-0.002, 0.004)
     assert "late" in delay_in_words(0.002, 0.004)
+
+
+def _curves(monkeypatch, model, recorded):
+    """Let every joint tell a parabola of nats: (delay in periods, nats that a period costs) by model and torque."""
+
+    def told(white, fit, period, shares, recorded_torque=False, **more):
+        chosen = recorded if more.get("recorded", recorded_torque) else model
+        return {axis: size * (shares - place) ** 2 for axis, (place, size) in chosen.items()}
+
+    monkeypatch.setattr(module, "_of_joints", told)
+
+
+def test_the_recorded_torque_tells_among_all_that_the_model_leaves_open(recording, robot, monkeypatch):
+    """Three joints say "early", none how much: the best of the model is the largest that is asked."""
+    flat, sharp = dict.fromkeys(range(3), (-0.8, 30.0)), dict.fromkeys(range(6), (-0.44, 3000.0))
+    _curves(monkeypatch, {**flat, **dict.fromkeys(range(3, 6), (0.0, 0.1))}, sharp)
+    assert _found(recording, robot) == pytest.approx(-0.44, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("others", "by_model", "expected"),
+    [
+        ((-0.43, -0.45, -0.44, -0.42, 0.0), 0.0, -0.44),
+        ((-0.43, -0.45, 0.0, 0.1, 0.0), 0.0, 0.0),  # two agree
+        ((0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0),  # a delay of one joint
+        ((-0.43, -0.45, -0.44, -0.42, 0.0), 3.0, 0.0),  # the model speaks against it
+    ],
+)
+def test_joints_agree_by_their_torque_with_one_that_has_a_name(
+    recording, robot, monkeypatch, others, by_model, expected
+):
+    model = {0: (-0.4, 50.0), **dict.fromkeys(range(1, 6), (0.0 if by_model else -0.3, by_model or 0.5))}
+    _curves(monkeypatch, model, {0: (-0.44, 3000.0), **{a: (x, 3000.0) for a, x in enumerate(others, start=1)}})
+    period = sampling_period(recording)
+    white = whitened(build_problem(recording, robot, Settings()))
+    assert shared_delay(white, period) == 0.0
+    asked = shared_delay(white, period, named={0: -0.4 * period}) / period
+    assert asked == pytest.approx(expected, abs=0.03)

@@ -27,6 +27,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_delay import (
     delay_in_words,
     lasting_terms,
+    named_delays,
     sampling_period,
     shared_delay,
     without_delay,
@@ -172,7 +173,8 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
                 white = whitened(build_problem(log, problem.robot, problem.settings, moving_torques(log)))
         outcome = beside_slow_noise(white, search)
         beside = lasting_terms(outcome.named)
-        delay = shared_delay(outcome.white, period, beside, read) if beside else read
+        late = named_delays(outcome.named)
+        delay = shared_delay(outcome.white, period, beside, read, late) if beside or late else read
         if delay == read:
             break
     return log, outcome, [delay_in_words(read, period)] if read else []

@@ -8,8 +8,9 @@ robot file should hold it; left in, it would be named on every joint.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -36,17 +37,24 @@ def sampling_period(recording: Recording) -> float:
     return float(np.median(step[same])) if same.any() else 0.0
 
 
-def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read: float = 0.0) -> float:
+def shared_delay(
+    white: White,
+    period: float,
+    beside: Sequence[Term] = (),
+    read: float = 0.0,
+    named: Mapping[int, float] = MappingProxyType({}),
+) -> float:
     """Return the delay [s] of the torque of a log that most joints have in common, negative where it is early.
 
     It is 0, or the delay that has been taken out already, where no other is clearly likelier. No joint counts for more
     than half of what a name needs, so that three have to agree, and one with a delay of its own speaks neither for nor
-    against.
+    against. Where noise leaves the model of most joints no band to tell it, but one of them has a name for a delay, the
+    others may agree with that by the recorded torque.
 
     Parameters
     ----------
     white : of the log with its torque read `read` [s] later. period : between two samples as they were logged [s].
-    beside : terms of the model beside which it is asked.
+    beside : terms of the model beside which it is asked. named : axis -> delay [s] that has a name there.
     """
     fit = white.fit(list(beside))
     settings = white.problem.settings
@@ -57,18 +65,29 @@ def shared_delay(white: White, period: float, beside: Sequence[Term] = (), read:
     lost = _of_joints(white, fit, period, shares - read / period)
     if not lost:
         return read
-    against = np.minimum(lost, 0.5 * settings.accept).sum(axis=0)
+    against = _against(lost, settings.accept)
     best = int(np.argmin(against))
-    if against[-1] - against[best] <= settings.accept:
+    open_still = against[-1] - against[best] <= settings.accept
+    if open_still and not named:
         return read
-    if against[STEPS] - against[best] <= settings.accept:
+    if not open_still and against[STEPS] - against[best] <= settings.accept:
         return 0.0
+    recorded = _of_joints(white, fit, period, shares - read / period, recorded=True)
+    if open_still:
+        wanted = {axis: (read + delay) / period for axis, delay in named.items()}
+        agreed = _agreed_on(wanted, lost, recorded, shares, settings.accept)
+        if agreed is None:
+            return read
+        best = agreed
     # Which delay it is, those joints tell that have it, each by all that it knows. The recorded torque tells it more
     # sharply, without accelerations, but decides nothing: a controller answers to the noise of its encoder, and that
-    # torque runs ahead of the same noise in the accelerations.
+    # torque runs ahead of the same noise in the accelerations. Asked are all delays that the model does not exclude: a
+    # low cut-off leaves it as flat as to end at the largest.
     near = np.abs(shares - shares[best]) <= agree
-    for told in (lost, _of_joints(white, fit, period, shares - read / period, recorded=True)):
-        having = [of_joint for of_joint in told if near[np.argmin(of_joint)]]
+    if not open_still:
+        near |= against - against[best] <= settings.accept
+    for told in (lost, recorded):
+        having = [of_joint for of_joint in told.values() if near[np.argmin(of_joint)]]
         best = int(np.argmin(np.sum(having, axis=0))) if having else best
     # What is later still is no matter of sampling.
     return float(shares[best] * period) if abs(shares[best]) < largest else read
@@ -80,8 +99,49 @@ def lasting_terms(named: Sequence[Named]) -> list[Term]:
     return [t for n in lasting for t in n.terms]
 
 
-def _of_joints(white: White, fit: Fit, period: float, shares: np.ndarray, recorded: bool = False) -> list[np.ndarray]:
-    """Return for every joint that tells the nats that each delay (k,), in sampling periods, costs against its best.
+def named_delays(named: Sequence[Named]) -> dict[int, float]:
+    """Return axis -> delay [s] of what was named that is the torque at another time, a dead time or a lag."""
+    found = [n.candidate for n in named if n.candidate.effect != LINK_MASS and n.candidate.axis is not None]
+    return {c.axis: float(c.nonlinear["delay"]) for c in found if get_effect(c.effect).late}
+
+
+def _against(lost: Mapping[int, np.ndarray], accept: float) -> np.ndarray:
+    """Return what speaks against each delay (k,) in nats, no joint by more than half of what a name needs."""
+    return np.minimum(list(lost.values()), 0.5 * accept).sum(axis=0)
+
+
+def _agreed_on(
+    named: Mapping[int, float],
+    lost: Mapping[int, np.ndarray],
+    recorded: Mapping[int, np.ndarray],
+    shares: np.ndarray,
+    accept: float,
+) -> int | None:
+    """Return the index of a delay with a name on which the other joints agree by their recorded torque, or None.
+
+    Three of them have to, as of the model, which must not speak against it.
+
+    Parameters
+    ----------
+    named : axis -> delay that has a name there, in sampling periods.
+    """
+    for share in named.values():
+        others = [{a: told[a] for a in told if a not in named} for told in (lost, recorded)]
+        if abs(share) > shares[-2] or not all(others):
+            continue
+        place = int(np.argmin(np.abs(shares[:-1] - share)))
+        by_model, by_torque = (_against(told, accept) for told in others)
+        near = np.abs(shares - share) <= 2.0 * assumed.CLOCK
+        there = float(by_torque[near].min())
+        if by_torque[-1] - there > accept and by_torque[STEPS] - there > accept and by_model[place] < by_model[-1]:
+            return place
+    return None
+
+
+def _of_joints(
+    white: White, fit: Fit, period: float, shares: np.ndarray, recorded: bool = False
+) -> dict[int, np.ndarray]:
+    """Return for every axis that tells the nats that each delay (k,), in sampling periods, costs against its best.
 
     Each delay is compared as it is, not as a share of another: within half a period waves near the end of the band turn
     by up to a quarter, and friction turns between two samples.
@@ -91,7 +151,7 @@ def _of_joints(white: White, fit: Fit, period: float, shares: np.ndarray, record
     recorded : of the recorded torque, in all of its band, in place of that of the model, where the noise of derived
         accelerations does no harm.
     """
-    asked, found = np.linspace(shares.min(), shares.max(), ASKED), []
+    asked, found = np.linspace(shares.min(), shares.max(), ASKED), {}
     for axis in white.problem.judged:
         if recorded:
             late = np.stack([whitened_change(white, fit, axis, share * period) for share in asked], axis=1)
@@ -104,7 +164,7 @@ def _of_joints(white: White, fit: Fit, period: float, shares: np.ndarray, record
             continue
         misfit = max(float(np.mean(fit.residual[axis] ** 2)), 1.0)
         nats = CubicSpline(asked, (0.5 * np.diag(gram) - b) / misfit)(shares)
-        found.append(nats - nats.min())
+        found[axis] = nats - nats.min()
     return found
 
 
