@@ -325,6 +325,22 @@ def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_st
     assert "named but not written: nonlinear_viscous_friction" in told
 
 
+@pytest.mark.parametrize("left", [True, False])
+def test_an_effect_that_the_file_does_without_is_a_suspect_beside_structure(found, monkeypatch, left):
+    """What nobody can name may be all that it has found; where nothing is left it keeps its name."""
+    harmful = found.torques["augmented"]
+    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {2: 3.0} if np.allclose(torque, harmful) else {})
+    monkeypatch.setattr(sound_files, "finalise", lambda outcome, *_: replace(found.final, outcome=outcome))
+    unexplained = [Unexplained(2, "time", "s", 0.0, 1.0, 1e-20, 40.0)] if left else []
+    outcome = replace(found.final.outcome, unexplained=unexplained, suspects=[])
+    final, _, _ = sound_files.sound_files(found.problem, outcome)
+    assert not final.estimates
+    name = "nonlinear_viscous_friction"
+    assert [e.named.candidate.effect for e in final.unwritten] == ([] if left else [name])
+    assert [one.candidate.effect for one, _ in outcome.suspects] == ([name] if left else [])
+    assert final.fallbacks[-1].step == (f"without {name}" if left else f"{name} named but not written")
+
+
 def test_a_file_that_a_few_samples_speak_for_is_worse(found):
     """Friction that turns at ten samples outweighs a column that is noise everywhere else."""
     problem, axis, rng = found.problem, 1, np.random.default_rng(3)

@@ -78,7 +78,7 @@ def make_verdict(
             Structure(u.axis + 1, u.argument, (six_digits(u.low), six_digits(u.high)), u.unit, six_digits(u.p_value))
             for u in left
         ),
-        suspects=tuple(_suspects(outcome)),
+        suspects=tuple(_suspects(final)),
         gap=gap,
         to_the_noise=_to_the_noise(gap, problem.settings.near_the_floor),
         lost=tuple(_lost(outcome)),
@@ -180,8 +180,12 @@ def _lost(outcome: Outcome) -> Iterable[Lost]:
         )
 
 
-def _suspects(outcome: Outcome) -> Iterable[Suspect]:
-    for one, reason in outcome.suspects:
+def _suspects(final: Final) -> Iterable[Suspect]:
+    """Yield what is suspected and has no name: a file that was not taken may have been without what another holds."""
+    told = {e.named.candidate.key for e in (*final.estimates, *final.unwritten)}
+    for one, reason in final.outcome.suspects:
+        if one.candidate.key in told:
+            continue
         yield Suspect(
             one.candidate.effect, **_places(one.candidate), evidence_nats=six_digits(one.evidence), reason=reason
         )
