@@ -17,7 +17,7 @@ from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement import checks
 from jointwear.measurement.axis_readings import Reading, other_scale, readings
-from jointwear.measurement.checks import Refused, check_axes, explained, explained_otherwise
+from jointwear.measurement.checks import FAVOURS, Refused, check_axes, explained, explained_otherwise, favours
 from jointwear.measurement.filtering import RINGING, low_pass
 from jointwear.measurement.motion import TRANSIENT, measure
 from jointwear.robots.dynamics import Dynamics
@@ -79,6 +79,17 @@ def test_motor_side_torque_is_named(puma, axis):
     recording = make_case(puma, 3)
     with pytest.raises(Refused, match=f"torque of joint {axis + 1} looks like that of the motor"):
         check(turned(recording, axis, 1.0, 1 / puma.gear_ratio[axis]), puma)
+
+
+def test_without_friction_in_the_file_a_motor_side_torque_needs_more(puma):
+    nothing = np.zeros(puma.joints)
+    bare = replace(puma, coulomb_positive=nothing, coulomb_negative=nothing, viscous=nothing, armature=nothing)
+    motor = Reading("motor", (5,))
+    assert favours(motor, bare) == FAVOURS["torque"] > favours(motor, puma) == FAVOURS["motor"]
+    # Bodies tell the size of a torque that they make up.
+    plain = make_case(puma, 3, None)
+    with pytest.raises(Refused, match="torque of joint 3 looks like that of the motor"):
+        check(turned(plain, 2, 1.0, 1 / puma.gear_ratio[2]), bare)
 
 
 @pytest.mark.parametrize("pair", [(3, 5), (4, 5)])

@@ -32,7 +32,7 @@ WRONG = 0.5
 #: Log likelihood [nats] by which the closer look must favour another reading that fits no better in size. What a robot
 #: file lacks reached 26 (a flip) and 19 (a swap) in right logs of some 600 simulated robots, as residuals repeat with
 #: the motion; of 347 flips on 56 simulated arms 289 reach 40, 294 reach 25. A torque of the motor is told from the size
-#: of its friction, which no load changes.
+#: of its friction, which no load changes; see :func:`favours`.
 FAVOURS = {
     "swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0, "torques": 40.0, "positions": 40.0
 }  # fmt: skip
@@ -281,17 +281,25 @@ def _score(left: np.ndarray, floor: float) -> float:
     return float(np.nansum(np.log(np.maximum(left, floor))))
 
 
-def _enough(reading: Reading, gained: float, left: np.ndarray) -> float:
+def favours(reading: Reading, robot: Robot) -> float:
+    """Return the log likelihood [nats] of :data:`FAVOURS` for a reading; without friction in the robot file nothing
+    tells a torque of the motor by its size, and it needs as much as a turned one."""
+    axis = reading.axes[0]
+    rubs = np.any([robot.coulomb_positive[axis], robot.coulomb_negative[axis], robot.viscous[axis]])
+    return FAVOURS["torque" if reading.kind == "motor" and not rubs else reading.kind]
+
+
+def _enough(reading: Reading, gained: float, left: np.ndarray, robot: Robot) -> float:
     """Return the nats by which a reading must be likelier that lowers the log of what is left by `gained`.
 
     `left` is the share of the squared torque (k,) that the model leaves of the axes concerned as they are.
     """
     if gained <= CLEARLY:
         doubt = NOTHING_WRONG if reading.kind == "flip" and np.nanmax(left, initial=0.0) < RIGHT else 1.0
-        return np.inf if reading.kind in RESEMBLED else doubt * FAVOURS[reading.kind]
+        return np.inf if reading.kind in RESEMBLED else doubt * favours(reading, robot)
     if reading.kind in RESEMBLED:
-        return FAVOURS[reading.kind]
-    return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * FAVOURS[reading.kind]
+        return favours(reading, robot)
+    return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * favours(reading, robot)
 
 
 def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
@@ -336,13 +344,13 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
             continue
         as_read = likelihood(parts, usable) if as_read is None else as_read
         nats = likelihood(*reading.read(parts, usable, robot)) - as_read
-        if nats > _enough(reading, gained(reading, other), left[list(reading.axes)]):
+        if nats > _enough(reading, gained(reading, other), left[list(reading.axes)], robot):
             believed.append((nats, reading))
     if believed:
         nats, reading = max(believed, key=lambda x: x[0])
         # Friction of another size may ask for another axis, too.
         scaled = other_scale(dynamics, parts, usable)
-        if scaled and likelihood(*scaled.read(parts, usable, robot)) - as_read > nats + FAVOURS[reading.kind]:
+        if scaled and likelihood(*scaled.read(parts, usable, robot)) - as_read > nats + favours(reading, robot):
             reading = scaled
         raise Refused(f"{name}: {reading.reason}{_WHY[reading.kind]}", reading.remedy)
     return True

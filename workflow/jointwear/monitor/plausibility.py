@@ -16,13 +16,13 @@ import numpy as np
 
 from jointwear.measurement.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks import (
-    FAVOURS,
     FEWEST,
     Refused,
     check_axes,
     check_recording,
     explained,
     explained_otherwise,
+    favours,
 )
 from jointwear.measurement.clipped_torque import at_limit
 from jointwear.measurement.derivative_checks import check_derivatives
@@ -251,7 +251,7 @@ class LaterCheck:
         """
         likelihood = Likelihood(self._dynamics, FEWEST)
         turned = reading.read(parts, usable, self._dynamics.robot)
-        return likelihood(*turned) - likelihood(parts, usable) > FAVOURS[reading.kind]
+        return likelihood(*turned) - likelihood(parts, usable) > favours(reading, self._dynamics.robot)
 
     def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
         """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
