@@ -234,6 +234,15 @@ def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     assert np.isneginf(step[-8 + STEP_WINDOWS - 2])
 
 
+def test_a_fall_that_is_over_by_its_third_shift_proposes_nothing():
+    # A product on two of three shifts, as an example: the third lies just below normal by its noise.
+    over = np.array([0, 0, -0.27, -0.27, -0.004])
+    assert np.isneginf(evidence(over).fall[-1])
+    assert np.isneginf(evidence(over[[0, 1, 2, 4, 3]]).fall[-1])
+    # One that goes on slowly is a fall all the same.
+    assert np.isfinite(evidence(-0.01 * np.arange(7)).fall[-1])
+
+
 def test_friction_that_fell_before_does_not_hide_wear_that_begins_from_there():
     grown = np.array([*[-0.05] * 8, -0.01, 0.02, 0.03])
     told = evidence(grown)

@@ -131,7 +131,8 @@ def shift_evidence(
             full = (count[rows] >= STEP_WINDOWS) & calm[rows]
             up, down = full & (centre > STEP), np.zeros(len(rows), dtype=bool)
         else:
-            up, down = both_up[rows], all_down[rows]
+            # A fall lasts: each of its shifts lies nearer to it than to what is normal.
+            up, down = both_up[rows], all_down[rows] & (2 * r[rows, :FALLEN] < centre[:, None]).all(axis=1)
         rise = np.where(up, (centre - TOLERATED) / error, -np.inf)
         drop = np.where(down, (-centre - TOLERATED) / error, -np.inf)
         better = np.maximum(rise, drop) > np.maximum(growth[rows], fall[rows])
