@@ -21,9 +21,10 @@ from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.local_time import local_time, zone_of
+from jointwear.monitor.read_findings import DRIVES, drives_words
 from jointwear.monitor.standing import NOTHING, rhythm_hours
 from jointwear.monitor.told_together import told_together
-from jointwear.monitor.words import MAY_BE_REACHED, outlook_words
+from jointwear.monitor.words import MAY_BE_REACHED, change_words, outlook_words
 
 NOW = 1_767_225_600.0
 DAY = 86400.0
@@ -95,8 +96,10 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 
-def test_a_torque_that_is_none_asks_for_its_cause_while_it_lasts():
-    found = {"time": NOW - DAY, "axes": [3], "kind": "contradicted", "words": "The torque of axis 3 is none."}
+@pytest.mark.parametrize("kind", ["contradicted", "outside", "frozen", "missing", "drives"])
+def test_a_torque_or_position_that_is_none_asks_for_its_cause_while_it_lasts(kind):
+    found = {"time": NOW - DAY, "axes": [3], "kind": kind, "words": "The torque of axis 3 is none."}
+    assert as_of({**robot("arm", findings=[found]), "last_sample": NOW - 60.0}, NOW)["urgency"] == "asks for an event"
     for end, urgency in ((NOW + 60.0, "asks for an event"), (NOW - DAY / 2, "healthy")):
         row = robot("arm", findings=[{**found, "end": end}])
         assert as_of({**row, "last_sample": NOW - 60.0}, NOW)["urgency"] == urgency
@@ -130,6 +133,11 @@ def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
     assert (item["unjudged"], item["coarse"]) == ("axis 3", "axis 2")
 
 
+def test_a_changed_axis_that_is_not_judged_now_tells_its_newest_alarm():
+    told = {**axis(3, CHANGED), "growth": None, "quantity": "coulomb friction", "change": 91.8, "unit": "N m"}
+    assert change_words(told) == "Coulomb friction +92 N m at its newest alarm, not judged now; limit 20 %"
+
+
 def test_axes_whose_limit_cannot_be_seen_take_one_sentence():
     coarse = [
         {"time": NOW, "axes": [a], "kind": "coarse", "least": s, "words": f"axis {a}"}
@@ -143,6 +151,14 @@ def test_axes_whose_limit_cannot_be_seen_take_one_sentence():
     assert [f["words"] for f in told_together([coarse[0], other])] == ["axis 4", "Friction of axis 3 fell"]
     alike = [{**f, "least": 0.3} for f in coarse]
     assert "only changes above 30 % can be seen" in told_together(alike)[0]["words"]
+
+
+def test_axes_without_friction_at_one_time_take_one_sentence():
+    found = [{"time": NOW, "axes": [a], "kind": DRIVES, "words": drives_words([a])} for a in (2, 1)]
+    later = {**found[0], "time": NOW + DAY}
+    told = told_together([*found, later])
+    assert [f["axes"] for f in told] == [[1, 2], [2]]
+    assert told[0]["words"].startswith("Friction of axes 1 and 2 came out at zero or below")
 
 
 def fall(axis, days=0, **more):

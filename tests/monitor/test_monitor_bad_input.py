@@ -200,12 +200,30 @@ def test_an_hour_that_comes_twice_is_told(tmp_path):
     assert "summer time" in told["words"]
 
 
+def test_a_torque_that_is_missing_is_told_unless_it_always_was(tmp_path, good):
+    log = make_log(48.0)
+    log.torque[:, 3] = np.nan
+    s = read(write_parquet(tmp_path / "log.parquet", columns(log)), good).statistics
+    count = s.count.copy()
+    count[0] = 100
+    (told,) = reading_findings(replace(s, count=count), np.arange(s.windows) == 0)
+    assert (told["kind"], told["axes"], told["time"]) == ("missing", [4], s.start[1])
+    assert not reading_findings(s, np.arange(s.windows) == 0)
+    # An odd hour of a shift is counted, not told.
+    whole = np.repeat([0, 1], [s.windows - 1, 1])
+    assert not reading_findings(replace(s, count=count), np.arange(s.windows) == 0, np.zeros(s.windows, dtype=int))
+    (told,) = reading_findings(replace(s, count=count), np.arange(s.windows) == 0, whole)
+    assert told["end"] == s.end[-1]
+
+
 def test_a_frozen_torque_is_not_judged(tmp_path, good):
     log = make_log(48.0)
     log.torque[:, 3] = 1.25
     found = read(write_parquet(tmp_path / "log.parquet", columns(log)), good)
     assert flagged(found, Flag.TORQUE_FROZEN, 3)
     assert not found.statistics.judgeable[:, 3].any()
+    (told,) = reading_findings(found.statistics)
+    assert (told["kind"], told["axes"]) == ("frozen", [4])
 
 
 def test_positions_outside_the_limits_are_not_judged(tmp_path, good):
@@ -213,4 +231,9 @@ def test_positions_outside_the_limits_are_not_judged(tmp_path, good):
     log.position[:, 3] += 40.0
     found = read(write_parquet(tmp_path / "log.parquet", columns(log)), good)
     assert flagged(found, Flag.OUTSIDE_LIMITS, 3) or found.refused
+    # Samples that are refused are told as that, others as positions.
+    assert [f["kind"] for f in reading_findings(found.statistics)] == ["refused"]
+    plain = replace(found.statistics, flags=found.statistics.flags & ~int(Flag.REFUSED))
+    (told,) = reading_findings(plain)
+    assert (told["kind"], told["axes"]) == ("outside", [4])
     assert (found.statistics.count == 0).all()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from monitor_logs import RATE, Log, columns, model, read, write_parquet
 
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.condition import AxisCondition
 from jointwear.monitor.episodes import Episode
 from jointwear.monitor.judge import CHANGED, DETECTORS
@@ -70,6 +71,12 @@ def test_alarms_that_follow_send_nobody_to_the_gear(turned, first):
     episode = Episode(3, "coulomb friction", DETECTORS[0], (alarm,), None)
     condition = AxisCondition(3, "elbow", CHANGED, 9.0, 3.0, 20.0, None, (episode,), (), turned=turned)
     assert condition.check.startswith(first)
+
+
+def test_a_torque_that_is_cut_off_makes_no_other_zero():
+    statistics, program, shift, baseline = month(-4.4)
+    statistics.flags[112:, 2] |= int(Flag.SATURATED)
+    assert changed_zero(statistics, program, shift, baseline, [[]] * 3) is None
 
 
 def test_an_event_answers_it():

@@ -127,7 +127,7 @@ def judge(
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
     findings += program_findings(statistics, first, most)
     zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
-    findings += reading_findings(statistics) + zero_finding(statistics, zero)
+    findings += reading_findings(statistics, first, shift) + zero_finding(statistics, zero)
     findings += driving_findings(statistics, seen.series["friction"].driving)
     return Judgement(
         estimates=estimates,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -31,11 +32,29 @@ _READ = {
             "lacks. These windows are not judged; mend these logs or leave them out, or state the load."
         ),
     ),
+    "outside": (
+        Flag.OUTSIDE_LIMITS,
+        (
+            "Positions of {axes} lie far outside the limits of the robot file: another unit, another zero, whole turns "
+            "that the log counts on, or another column. Such samples count for no axis; mend these logs, or the limits."
+        ),
+    ),
+    "frozen": (
+        Flag.TORQUE_FROZEN,
+        ("The torque of {axes} keeps one value in motion: the sensor, or the log. Nothing is judged from it there."),
+    ),
     "saturated": (
         Flag.SATURATED,
         (
             "The torque of {axes} stays at a limit of its drive or its sensor in a part of the samples. These are left "
             "out: what the axis needs there is not known."
+        ),
+    ),
+    "missing": (
+        Flag.NOT_FINITE,
+        (
+            "The logs hold no torque, or no position, of {axes}. Without its torque an axis is not judged, without a "
+            "position none is; look at the column, or at the sensor."
         ),
     ),
     "later": (
@@ -48,17 +67,42 @@ _READ = {
     ),
 }
 
+#: Kind of friction that is none, or drives.
+DRIVES = "drives"
+#: Kinds of an axis that has no samples that count: an odd hour of it is told in numbers alone, a shift in words.
+NONE = ("outside", "frozen", "missing")
 
-def reading_findings(statistics: WindowStatistics) -> list[dict[str, Any]]:
-    """Return one finding for each run of windows in which the clock went back, samples were refused, torques are none
-    that the model knows, or torques stay at a limit."""
+
+def reading_findings(
+    statistics: WindowStatistics, baseline: np.ndarray | None = None, shift: np.ndarray | None = None
+) -> list[dict[str, Any]]:
+    """Return one finding for each run of windows in which the clock went back, samples were refused or are missing, or
+    torques stay at a limit or are none that the model knows.
+
+    Parameters
+    ----------
+    baseline : (w,) bool, default all windows; what an axis never had there is no news.
+    shift : (w,) labels, rising, default one for each window; what is missing for less than a shift is not told.
+    """
     result: list[dict[str, Any]] = []
+    moved = np.asarray(statistics.count) > 0
+    there = (moved if baseline is None else moved[baseline]).any(axis=0)
+    shift = np.arange(statistics.windows) if shift is None else shift
     for kind, (flag, words) in _READ.items():
         marked = statistics.flags & int(flag) != 0
         if flag == Flag.CLOCK_RESET and not statistics.dated:
             continue
+        if flag == Flag.NOT_FINITE:
+            marked &= ~moved & there
+        # What is refused, or keeps one value, is told as that.
+        if kind in NONE:
+            marked &= statistics.flags & int(Flag.REFUSED) == 0
+        elif flag == Flag.CONTRADICTED:
+            marked &= statistics.flags & int(Flag.TORQUE_FROZEN) == 0
         seen = marked.any(axis=1)
         for part in (p for p in runs(seen) if seen[p.start]):
+            if kind in NONE and not _holds_a_shift(shift, part):
+                continue
             axes = (np.flatnonzero(marked[part].any(axis=0)) + 1).tolist()
             told = "all axes" if len(axes) == statistics.axes else name_axes(axes)
             result.append(
@@ -73,9 +117,15 @@ def reading_findings(statistics: WindowStatistics) -> list[dict[str, Any]]:
     return result
 
 
+def _holds_a_shift(shift: np.ndarray, part: slice) -> bool:
+    """Return whether windows hold all of any shift."""
+    names, count = np.unique(shift[part], return_counts=True)
+    return any(np.sum(shift == name) == n for name, n in zip(names, count, strict=True))
+
+
 def driving_findings(statistics: WindowStatistics, driving: np.ndarray | None) -> list[dict[str, Any]]:
     """Return one finding for each run of windows, nights between them passed over, in which the friction of an axis
-    came out below zero; a single window tells nothing.
+    came out at zero or below; a single window tells nothing.
 
     Parameters
     ----------
@@ -87,15 +137,20 @@ def driving_findings(statistics: WindowStatistics, driving: np.ndarray | None) -
     for j in range(statistics.axes):
         moved = np.flatnonzero(np.asarray(statistics.count)[:, j] > 0)
         for part in (p for p in runs(driving[moved, j]) if driving[moved[p.start], j] and p.stop - p.start > 1):
-            words = (
-                f"Friction of axis {j + 1} came out below zero, as if it drove the motion: the sign of its torque or "
-                "of its position looks turned. The axis is not judged in these logs; mend them, or leave them out."
-            )
             found = {"time": float(statistics.start[moved[part.start]])}
             if part.stop < len(moved):
                 found["end"] = float(statistics.end[moved[part.stop - 1]])
-            result.append({**found, "axes": [j + 1], "kind": "drives", "words": words})
+            result.append({**found, "axes": [j + 1], "kind": DRIVES, "words": drives_words([j + 1])})
     return result
+
+
+def drives_words(axes: Sequence[int]) -> str:
+    """Return in words that the friction of 1-based axes came out at zero or below."""
+    return (
+        f"Friction of {name_axes(axes)} came out at zero or below, as if nothing rubbed or it drove the motion: the "
+        "sign of a torque or of a position looks turned, or the torque is a command or that of a model. It is not "
+        "judged in these logs; mend them, or leave them out."
+    )
 
 
 def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict[str, Any]]:

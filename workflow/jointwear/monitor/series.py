@@ -7,7 +7,7 @@ over the friction of the baseline. Nuisances (offset, gravity, inertia) are esti
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,7 +30,7 @@ LOWEST = 0.02
 LOUDEST = 4.0
 #: Standard deviation of a log level above which a window shows nothing.
 COARSEST = 0.25
-#: Standard errors by which friction must lie below zero to count as none that friction can be.
+#: Standard errors by which friction that is not known must lie nearer to none than to that of the baseline.
 DRIVES = 5.0
 _VISCOUS = COLUMNS.index("viscous")
 
@@ -40,7 +40,7 @@ class Series:
     """Arrays (w, n): `value`, NaN where a window shows nothing, and `variance`, what the window's noise explains.
 
     `unit` (n,): torque [N m] of one unit of the level; `share` (n,): of Coulomb friction in it, in the baseline.
-    `driving` (w, n) bool, or None: the level is clearly below zero, as friction never is.
+    `driving` (w, n) bool, or None: nothing is left of the level, or it lies below zero, as friction never does.
     """
 
     value: np.ndarray
@@ -81,8 +81,8 @@ def friction_series(
     value, variance = column_estimate(turned, usual.held, free, usual.variance)
     at_speed = nominal + viscous * speed / level + value
     with np.errstate(all="ignore"):
-        middle = np.nan_to_num(known_median(np.where(baseline[:, None], at_speed, np.nan), axis=0), nan=1.0)
-    middle = np.where(middle > 0, middle, 1.0)
+        usual_level = known_median(np.where(baseline[:, None], at_speed, np.nan), axis=0)
+    middle = np.where(np.nan_to_num(usual_level) > 0, usual_level, 1.0)
     slope, slope_variance = column_estimate(turned, usual.held, np.ones_like(free), usual.variance, _VISCOUS)
     part = (viscous + slope) * speed / level / middle
     with np.errstate(all="ignore"):
@@ -92,6 +92,9 @@ def friction_series(
     # A robot file without friction says nothing of its parts. Where the motion tells them no better, all of it counts.
     share = np.clip(np.nan_to_num(0.5 * (of_coulomb + nominal_share), nan=1.0), 0.1, 1.0)
     found["friction"] = _logs(at_speed, variance, level, share)
+    with np.errstate(invalid="ignore"):
+        none = at_speed + DRIVES * np.sqrt(variance) < 0.5 * usual_level
+    found["friction"] = replace(found["friction"], driving=none & ~np.isfinite(found["friction"].value))
     size = np.where(speed > 0, speed / level / middle, np.nan)
     found["viscous"] = Series(
         _known(part, slope_variance * size**2),
@@ -152,8 +155,7 @@ def _logs(level: np.ndarray, variance: np.ndarray, unit: np.ndarray, share: np.n
         positive = level > LOWEST
         value = np.where(positive, np.log(np.where(positive, level, 1.0)), np.nan)
         relative = np.where(positive, variance / level**2, np.nan)
-        driving = np.isfinite(level) & (level < -DRIVES * np.sqrt(variance))
-    return Series(_known(value, relative), _known(relative, relative), unit, share, driving)
+    return Series(_known(value, relative), _known(relative, relative), unit, share)
 
 
 def _known(values: np.ndarray, variance: np.ndarray) -> np.ndarray:

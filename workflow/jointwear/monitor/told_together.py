@@ -7,6 +7,7 @@ from typing import Any
 
 from jointwear.files.wording import name_axes
 from jointwear.monitor.findings import FELL, PROGRAM, fell_words
+from jointwear.monitor.read_findings import DRIVES, drives_words
 from jointwear.monitor.seen_growth import COARSE
 
 #: A finding as it is stored.
@@ -16,8 +17,8 @@ Finding = Mapping[str, Any]
 def told_together(findings: Sequence[Finding]) -> list[dict[str, Any]]:
     """Return findings for a page, what is alike in one sentence where the first of it stands.
 
-    Alike are axes whose limit cannot be seen, axes whose friction fell at one time, and programs that the motion shows
-    and the baseline did not have, which are told with the time of the newest.
+    Alike are axes whose limit cannot be seen, axes whose friction fell or was none at one time, and programs that the
+    motion shows and the baseline did not have, which are told with the time of the newest.
     """
     groups: dict[tuple, list[Finding]] = {}
     for k, found in enumerate(findings):
@@ -33,6 +34,8 @@ def _alike(found: Finding) -> tuple:
     # One that came back to normal is another story, and so is a program that has a name.
     if kind == FELL and found.get("fell"):
         return kind, found["time"], bool(found.get("answered"))
+    if kind == DRIVES:
+        return kind, found["time"], found.get("end")
     if kind == PROGRAM and "ran" in found:
         return (kind,)
     return ()
@@ -53,6 +56,11 @@ def _fell(found: Sequence[Finding]) -> dict[str, Any]:
     return {"axes": axes, "words": fell_words(axes)}
 
 
+def _drive(found: Sequence[Finding]) -> dict[str, Any]:
+    axes = _axes(found)
+    return {"axes": axes, "words": drives_words(axes)}
+
+
 def _programs(found: Sequence[Finding]) -> dict[str, Any]:
     blind = sum(f["judged_after"] is None for f in found)
     ran = sum(f["ran"] for f in found)
@@ -67,7 +75,7 @@ def _programs(found: Sequence[Finding]) -> dict[str, Any]:
 
 
 _TOGETHER: dict[str, Callable[[Sequence[Finding]], dict[str, Any]]] = {
-    COARSE: _coarse, FELL: _fell, PROGRAM: _programs,
+    COARSE: _coarse, FELL: _fell, DRIVES: _drive, PROGRAM: _programs,
 }  # fmt: skip
 
 

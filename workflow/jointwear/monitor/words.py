@@ -76,6 +76,8 @@ def change_words(axis: Mapping[str, Any]) -> str:
         words.insert(0 if own else 1, f"viscous friction {grown} % now{own}, {limit}")
     elif quantity and "coulomb" not in quantity:
         words.append(f"{quantity} {size or 'changed'}")
+    elif size and not words:
+        words.append(f"Coulomb friction {size} at its newest alarm, not judged now; {limit}")
     told = "; ".join(words)
     return told[:1].upper() + told[1:] if viscous is not None else told
 

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.measurement.flags import Flag
 from jointwear.monitor.carried import UnitTorques
 from jointwear.monitor.model import ModelTorque
 from jointwear.monitor.torque_lag import nuisances
@@ -120,7 +121,9 @@ def changed_zero(
     w, n = statistics.count.shape
     program = np.zeros(w, dtype=int) if regime is None else regime
     shown = statistics.turned_shown
-    known = shown > KNOWN**-2
+    # Where a torque is cut off at a limit, what is left of it leans to one side.
+    cut = (statistics.flags & int(Flag.SATURATED) != 0).any(axis=1)
+    known = (shown > KNOWN**-2) & ~cut[:, None]
     angle = np.divide(statistics.turned, shown, out=np.full((w, n), np.nan), where=known)
     angle[np.abs(np.nan_to_num(angle)) > LARGEST] = np.nan
     change = np.full((w, n), np.nan)

@@ -8,6 +8,7 @@ from typing import Any
 
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.loud import LOUD
+from jointwear.monitor.read_findings import DRIVES, NONE
 from jointwear.monitor.thermometers import BROKEN
 from jointwear.monitor.zeros import ZERO
 
@@ -16,9 +17,9 @@ REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for a
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
 ASKING = ("scale", "clock", "proposed_service", LOUD, ZERO)
-#: Kinds that somebody has to look for while they last: an axis whose torque is none, day after day, is not healthy,
-#: and a thermometer that shows none hides what it was to explain.
-WHILE_IT_LASTS = ("contradicted", BROKEN)
+#: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
+#: healthy, and a thermometer that shows none hides what it was to explain.
+WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, BROKEN)
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
@@ -33,7 +34,7 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
 def asks(row: Mapping[str, Any]) -> bool:
     """Return whether a robot has a finding that somebody has to answer, or logs whose newest hour has it."""
     last = math.inf if row["last_sample"] is None else row["last_sample"]
-    lasting = any(found["kind"] in WHILE_IT_LASTS and found.get("end", 0.0) >= last for found in row["findings"])
+    lasting = any(found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last for found in row["findings"])
     return lasting or any(found["kind"] in ASKING and not found.get("answered") for found in row["findings"])
 
 
