@@ -81,6 +81,8 @@ def test_wrong_values_from_the_middle_of_a_log_on(tmp_path, good):
     survey = survey_log(str(good), layout(), model(), LENGTH)
     found = log_statistics(str(path), layout(), model(), survey, LENGTH, block=2400)
     assert "joint 2" in found.refused[0]
+    # The key that it names would turn round the logs that are right.
+    assert found.refused[0].endswith("where the others are right, mend this log alone")
     assert (found.statistics.count[:3, :5] > 0).all()
     assert (found.statistics.count[5:] == 0).all()
 
