@@ -133,6 +133,15 @@ def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
     assert (item["unjudged"], item["coarse"]) == ("axis 3", "axis 2")
 
 
+def test_logs_with_one_fault_take_one_line():
+    told = [f"logs/{k}.csv: positions reach {k}; state units" for k in (1, 2, 3)] + ["logs/4.csv: is empty"]
+    row = as_of(robot("arm", refusals=told), NOW)
+    assert robot_item(row, zone_of(None), "robots")["refusals"] == [
+        ("logs/3.csv: positions reach 3; likewise logs/1.csv and logs/2.csv", "state units"),
+        ("logs/4.csv: is empty", ""),
+    ]
+
+
 def test_a_changed_axis_that_is_not_judged_now_tells_its_newest_alarm():
     told = {**axis(3, CHANGED), "growth": None, "quantity": "coulomb friction", "change": 91.8, "unit": "N m"}
     assert change_words(told) == "Coulomb friction +92 N m at its newest alarm, not judged now; limit 20 %"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.text_files import replace_text
-from jointwear.files.wording import name_axes
+from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.fleet.metrics import COUNTS
@@ -57,7 +57,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "whole": whole,
         "check": check,
         "reason": row["reason"],
-        "refusals": [told.partition("; ")[::2] for told in row["refusals"] if told != row["reason"]],
+        "refusals": _refusals(row),
         "findings": _to_check(row, zone)[:SHOWN],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
@@ -65,6 +65,20 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "coarse": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == HEALTHY and a["axis"] in coarse)),
         "counts": row,
     }
+
+
+def _refusals(row: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what is wrong with the logs that are refused, and what mends it; the newest names alike ones."""
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for told in row["refusals"]:
+        what, _, why = told.partition("; ")
+        if told != row["reason"]:
+            alike.setdefault(why or what.partition(": ")[2], []).append((what, why))
+    result = []
+    for *others, (what, why) in alike.values():
+        names = [one.partition(": ")[0] for one, _ in others]
+        result.append((f"{what}; likewise {listed(names)}" if names else what, why))
+    return result
 
 
 def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[str]:
