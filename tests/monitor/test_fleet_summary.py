@@ -96,7 +96,7 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 
-@pytest.mark.parametrize("kind", ["contradicted", "outside", "frozen", "missing", "drives"])
+@pytest.mark.parametrize("kind", ["contradicted", "outside", "frozen", "missing", "drives", "uneven"])
 def test_a_torque_or_position_that_is_none_asks_for_its_cause_while_it_lasts(kind):
     found = {"time": NOW - DAY, "axes": [3], "kind": kind, "words": "The torque of axis 3 is none."}
     assert as_of({**robot("arm", findings=[found]), "last_sample": NOW - 60.0}, NOW)["urgency"] == "asks for an event"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from monitor_windows import NOISE, residuals, statistics_of
 
-from jointwear.monitor.loud import LOUD, loud_findings
+from jointwear.monitor.loud import LOUD, UNEVEN, loud_findings
 
 #: Windows, and those of a shift; the first three shifts are the baseline.
 WINDOWS, SHIFT = 64, 8
@@ -39,6 +39,16 @@ def test_an_event_answers_it():
     assert found["answered"]
 
 
-@pytest.mark.parametrize(("axes", "shifts"), [([1], [5]), ([1], [5, 7]), ([0, 1, 2], [5, 6, 7]), ([1], [0, 1, 2])])
-def test_one_shift_all_axes_or_the_baseline_tell_nothing(axes, shifts):
+@pytest.mark.parametrize(("axes", "shifts"), [([1], [5]), ([1], [5, 7]), ([0, 1, 2], [5, 7]), ([1], [0, 1, 2])])
+def test_one_shift_or_the_baseline_tells_nothing(axes, shifts):
     assert _findings(_loud(axes, shifts)) == []
+
+
+@pytest.mark.parametrize("axes", [[0, 1, 2], [0, 2]])
+def test_most_axes_that_are_loud_together_are_told_as_one_while_it_lasts(axes):
+    (found,) = _findings(_loud(axes, [4, 5]))
+    assert found["kind"] == UNEVEN
+    assert found["axes"] == [a + 1 for a in axes]
+    assert (found["time"], found["end"]) == (4 * SHIFT * 3600.0, 6 * SHIFT * 3600.0)
+    (answered,) = _findings(_loud(axes, [4, 5]), ((40,), (40,), (40,)))
+    assert answered["answered"]

@@ -1,7 +1,8 @@
-"""An axis whose torque grows uneven while the others keep still: play, a damaged bearing, a loose sensor.
+"""Torques that grow uneven: of one axis while the others keep still, a fault of that axis; of most, one of the logs.
 
 Windows several times as loud as those of the baseline are not judged, whatever the cause. Where it is one axis,
-shift after shift, no load and no unit does that, and an axis that is only left out would be called healthy.
+shift after shift, no load and no unit does that: play, a damaged bearing, a loose sensor. Where it is most of them, the
+samples do not belong together as they did. What is only left out would be called healthy.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.monitor.series import loud_windows
+from jointwear.files.wording import name_axes
+from jointwear.measurement.even_steps import runs
+from jointwear.monitor.series import LOUDEST, loud_windows
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.statistics.known import known_median
 
-#: Kind of the finding.
-LOUD = "loud"
+#: Kinds of the findings, of one axis and of most.
+LOUD, UNEVEN = "loud", "uneven"
 #: Share of the windows of a shift in which an axis moves that are loud, fewest of them, and shifts in a row. On an
 #: outside fleet a gear with play had all of them; of 31 other robots one had 11 of 16, 9 of 15 and 9 of 14 on an axis
 #: beside a worn one, never two shifts in a row, the others 2 of 8 at most.
@@ -28,7 +31,8 @@ MOST_AXES = 0.5
 def loud_findings(
     statistics: WindowStatistics, shift: np.ndarray, baseline: np.ndarray, events: Sequence[Sequence[int]]
 ) -> list[dict[str, Any]]:
-    """Return one finding for each axis that became loud after the baseline, from its first loud shift on.
+    """Return one finding for each axis that became loud after the baseline, from its first loud shift on, and one for
+    each spell of shifts in which most did.
 
     Parameters
     ----------
@@ -65,4 +69,17 @@ def loud_findings(
             found = {"time": float(statistics.start[begin]), "axes": [j + 1], "kind": LOUD, "words": words}
             result.append({**found, **answered})
             break
+    moving = [k for k in range(len(names)) if moved[rows[k]].any()]
+    most = np.array([np.mean((share[k] >= LOUD_SHARE) & many[k]) >= MOST_AXES for k in moving], dtype=bool)
+    for part in (p for p in runs(most) if most[p.start] and p.stop - p.start >= SHIFTS):
+        own = np.concatenate([rows[k] for k in moving[part]])
+        axes = (np.flatnonzero((share[moving[part]] >= LOUD_SHARE).mean(axis=0) >= MOST_AXES) + 1).tolist()
+        words = (
+            f"What the model leaves of the torques of {name_axes(axes)} is more than {LOUDEST:.0f} times as large as "
+            "in the normal period, shift after shift: positions that are coarser or held, rows that do not belong "
+            "together, another robot, or another load. Such hours are not judged; look at how these logs are written."
+        )
+        found = {"time": float(statistics.start[own[0]]), "end": float(statistics.end[own[-1]]), "axes": axes}
+        answered = {"answered": True} if all(any(window >= own[0] for window in e) for e in events) else {}
+        result.append({**found, "kind": UNEVEN, "words": words, **answered})
     return result

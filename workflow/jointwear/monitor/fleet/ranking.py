@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.loud import LOUD
+from jointwear.monitor.loud import LOUD, UNEVEN
 from jointwear.monitor.read_findings import DRIVES, NONE
 from jointwear.monitor.thermometers import BROKEN
 from jointwear.monitor.zeros import ZERO
@@ -19,7 +19,7 @@ ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 ASKING = ("scale", "clock", "proposed_service", LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
-WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, BROKEN)
+WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, BROKEN)
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
@@ -34,8 +34,9 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
 def asks(row: Mapping[str, Any]) -> bool:
     """Return whether a robot has a finding that somebody has to answer, or logs whose newest hour has it."""
     last = math.inf if row["last_sample"] is None else row["last_sample"]
-    lasting = any(found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last for found in row["findings"])
-    return lasting or any(found["kind"] in ASKING and not found.get("answered") for found in row["findings"])
+    open_ones = [found for found in row["findings"] if not found.get("answered")]
+    lasting = any(found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last for found in open_ones)
+    return lasting or any(found["kind"] in ASKING for found in open_ones)
 
 
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:
