@@ -128,7 +128,7 @@ def judge(
     findings += program_findings(statistics, first, most)
     zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
     findings += reading_findings(statistics, first, shift) + zero_finding(statistics, zero)
-    findings += driving_findings(statistics, seen.series["friction"].driving)
+    findings += driving_findings(statistics, seen.series["friction"].driving, shift)
     return Judgement(
         estimates=estimates,
         std=std,

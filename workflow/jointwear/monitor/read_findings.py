@@ -123,13 +123,15 @@ def _holds_a_shift(shift: np.ndarray, part: slice) -> bool:
     return any(np.sum(shift == name) == n for name, n in zip(names, count, strict=True))
 
 
-def driving_findings(statistics: WindowStatistics, driving: np.ndarray | None) -> list[dict[str, Any]]:
+def driving_findings(
+    statistics: WindowStatistics, driving: np.ndarray | None, shift: np.ndarray
+) -> list[dict[str, Any]]:
     """Return one finding for each run of windows, nights between them passed over, in which the friction of an axis
-    came out at zero or below; a single window tells nothing.
+    came out at zero or below for all of a shift; a single window tells nothing.
 
     Parameters
     ----------
-    driving : (w, n) bool, of :class:`~jointwear.monitor.series.Series`, or None.
+    driving : (w, n) bool, of :class:`~jointwear.monitor.series.Series`, or None. shift : (w,) labels, rising.
     """
     if driving is None:
         return []
@@ -137,6 +139,8 @@ def driving_findings(statistics: WindowStatistics, driving: np.ndarray | None) -
     for j in range(statistics.axes):
         moved = np.flatnonzero(np.asarray(statistics.count)[:, j] > 0)
         for part in (p for p in runs(driving[moved, j]) if driving[moved[p.start], j] and p.stop - p.start > 1):
+            if not _holds_a_shift(shift[moved], part):
+                continue
             found = {"time": float(statistics.start[moved[part.start]])}
             if part.stop < len(moved):
                 found["end"] = float(statistics.end[moved[part.stop - 1]])
