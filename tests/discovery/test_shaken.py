@@ -64,7 +64,7 @@ def test_derived_motion_that_ends_does_not_hide_what_moves_the_arm():
 
 
 def test_pieces_are_as_long_in_time_at_any_rate():
-    assert [piece_of(rate) for rate in (30.0, 100.0, 125.0, 200.0, 1000.0)] == [32, 64, 64, 128, 128]
+    assert [piece_of(rate) for rate in (30.0, 100.0, 125.0, 200.0, 1000.0)] == [16, 64, 64, 128, 128]
 
 
 def test_a_late_torque_is_no_shaken_arm():

@@ -6,7 +6,7 @@ import numpy as np
 
 #: Longest and shortest piece, in samples, of which spectra are taken, and its length [s] between: runs of samples that
 #: can be judged end at reversals, and at a low rate are short. Pieces overlap by half.
-LONGEST, SHORTEST, SPAN = 128, 32, 0.64
+LONGEST, SHORTEST, SPAN = 128, 16, 0.64
 #: Pieces from which spectra say something.
 FEWEST = 8
 
