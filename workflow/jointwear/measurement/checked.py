@@ -5,6 +5,7 @@ from __future__ import annotations
 from jointwear.measurement.checks import check_axes, check_recording
 from jointwear.measurement.clipped_torque import clipped_torques
 from jointwear.measurement.derivative_checks import check_derivatives, check_rate
+from jointwear.measurement.held_rows import check_rows_are_new
 from jointwear.measurement.jumps import jumps_in_words
 from jointwear.measurement.late_torque import check_delay
 from jointwear.measurement.model_size import check_model_size, unusual_parameters
@@ -29,6 +30,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     """
     name = f"data set '{recording.name}'"
     check_derivatives(recording, recording.trajectory, name)
+    check_rows_are_new(recording, recording.trajectory, name)
     restrictions = [*unusual_parameters(robot), *check_recording(recording, robot)]
     restrictions += jumps_in_words(recording)
     check_rate(recording, name)

@@ -28,6 +28,7 @@ from jointwear.measurement.clipped_torque import at_limit
 from jointwear.measurement.derivative_checks import check_derivatives
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.held_rows import check_rows_are_new
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import check_torque_moves
@@ -76,6 +77,7 @@ def check_first(
         return [None] * robot.joints
     _check_units(measured, robot, name, chunk.units)
     check_derivatives(chunk, stretch, name)
+    check_rows_are_new(chunk, stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
         check_readings(
@@ -139,6 +141,7 @@ class LaterCheck:
             return nothing
         _check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
+        check_rows_are_new(chunk, stretch, self._name)
         parts, usable = _thinned(measured)
         self._last = self._growth(parts, usable)
         plain = float(np.nansum(self._last))

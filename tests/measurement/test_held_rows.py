@@ -1,0 +1,59 @@
+"""Rows that a logger holds are no record of a motion; coarse, slow and interrupted ones are."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.held_rows import check_rows_are_new
+
+RATE = 50.0
+
+
+@dataclass
+class Samples:
+    time: np.ndarray
+    position: np.ndarray
+    torque: np.ndarray
+
+
+def recorded(step=1e-4, resolution=1e-3, speed=1.0, held=1, rate=RATE):
+    time = np.arange(0.0, 20.0, 1 / rate)
+    phase = speed * time[:, None] * np.array([1.0, 1.3, 0.7])
+    position = np.round(0.8 * np.sin(phase) / step) * step
+    torque = np.round((3.0 * np.sign(np.cos(phase)) + np.sin(phase)) / resolution) * resolution
+    rows = (np.arange(len(time)) // held) * held
+    return Samples(time, position[rows], torque[rows])
+
+
+def check(samples):
+    check_rows_are_new(samples, np.zeros(len(samples.time), int), "a log")
+
+
+@pytest.mark.parametrize("held", [2, 3, 5, 10])
+def test_a_log_on_a_faster_grid_than_its_values_is_refused(held):
+    with pytest.raises(Refused, match=f"for about {held / RATE:.2g} s") as told:
+        check(recorded(held=held))
+    assert "write each value once" in told.value.suggestion
+
+
+@given(
+    step=st.sampled_from([1e-6, 1e-4, 2e-3, 1e-2]),
+    resolution=st.sampled_from([1e-6, 0.05, 1.0, 10.0]),
+    speed=st.floats(0.02, 2.0),
+    rate=st.sampled_from([20.0, 50.0, 250.0]),
+)
+@settings(max_examples=60, deadline=None)
+def test_coarse_positions_and_torques_of_slow_motion_are_no_held_rows(step, resolution, speed, rate):
+    check(recorded(step, resolution, speed, rate=rate))
+
+
+def test_rests_and_a_few_held_rows_are_a_record_of_the_motion():
+    samples = recorded()
+    samples.position[200:500], samples.torque[200:500] = samples.position[200], samples.torque[200]
+    for k in range(520, 900, 40):
+        samples.position[k : k + 4], samples.torque[k : k + 4] = samples.position[k], samples.torque[k]
+    check(samples)
