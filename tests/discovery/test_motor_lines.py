@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.discovery.motor_lines import loud_waves
+from jointwear.discovery.motor_lines import loud_waves, waves_in_band
 from jointwear.discovery.noise import estimate
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.problem import build_problem
@@ -50,7 +50,8 @@ def test_a_wave_is_held_by_how_quiet_the_residual_is_without_it(robot):
         noise[problem.train, AXIS] += size * wave[:, 0]
         label = problem.measured.trajectory[problem.train]
         white = estimate(noise[problem.train, AXIS], problem.usable[:, AXIS], label, 6)
-        return loud_waves(replace(problem, discrepancy=noise), AXIS, state, white, lambda series: series, 6)
+        waves = waves_in_band(problem, AXIS, state)
+        return loud_waves(replace(problem, discrepancy=noise), AXIS, waves, white, lambda series: series, 6)
 
     assert found(0.0).shape[1] == 0
     loud = found(0.4)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,11 @@ from jointwear.effects import State, library
 
 
 def shown_waves(
-    problem: Problem, axis: int, state: State, white: Whitener, take_off: Callable[[np.ndarray], np.ndarray]
+    problem: Problem,
+    axis: int,
+    waves: Sequence[np.ndarray],
+    white: Whitener,
+    take_off: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
     """Return the columns (N_train, k) of the waves over the motor angle that a residual plainly shows, k = 0 for none.
 
@@ -23,12 +27,12 @@ def shown_waves(
 
     Parameters
     ----------
-    state : training samples that the columns are made from. white : a noise model of the residual. take_off : what the
-        fit so far leaves of series (N_train, k).
+    waves : of :func:`waves_in_band`. white : a noise model of the residual. take_off : what the fit so far leaves of
+        series (N_train, k).
     """
     accept = problem.settings.accept
     target = white(take_off(problem.discrepancy[problem.train, axis]))
-    waves, shown = waves_in_band(problem, axis, state), [np.zeros((len(state.velocity), 0))]
+    shown = [np.zeros((len(problem.usable), 0))]
     for columns in waves:
         # What columns share with the fit makes them look larger, not better: few have to be held against it.
         if _gain(white(columns), target) <= 0.5 * accept:
@@ -41,7 +45,7 @@ def shown_waves(
 def loud_waves(
     problem: Problem,
     axis: int,
-    state: State,
+    waves: Sequence[np.ndarray],
     noise: Whitener,
     take_off: Callable[[np.ndarray], np.ndarray],
     highest: int,
@@ -54,11 +58,11 @@ def loud_waves(
 
     Parameters
     ----------
-    state : training samples that the columns are made from. noise : the noise model of what the fit leaves. take_off :
-        what a fit that knows no noise leaves of series (N_train, k). highest : order that a noise model may have.
+    waves : of :func:`waves_in_band`. noise : the noise model of what the fit leaves. take_off : what a fit that knows
+        no noise leaves of series (N_train, k). highest : order that a noise model may have.
     """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
-    waves, shown = waves_in_band(problem, axis, state), [np.zeros((len(state.velocity), 0))]
+    waves, shown = list(waves), [np.zeros((len(used), 0))]
     left = take_off(problem.discrepancy[problem.train, axis])
     beside = np.split(take_off(np.concatenate(waves, axis=1)), len(waves), axis=1) if waves else []
     while waves:
@@ -85,7 +89,10 @@ def _fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]
 
 
 def waves_in_band(problem: Problem, axis: int, state: State) -> list[np.ndarray]:
-    """Return the columns (N_train, k) of every wave over the angle of the motor that the band of the torque holds."""
+    """Return the columns (N_train, k) of every wave over the angle of the motor that the band of the torque holds.
+
+    `state` : training samples that they are made from.
+    """
     # How much of a fast wave shakes the joint, and how much its controller answers, is up to the controller.
     states = (state, replace(state, derives=None))
     # Both are held, so that the forms of one wave are one.

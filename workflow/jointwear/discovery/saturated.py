@@ -10,7 +10,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery import assumed
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, limited_inertial, limited_state, velocities
-from jointwear.discovery.motor_lines import loud_waves, shown_waves
+from jointwear.discovery.motor_lines import loud_waves, shown_waves, waves_in_band
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
 from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.problem import Problem
@@ -48,21 +48,23 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     y = problem.discrepancy[problem.train, axis]
     columns = _columns(problem, axis, extra, Cutoffs())
-    white = estimate(_remover(columns, used, None)(y), used, label)
+    plain = _remover(columns, used, None)
+    white = estimate(plain(y), used, label)
     cutoffs = axis_cutoffs(problem, axis, white)
     highest = HIGHEST_ORDER
     if cutoffs != Cutoffs():
         highest = HIGHEST_ORDER_DERIVED
         # Columns that share the noise have taken a part of it: what they left says too little.
         columns = _columns(problem, axis, extra, cutoffs)
-        white = estimate(_remover(columns, used, None)(y), used, label, highest)
-    state = limited_state(problem, axis, cutoffs.torque)
-    loud = loud_waves(problem, axis, state, white, _remover(columns, used, None), highest)
+        plain = _remover(columns, used, None)
+        white = estimate(plain(y), used, label, highest)
+    of_motor = waves_in_band(problem, axis, limited_state(problem, axis, cutoffs.torque))
+    loud = loud_waves(problem, axis, of_motor, white, plain, highest)
     if loud.shape[1]:
         columns = np.concatenate([columns.T, _scaled(loud, used).T]).T
         white = estimate(_remover(columns, used, None)(y), used, label, highest)
     take_off = _remover(columns, used, white)
-    waves = shown_waves(problem, axis, state, white, take_off)
+    waves = shown_waves(problem, axis, of_motor, white, take_off)
     if waves.shape[1]:
         columns = np.concatenate([columns.T, _scaled(waves, used).T]).T
         white = estimate(_remover(columns, used, white)(y), used, label, highest)

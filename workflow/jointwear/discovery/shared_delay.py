@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from jointwear.discovery import assumed
-from jointwear.discovery.candidates import LINK_MASS
+from jointwear.discovery.acceptance import of_late_torque, of_timing
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.recorded_in_time import Steps, bridged, put_forward, whitened_change
@@ -95,14 +95,13 @@ def shared_delay(
 
 def lasting_terms(named: Sequence[Named]) -> list[Term]:
     """Return the terms of what was named that has nothing to do with time."""
-    lasting = (n for n in named if n.candidate.effect == LINK_MASS or not get_effect(n.candidate.effect).timing)
-    return [t for n in lasting for t in n.terms]
+    return [t for n in named if not of_timing(n.candidate) for t in n.terms]
 
 
 def named_delays(named: Sequence[Named]) -> dict[int, float]:
     """Return axis -> delay [s] of what was named that is the torque at another time, a dead time or a lag."""
-    found = [n.candidate for n in named if n.candidate.effect != LINK_MASS and n.candidate.axis is not None]
-    return {c.axis: float(c.nonlinear["delay"]) for c in found if get_effect(c.effect).late}
+    late = [n.candidate for n in named if of_late_torque(n.candidate)]
+    return {c.axis: float(c.nonlinear[get_effect(c.effect).scaled]) for c in late}
 
 
 def _against(lost: Mapping[int, np.ndarray], accept: float) -> np.ndarray:

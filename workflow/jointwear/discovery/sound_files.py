@@ -129,11 +129,10 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
     doubtful = _suspected(final, list(left_out))
     named = tuple(e for e in left_out if not any(e is x for x in doubtful))
     given_up = tuple(
-        FallBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), words)
+        FallBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), form.format(e.named.candidate.effect))
         for effects, form in ((named, "{} named but not written"), (doubtful, f"{WITHOUT} {{}}"))
         for e in effects
         if (axis := e.named.candidate.axis) is not None
-        for words in [form.format(e.named.candidate.effect)]
     )
     trial = replace(trial, unwritten=final.unwritten + named, fallbacks=final.fallbacks + given_up)
     return trial, written[1], written[2]
