@@ -75,7 +75,10 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
             # No other effect of the library does better, but what is left may be the cause of all of it.
             outcome.suspects.append((n, f"probability {n.probability:.2f} beside the structure that is left"))
     outcome.named = sorted((n for n in weighed if n.probability >= settings.likely), key=lambda n: -n.evidence)
-    if {n.candidate.key for n in outcome.named} != before:
+    named = {n.candidate.key for n in outcome.named}
+    # A rival that took the place of a name may have been a suspect before.
+    outcome.suspects = [s for s in outcome.suspects if s[0].candidate.key not in named]
+    if named != before:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
     return outcome

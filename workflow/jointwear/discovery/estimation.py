@@ -26,7 +26,7 @@ from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
-from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.outcome import Named, Outcome, Suspected
 from jointwear.discovery.references import effect_term, reference_of, with_references
 from jointwear.discovery.refine import refine, simplest
 from jointwear.discovery.sound_links import nearest_links
@@ -47,7 +47,8 @@ class Final:
 
     `delta_friction` (n, 4) and `delta_inertial` (10 n,) are added to the nominal parameters of the augmented model;
     `retuned_friction`, `retuned_inertial` those of retuning alone. `unwritten` are effects that are named and that the
-    augmented model does without. `white` is the problem with the weight of each axis divided by its `misfit` (n,).
+    augmented model does without, `suspects` those of the search and what this model does without and does not name,
+    with the reason. `white` is the problem with the weight of each axis divided by its `misfit` (n,).
     """
 
     outcome: Outcome
@@ -61,6 +62,7 @@ class Final:
     retuned_friction: np.ndarray
     retuned_inertial: np.ndarray
     unwritten: tuple[Estimate, ...] = ()
+    suspects: tuple[Suspected, ...] = ()
     fallbacks: tuple[FallBack, ...] = ()
     misfits: tuple[str, ...] = ()
 
@@ -86,6 +88,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     found = [t for _, _, t in refined] + [f[1] for f in forms if f is not None]
     misfit = misfit_of(white, white.fit([*found, *mass_terms]))
     unwritten: tuple[Estimate, ...] = ()
+    suspects: tuple[Suspected, ...] = tuple(outcome.suspects)
     fallbacks: tuple[FallBack, ...] = ()
     while True:
         base, refined = _whole_model(white, refined, forms, mass_terms)
@@ -97,7 +100,10 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         left = {id(t) for t in kept}
         everything = all(id(t) in left for _, _, t in refined)
         if not everything:
-            unwritten += _named_all_the_same(outcome, white, doubt, misfit, base, refined, forms, masses, left)
+            still_named, doubtful = _named_all_the_same(
+                outcome, white, doubt, misfit, base, refined, forms, masses, left
+            )
+            unwritten, suspects = unwritten + still_named, suspects + doubtful
             # Parameters of the drives were held where the effect made corrections needless: they are asked again.
             given_up = _of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
         fallbacks += given_up
@@ -125,6 +131,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         retuned_inertial=inertial + beside,
         fallbacks=fallbacks + retuned_given_up,
         unwritten=unwritten,
+        suspects=suspects,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
     )
 
@@ -213,31 +220,31 @@ def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[
 
 def _named_all_the_same(
     outcome: Outcome, white: White, doubt: np.ndarray, misfit: np.ndarray, base, refined, forms, masses, left
-) -> tuple[Estimate, ...]:
-    """Return the effects that are there although the written model does without them.
+) -> tuple[tuple[Estimate, ...], tuple[Suspected, ...]]:
+    """Return the effects that are there although the written model does without them, and those that are suspected.
 
     A model falls back where one record left out is predicted worse, as when the others have to extrapolate to it. That
     does not speak against an effect with which all records together are predicted better than by the given robot.
     Where no structure is left the parts that a name has to predict are asked instead: out of three records two would
     have to extrapolate to the third. Beside structure on its own axis it does: what nobody can name may be all that
-    such an effect has found. The others become suspects.
+    such an effect has found. The others are suspects.
     """
     lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
     if not lost:
-        return ()
+        return (), ()
     whole = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
     ratio = cache(lambda parts: left_out_ratio(white, whole.fit.terms, each=False, parts=parts))
     still = {u.axis for u in outcome.unexplained}
-    result = []
+    named, suspects = [], []
     for i in lost:
         one, candidate, _ = refined[i]
         axes = white.problem.judged if candidate.axis is None else (candidate.axis,)
         fine = max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0
         if fine and candidate.axis not in still:
-            result.append(whole.estimates[i])
+            named.append(whole.estimates[i])
         else:
-            outcome.suspects.append((one, "with it the model predicts records left out worse than the given robot"))
-    return tuple(result)
+            suspects.append((one, "with it the model predicts records left out worse than the given robot"))
+    return tuple(named), tuple(suspects)
 
 
 def _whole_model(white, refined, forms, mass_terms):

@@ -181,11 +181,7 @@ def _lost(outcome: Outcome) -> Iterable[Lost]:
 
 
 def _suspects(final: Final) -> Iterable[Suspect]:
-    """Yield what is suspected and has no name: a file that was not taken may have been without what another holds."""
-    told = {e.named.candidate.key for e in (*final.estimates, *final.unwritten)}
-    for one, reason in final.outcome.suspects:
-        if one.candidate.key in told:
-            continue
+    for one, reason in final.suspects:
         yield Suspect(
             one.candidate.effect, **_places(one.candidate), evidence_nats=six_digits(one.evidence), reason=reason
         )

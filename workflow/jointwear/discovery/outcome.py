@@ -44,6 +44,10 @@ class Named:
         return [self.term] if self.form is None else [self.term, self.form]
 
 
+#: An effect that was taken off an axis that stays unexplained, and the reason.
+Suspected = tuple[Named, str]
+
+
 @dataclass(frozen=True)
 class Unexplained:
     """Structure of one 0-based axis over an argument that no effect explains."""
@@ -72,8 +76,8 @@ class Refusal:
 class Outcome:
     """What the search found; `white`, `fit` and `dictionary` are those of the final model, None where it failed.
 
-    `refusals` are candidates that a gate refused, `suspects` effects that were taken off an axis that stays
-    unexplained, with the reason, `not_tried` (effect, 0-based axis or None) -> reason. `force` (4,) [N, N m-1] at the
+    `refusals` are candidates that a gate refused, `suspects` what was taken off an axis that stays
+    unexplained, `not_tried` (effect, 0-based axis or None) -> reason. `force` (4,) [N, N m-1] at the
     flange in the base frame, where what is unexplained is most like one.
     """
 
@@ -86,7 +90,7 @@ class Outcome:
     unexplained: list[Unexplained] = field(default_factory=list)
     profile: list[Unexplained] = field(default_factory=list)
     refusals: list[Refusal] = field(default_factory=list)
-    suspects: list[tuple[Named, str]] = field(default_factory=list)
+    suspects: list[Suspected] = field(default_factory=list)
     not_tried: dict[tuple[str, int | None], str] = field(default_factory=dict)
     force: np.ndarray | None = None
 

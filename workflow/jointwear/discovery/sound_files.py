@@ -14,7 +14,7 @@ from jointwear.discovery.effect_estimates import Estimate
 from jointwear.discovery.estimation import WITHOUT, Final, finalise
 from jointwear.discovery.left_out import mean_squares
 from jointwear.discovery.leftovers import left_open
-from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.outcome import Outcome, Suspected
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL
@@ -85,32 +85,29 @@ def _as_given(final: Final, kind: str, bad: dict[int, float]) -> Final:
     """Return a model of which one kind of file is the given robot; its effects stay named where nothing is left."""
     friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)
     lost = final.estimates if kind == "augmented" else ()
-    doubtful = _suspected(final, [e for e in lost if e.named.candidate.axis in (None, *bad)])
+    doubtful, suspects = _suspected(final.outcome, [e for e in lost if e.named.candidate.axis in (None, *bad)])
     named = [e for e in lost if not any(e is x for x in doubtful)]
     words = "everything as given"
     for told, effects in (("named but not written:", named), (WITHOUT, doubtful)):
         if effects:
             words += f"; {told} {', '.join(dict.fromkeys(e.named.candidate.effect for e in effects))}"
     given_up = tuple(FallBack(kind, axis + 1, float(f"{r:.4g}"), words) for axis, r in bad.items())
-    final = replace(final, fallbacks=final.fallbacks + given_up)
+    final = replace(final, fallbacks=final.fallbacks + given_up, suspects=final.suspects + suspects)
     if kind == "retuned":
         return replace(final, retuned_friction=friction, retuned_inertial=inertial)
     everything = (*final.unwritten, *named)
     return replace(final, delta_friction=friction, delta_inertial=inertial, estimates=(), unwritten=everything)
 
 
-def _suspected(final: Final, estimates: list[Estimate]) -> list[Estimate]:
-    """Return which effects that a file does without are suspects, and add them to those of the outcome.
+def _suspected(outcome: Outcome, estimates: list[Estimate]) -> tuple[list[Estimate], tuple[Suspected, ...]]:
+    """Return which effects that a file does without have to be suspected, and these as suspects.
 
     Beside structure on its own joints it is one: what nobody can name may be all that it has found.
     """
-    outcome = final.outcome
     found = {n.candidate.key: n for n in outcome.named}
     doubtful = [e for e in estimates if left_open(outcome, found[e.named.candidate.key])]
-    known = {one.candidate.key for one, _ in outcome.suspects}
     reason = "with it the robot file follows the motion worse than the given robot"
-    outcome.suspects.extend((e.named, reason) for e in doubtful if e.named.candidate.key not in known)
-    return doubtful
+    return doubtful, tuple((e.named, reason) for e in doubtful)
 
 
 def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
@@ -126,7 +123,7 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
     written = write_files(problem, trial)
     if len(_worse(problem, written[2]["augmented"])) >= len(bad):
         return final, files, torques
-    doubtful = _suspected(final, list(left_out))
+    doubtful, suspects = _suspected(final.outcome, list(left_out))
     named = tuple(e for e in left_out if not any(e is x for x in doubtful))
     given_up = tuple(
         FallBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), form.format(e.named.candidate.effect))
@@ -134,7 +131,12 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
         for e in effects
         if (axis := e.named.candidate.axis) is not None
     )
-    trial = replace(trial, unwritten=final.unwritten + named, fallbacks=final.fallbacks + given_up)
+    trial = replace(
+        trial,
+        unwritten=final.unwritten + named,
+        suspects=final.suspects + suspects,
+        fallbacks=final.fallbacks + given_up,
+    )
     return trial, written[1], written[2]
 
 

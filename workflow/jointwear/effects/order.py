@@ -111,8 +111,8 @@ def continued(values: np.ndarray) -> tuple[np.ndarray, slice]:
     Turned about the ends: what begins with a step would ring when its spectrum is changed.
     """
     more = min(len(values) - 1, CONTINUED)
-    before, after = 2 * values[:1] - values[more:0:-1], 2 * values[-1:] - values[-2 : -more - 2 : -1]
-    return np.concatenate([before, values, after]), slice(more, more + len(values))
+    along = [(more, more), *[(0, 0)] * (values.ndim - 1)]
+    return np.pad(values, along, mode="reflect", reflect_type="odd"), slice(more, more + len(values))
 
 
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:

@@ -34,8 +34,9 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
     # As scipy.signal.sosfiltfilt does, which works out the settled states anew at every call: a third of its time.
     sections, settled = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
     settled = settled.reshape(2, 2, *[1] * (values.ndim - 1))
-    before, after = 2 * values[:1] - values[pad:0:-1], 2 * values[-1:] - values[-2 : -pad - 2 : -1]
-    forward, _ = sosfilt(sections, np.concatenate([before, values, after]), axis=0, zi=settled * before[0])
+    along = [(pad, pad), *[(0, 0)] * (values.ndim - 1)]
+    longer = np.pad(values, along, mode="reflect", reflect_type="odd")
+    forward, _ = sosfilt(sections, longer, axis=0, zi=settled * longer[0])
     backward, _ = sosfilt(sections, forward[::-1], axis=0, zi=settled * forward[-1])
     return backward[::-1][pad : len(values) + pad]
 
