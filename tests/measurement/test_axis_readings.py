@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from discovery_cases import make_case
-from scipy.signal import butter, sosfiltfilt
 
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.acceptance import missed, stiff
@@ -18,8 +17,7 @@ from jointwear.effects import make_state
 from jointwear.measurement import checks
 from jointwear.measurement.axis_readings import Reading, other_scale, readings
 from jointwear.measurement.checks import FAVOURS, Refused, check_axes, explained, explained_otherwise, favours
-from jointwear.measurement.filtering import RINGING, low_pass
-from jointwear.measurement.motion import TRANSIENT, measure
+from jointwear.measurement.motion import measure
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
@@ -200,27 +198,6 @@ def test_some_of_the_samples_refute_no_reading_that_all_of_them_do_not(recording
     believable = [reading for reading, left in every if not leaves_much(reading, left)]
     assert set(believable) <= set(asked)
     assert len(asked) < len(every)
-
-
-@pytest.mark.parametrize("shape", [(24,), (500,), (400, 3)])
-@pytest.mark.parametrize("cutoff", [2.0, 20.0])
-def test_the_filter_is_that_of_scipy(shape, cutoff):
-    values = np.cumsum(np.random.default_rng(1).standard_normal(shape), axis=0)
-    pad = min(len(values) - 1, max(int(300 / cutoff), RINGING))
-    expected = sosfiltfilt(butter(4, cutoff, fs=100.0, output="sos"), values, axis=0, padlen=pad)
-    np.testing.assert_allclose(low_pass(values, cutoff, 100.0), expected, atol=1e-12)
-
-
-@pytest.mark.parametrize("cutoff", [20.0, 31.0, 38.0])
-def test_a_joint_that_moves_at_the_end_of_its_record_keeps_its_acceleration(cutoff):
-    time = np.arange(0, 12, 0.01)
-    position = 1 + 0.45 * (time - 11) + 0.28 * (time - 11) ** 2 + 0.1 * np.sin(time)
-    for sign in (1, -1):
-        smooth = low_pass(position[::sign], cutoff, 100.0)
-        error = np.diff(smooth, 2) * 1e4 - np.diff(position[::sign], 2) * 1e4
-        # The samples beyond the edge that :func:`measure` leaves out.
-        edge = int(np.ceil(TRANSIENT / cutoff * 100.0))
-        assert np.abs(error[edge:-edge]).max() < 0.1 * np.abs(np.diff(position, 2) * 1e4).max()
 
 
 def test_an_effect_of_one_record_is_not_one_of_the_robot():

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from discovery_cases import COARSE_RATE as RATE
 from discovery_cases import coarse
-from scipy.signal import butter, sosfiltfilt
 
 from jointwear.measurement.derived_noise import quantisation_density
-from jointwear.measurement.filtering import RINGING, low_pass, zero_phase_gain
+from jointwear.measurement.filtering import low_pass, zero_phase_gain
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
@@ -34,12 +33,6 @@ def test_gain_is_that_of_the_filter():
             passed = low_pass(np.sin(2 * np.pi * share * cutoff * time), cutoff, RATE)[1000:3000]
             gain = zero_phase_gain(share * cutoff, cutoff, RATE)
             assert np.sqrt(2 * np.mean(passed**2)) == pytest.approx(gain, abs=0.01)
-
-
-def test_the_filter_is_that_of_scipy():
-    values = np.random.default_rng(4).normal(size=(400, 2))
-    sections = butter(4, 20.0, fs=100.0, output="sos")
-    assert np.array_equal(low_pass(values, 20.0, 100.0), sosfiltfilt(sections, values, axis=0, padlen=RINGING))
 
 
 def test_noise_of_accelerations_is_predicted(robot):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -12,33 +13,58 @@ from scipy.signal import butter, sosfilt, sosfilt_zi
 SHORTEST = 24
 #: Share of the rate from which on nothing is left to filter.
 HIGHEST = 0.45
-#: Fewest samples that a signal is continued by beyond its ends. A filter with its cut-off near Nyquist rings for so
-#: long, however short its period: continued by less, a joint that moves at an end of its record gets an acceleration
-#: there that is wrong by ten times itself.
-RINGING = 30
+#: Share of a step that a filter has to have forgotten: a signal is continued by so many samples beyond its ends. Near
+#: Nyquist that takes many, however short the period: continued by less, a joint that moves at an end of its record gets
+#: an acceleration there that is wrong by ten times itself.
+FORGOTTEN = 1e-5
+#: Samples at an end through which a motion is continued by a cubic: through fewer, noise at the very end is blown up.
+LAST = 8
 
 
 @lru_cache(maxsize=512)
-def _butterworth(cutoff: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Sections (2, 6) of a Butterworth filter of order 4, and their states (2, 2) after a long row of ones."""
+def _butterworth(cutoff: float, rate: float) -> tuple[np.ndarray, np.ndarray, int]:
+    """Sections (2, 6) of a Butterworth filter of order 4, their states (2, 2) after a long row of ones, and the samples
+    after which all but :data:`FORGOTTEN` of a step is gone."""
     sections = butter(4, cutoff, fs=rate, output="sos")
-    return sections, sosfilt_zi(sections)
+    # The last coefficient of a section is the square of the radius of its two poles.
+    slowest = 0.5 * np.log(sections[:, 5].max())
+    return sections, sosfilt_zi(sections), math.ceil(np.log(FORGOTTEN) / slowest)
 
 
-def low_pass(values: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
-    """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist."""
+def low_pass(values: np.ndarray, cutoff: float, rate: float, motion: bool = False) -> np.ndarray:
+    """Filter (k, ...) with zero phase along the first axis; nothing happens where the cut-off is near Nyquist.
+
+    Parameters
+    ----------
+    motion : whether accelerations are derived from what is left. A signal is continued beyond its ends turned about
+        them, which turns its acceleration round at once; a motion by a cubic through its last samples.
+    """
     if cutoff >= HIGHEST * rate or len(values) < SHORTEST:
         return values
-    # Rates that were found from stamps differ in their last digits from stretch to stretch.
-    pad = min(len(values) - 1, max(int(3 * rate / cutoff + 1e-6), RINGING))
     # As scipy.signal.sosfiltfilt does, which works out the settled states anew at every call: a third of its time.
-    sections, settled = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
+    # Rates that were found from stamps differ in their last digits from stretch to stretch.
+    sections, settled, rings = _butterworth(float(f"{cutoff:.9g}"), float(f"{rate:.9g}"))
+    pad = min(len(values) - 1, rings)
     settled = settled.reshape(2, 2, *[1] * (values.ndim - 1))
-    along = [(pad, pad), *[(0, 0)] * (values.ndim - 1)]
-    longer = np.pad(values, along, mode="reflect", reflect_type="odd")
+    longer = _continued(values, pad) if motion else _turned(values, pad)
     forward, _ = sosfilt(sections, longer, axis=0, zi=settled * longer[0])
     backward, _ = sosfilt(sections, forward[::-1], axis=0, zi=settled * forward[-1])
     return backward[::-1][pad : len(values) + pad]
+
+
+def _turned(values: np.ndarray, more: int) -> np.ndarray:
+    """Return values (k, ...) continued on both sides by `more` samples, turned about the ends."""
+    along = [(more, more), *[(0, 0)] * (values.ndim - 1)]
+    return np.pad(values, along, mode="reflect", reflect_type="odd")
+
+
+def _continued(values: np.ndarray, more: int) -> np.ndarray:
+    """Return values (k, ...) continued on both sides by `more` samples of the cubic that fits the :data:`LAST` ones."""
+    steps = np.linspace(-1.0, 0.0, LAST)
+    beyond = np.arange(1, more + 1) * (steps[1] - steps[0])
+    weights = np.vander(beyond, 4) @ np.linalg.pinv(np.vander(steps, 4))
+    before = np.tensordot(weights[::-1, ::-1], values[:LAST], axes=1)
+    return np.concatenate([before, values, np.tensordot(weights, values[-LAST:], axes=1)])
 
 
 def zero_phase_gain(frequency: np.ndarray, cutoff: float, rate: float) -> np.ndarray:

@@ -321,12 +321,12 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
     v = None if raw.velocity is None else raw.velocity[p]
     a = None if raw.acceleration is None else raw.acceleration[p]
     if (raw.derived or factor > 1) and not splines:
-        q = np.stack([low_pass(q[:, j], cutoff[j], rate) for j in range(n)], axis=1)
+        q = np.stack([low_pass(q[:, j], cutoff[j], rate, motion=True) for j in range(n)], axis=1)
         first, second = derivatives(t, q)
         if v is None:
             v, a = first, second if a is None else a
         elif a is None:
-            filtered = np.stack([low_pass(v[:, j], cutoff[j], rate) for j in range(n)], axis=1)
+            filtered = np.stack([low_pass(v[:, j], cutoff[j], rate, motion=True) for j in range(n)], axis=1)
             a = derivatives(t, filtered)[0]
     if factor > 1:
         # Half power at the new Nyquist frequency: an emptier band would be blown up by whitening.

@@ -47,7 +47,7 @@ def put_in_time(
         used = [p for p in pieces if p.stop - p.start >= max(2 * edge + 10, SHORTEST)]
         if not used:
             continue
-        derived = [derivatives(time[p], low_pass(position[p, j], band, rate)) for p in used]
+        derived = [derivatives(time[p], low_pass(position[p, j], band, rate, motion=True)) for p in used]
         first, second = (np.concatenate([d[order][edge:-edge] for d in derived]) for order in (0, 1))
         third = np.concatenate([np.gradient(d[1], time[p])[edge:-edge] for d, p in zip(derived, used, strict=True)])
         power = float(second @ second)

@@ -171,7 +171,7 @@ def _differentiated(due: list[_Derived]) -> Iterator[tuple[_Derived, tuple[np.nd
         smooth = np.empty_like(x)
         for limit in np.unique(cutoff):
             chosen = cutoff == limit
-            smooth[..., chosen] = low_pass(x[..., chosen], float(limit), 1 / alike[0].step)
+            smooth[..., chosen] = low_pass(x[..., chosen], float(limit), 1 / alike[0].step, motion=True)
         for k, (one, plain, grid) in enumerate(zip(alike, even, grids, strict=True)):
             first = _first_difference(smooth[:, k], one.step)
             second = _second_difference(smooth[:, k], one.step) if one.twice else first
