@@ -7,9 +7,10 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover, sound_files
+from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import cross_validate
-from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import DRIVE, HELD, OF_LINKS, Step, put_back
+from jointwear.discovery.estimation import _as_kept, doubts, finalise
+from jointwear.discovery.fallback import DRIVE, FELT, HELD, OF_LINKS, OWN, Step, put_back
 from jointwear.discovery.left_out import Asked, left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -231,6 +232,33 @@ def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_
     assert theta == pytest.approx([0.0, 4.0], abs=0.3)
 
 
+@pytest.mark.parametrize("is_open", [True, False])
+def test_a_joint_with_structure_that_gains_nothing_by_links_alone_feels_none_of_them(found, is_open):
+    """What is told by other joints may be right there; where nothing explains what a joint lacks it is no better."""
+    white = found.final.outcome.white
+    tells, lacks = 0, 2
+    rows = {axis: white.whiteners[axis].rows for axis in (tells, lacks)}
+    sigma = {axis: white.whiteners[axis].marginal for axis in rows}
+    rng = np.random.default_rng(2)
+    felt = {axis: rng.choice([-1.0, 1.0], size=(len(rows[axis]), 1)) for axis in rows}
+    told = {tells: 4.0 * felt[tells][:, 0], lacks: 20.0 * rng.normal(size=len(felt[lacks]))}
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    targets = [np.zeros_like(y) for y in white.targets]
+    for axis, y in told.items():
+        odd.discrepancy[np.flatnonzero(white.problem.train)[rows[axis]], axis] = sigma[axis] * y
+        targets[axis] = y
+    trial = replace(white, problem=odd, targets=targets)
+    blocks = {tells: np.hstack([felt[tells]] * 2), lacks: felt[lacks] * np.array([[1.0, 0.0]])}
+    links = Term(INERTIAL, blocks, np.full(2, 1e2), {axis: sigma[axis] * x for axis, x in blocks.items()})
+    kept, given_up = put_back(trial, [links], {}, "augmented", [lacks] if is_open else [])
+    assert [(f.axis, f.step) for f in given_up] == ([(lacks + 1, FELT)] if is_open else [])
+    (own,) = kept
+    fitted = Fit(targets, kept).theta
+    theta = fitted if own.turn is None else own.turn @ fitted
+    assert theta.sum() == pytest.approx(4.0, abs=0.1)
+    assert (abs(theta[0]) < 0.2) == is_open
+
+
 @pytest.mark.parametrize("last", [0.6, 0.99])
 def test_friction_that_gains_in_every_record_is_written_where_structure_is_left_too(found, last):
     """All records together gain, no one is worse: that one gains less is no sign that a further one will lose."""
@@ -315,7 +343,7 @@ def test_a_bad_file_of_one_kind_leaves_the_other_alone(found, monkeypatch):
 
 def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_stays(found, monkeypatch):
     nominal = found.torques["nominal"]
-    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {} if np.allclose(torque, nominal) else {2: 1.5})
+    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {} if np.allclose(torque, nominal) else {1: 1.5})
     final, _, torques = sound_files.sound_files(found.problem, found.final.outcome)
     assert torques["augmented"] == pytest.approx(nominal, abs=1e-6)
     assert not final.estimates
@@ -323,6 +351,74 @@ def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_st
     assert {f.model for f in final.fallbacks if f.step.startswith("everything as given")} == {"augmented", "retuned"}
     told = next(f.step for f in final.fallbacks if f.model == "augmented" and f.step.startswith("everything"))
     assert "named but not written: nonlinear_viscous_friction" in told
+
+
+def test_for_one_joint_only_what_acts_on_it_alone_is_as_given(found, monkeypatch):
+    nominal, axis = found.torques["nominal"], 2
+    own = nominal[:, axis]
+    monkeypatch.setattr(sound_files, "_worse", lambda _, t: {} if np.allclose(t[:, axis], own) else {axis: 1.5})
+    final, _, torques = sound_files.sound_files(found.problem, found.final.outcome)
+    assert torques["augmented"][:, axis] == pytest.approx(own, abs=1e-6)
+    assert np.all(final.delta_friction[axis] == 0.0)
+    assert [e.named.candidate.effect for e in final.unwritten] == ["nonlinear_viscous_friction"]
+    told = [f.step for f in final.fallbacks if f.step.startswith(OWN)]
+    assert told == [f"{OWN}", f"{OWN}; named but not written: nonlinear_viscous_friction"]
+
+
+def test_a_bend_of_a_form_is_given_up_before_the_effect(found, monkeypatch):
+    """Where the effect itself is nothing its bend still follows noise."""
+    asked = []
+
+    def first_bend(white, terms, steps, model, open_axes=()):
+        asked.append([s.words for s in steps[2]])
+        bend = next((s for s in steps[2] if s.words.startswith("the plain form of")), None)
+        return (terms if bend is None else bend.taken_off(terms)), ()
+
+    monkeypatch.setattr("jointwear.discovery.estimation.put_back", first_bend)
+    white = found.final.outcome.white
+    column = np.sin(np.arange(len(white.targets[2])))[:, None]
+    raw = {2: white.whiteners[2].sigma * column}
+    bend = Term("form of nonlinear_viscous_friction", {2: column}, np.array([1.0]), raw)
+    monkeypatch.setattr("jointwear.discovery.estimation._form_if_kept", lambda *_: (None, bend))
+    final = finalise(found.final.outcome)
+    assert asked[0][-2:] == [f"{w} nonlinear_viscous_friction" for w in ("the plain form of", "without")]
+    assert [e.named.candidate.key for e in final.estimates] == [("nonlinear_viscous_friction", 2, None)]
+    assert not any(t is bend for t in final.fit.terms)
+
+
+def test_a_plain_form_takes_the_place_of_one_that_says_more_than_the_records(found):
+    """A bend through all records swings where one is left out; a line does not."""
+    white, axis = found.final.outcome.white, 1
+    record = white.folds(axis) - np.mean(np.unique(white.folds(axis)))
+    told = 30.0 * record + 3.0 * (record == record.max())
+    sigma = white.whiteners[axis].marginal
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    odd.discrepancy[np.flatnonzero(white.problem.train)[white.whiteners[axis].rows], axis] = sigma * told
+    targets = [np.zeros_like(y) for y in white.targets]
+    targets[axis] = told
+    trial = replace(white, problem=odd, targets=targets)
+
+    def of(columns):
+        return Term("drift", {axis: columns}, np.full(columns.shape[1], 1e3), {axis: sigma * columns}, effect=True)
+
+    line = of(record[:, None])
+    bend = of(np.stack([np.cos(3.0 * record), np.sin(3.0 * record), record**3], axis=1))
+    assert Asked(trial, [bend])([bend]).surely[axis] > 1.03
+    steps = [Step("the plain form of drift", (bend,), instead=(line,)), Step("without drift", (bend, line))]
+    kept, given_up = put_back(trial, [bend], {axis: steps}, "augmented")
+    assert [f.step for f in given_up] == ["the plain form of drift"]
+    assert len(kept) == 1
+    assert kept[0] is line
+    assert not steps[0].touches(kept)
+
+
+def test_an_effect_has_its_plain_forms_and_no_more_of_them_than_it_is():
+    drift = Candidate("torque_offset_drift", 1, None, {"start": 0.0, "period": 9.0})
+    terms = [Term(x, {1: np.ones((3, 1))}, np.ones(1), effect=True) for x in "abc"]
+    plain = [(replace(drift, nonlinear={}), terms[1])]
+    assert _as_kept((None, drift, terms[0]), plain, {id(terms[0])}) == (None, drift, terms[0])
+    assert _as_kept((None, drift, terms[0]), plain, {id(terms[1])}) == (None, *plain[0])
+    assert _as_kept((None, drift, terms[0]), plain, {id(terms[2])}) == (None, drift, terms[0])
 
 
 @pytest.mark.parametrize("left", [True, False])

@@ -10,7 +10,7 @@ from jointwear.discovery.acceptance import _levels_lead, _sigmas
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
-from jointwear.discovery.refine import evidence_at, refine
+from jointwear.discovery.refine import evidence_at, refine, simplest
 from jointwear.discovery.reversals import unseen_slow_motion
 from jointwear.effects import get_effect
 
@@ -51,6 +51,30 @@ def test_a_slow_wave_has_its_period_however_often_it_turns(white, waves):
     grid = [Candidate("torque_offset_drift", AXIS, None, p) for p in DRIFT.grid(state, AXIS) if "period" in p]
     best = max(grid, key=lambda c: evidence_at(lacking, fit, c))
     assert span / refine(lacking, fit, best).nonlinear["period"] == pytest.approx(waves, abs=0.1)
+
+
+def test_of_waves_through_the_same_few_recordings_the_slowest_is_written(white):
+    """Five points in time have many waves through them; between the recordings they differ."""
+    state = white.problem.train_state
+    record = np.asarray(state.record) - np.min(state.record)
+    apart = replace(state, time=state.time + 400.0 * record**1.5)
+    problem = replace(white.problem)
+    problem.__dict__.update(train_state=apart)
+    few, span = replace(white, problem=problem), float(np.ptp(apart.time))
+    start = float(np.min(apart.time))
+    fast = Candidate("torque_offset_drift", AXIS, None, {"start": start, "period": span / 4.0})
+    for size, waves in ((0.5, 4.0), (40.0, 0.85)):
+        lacking = _lacking(few, size * np.sin(2 * np.pi * waves * (apart.time - start) / span + 0.4))
+        fit = lacking.fit([])
+        found = simplest(lacking, fit, refine(lacking, fit, fast))
+        assert found.nonlinear["period"] > 0.9 * span
+        half = 0.5 * white.problem.settings.accept
+        assert evidence_at(lacking, fit, found) > evidence_at(lacking, fit, refine(lacking, fit, fast)) - half
+    # Where the data decide, the wave is as fast as they say.
+    lacking = _lacking(white, 7.0 * np.sin(2 * np.pi * 3.3 * (state.time - state.time[0]) / np.ptp(state.time)))
+    known = replace(fast, nonlinear={"start": float(state.time[0]), "period": float(np.ptp(state.time)) / 3.3})
+    found = simplest(lacking, lacking.fit([]), known)
+    assert found.nonlinear["period"] == pytest.approx(known.nonlinear["period"], rel=0.01)
 
 
 def test_a_factor_within_its_own_error_is_none(white):

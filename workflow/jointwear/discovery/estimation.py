@@ -28,7 +28,7 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome, Suspected
 from jointwear.discovery.references import effect_term, reference_of, with_references
-from jointwear.discovery.refine import refine, simplest
+from jointwear.discovery.refine import free_parameters, refine, simplest
 from jointwear.discovery.sound_links import nearest_links
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL, White
@@ -37,6 +37,8 @@ from jointwear.robots.inertia import mass_direction
 
 #: First word of a step that gives up an effect.
 WITHOUT = "without"
+#: First words of a step that gives up the bend of the form of an effect, and keeps the effect.
+PLAIN = "the plain form of"
 #: How often effects are refined at most, each time beside what the last elastic gears do above their band.
 REFINEMENTS = 3
 
@@ -95,9 +97,16 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
         base = [t for t in base if t.label not in without]
         nameless = open_axes(outcome, [c.axis for _, c, _ in refined] + [n.candidate.axis for n in masses])
-        steps = _steps(white, base, refined, forms, masses)
+        plainer = [_plainer(white, c, t) for _, c, t in refined]
+        steps = _steps(white, base, refined, forms, masses, plainer)
         kept, given_up = put_back(white, base + terms, steps, "augmented", nameless)
         left = {id(t) for t in kept}
+        refined = [_as_kept(r, other, left) for r, other in zip(refined, plainer, strict=True)]
+        # A bend goes alone, or with the form that it bends.
+        forms = [
+            f if f is None or id(f[1]) in left or id(t) not in left else None
+            for f, (_, _, t) in zip(forms, refined, strict=True)
+        ]
         everything = all(id(t) in left for _, _, t in refined)
         if not everything:
             still_named, doubtful = _named_all_the_same(
@@ -114,13 +123,13 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         if everything:
             break
         white = _in_band(plain, [c for _, c, _ in refined])
-    ours = {id(t) for t in terms}
+    ours = {id(t) for t in [*terms, *(t for _, _, t in refined)]}
     base = [t for t in kept if id(t) not in ours]
     final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
     masses = [n for n in named if n.candidate.effect == LINK_MASS]
     mass_terms = [t for n in masses for t in n.terms]
     alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
-    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(plain, alone, [], [], masses)
+    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(plain, alone, [], [], masses, [])
     alone, retuned_given_up = put_back(plain, [*alone, *mass_terms], steps, "retuned", nameless)
     retuned = Fit(plain.targets, alone)
     beside = _make_links_sound(plain, retuned, masses)
@@ -260,8 +269,31 @@ def _whole_model(white, refined, forms, mass_terms):
     return base, refined
 
 
-def _steps(white: White, base: list[Term], refined, forms, masses: list[Named]) -> dict[int, list[Step]]:
-    """Return what can be given up for the sake of each axis, a link mass by all axes that carry the link."""
+def _plainer(white: White, candidate: Candidate, term: Term) -> list[tuple[Candidate, Term]]:
+    """Return an effect in its plain forms, the one that says most first, which could stand in the place of its own."""
+    if candidate.axis is None or not free_parameters(candidate):
+        return []
+    plain = get_effect(candidate.effect).plain(white.problem.train_state, candidate.axis)
+    found = [replace(candidate, nonlinear=dict(p)) for p in reversed(plain)]
+    return [(c, effect_term(white, c, term)) for c in found if c.nonlinear != candidate.nonlinear]
+
+
+def _as_kept(refined, plainer: list[tuple[Candidate, Term]], left: set[int]):
+    """Return a refined effect as it is in a model with the terms `left`: in a plain form where that took its place."""
+    one, _, term = refined
+    found = [] if id(term) in left else [(c, t) for c, t in plainer if id(t) in left]
+    return (one, *found[0]) if found else refined
+
+
+def _steps(
+    white: White, base: list[Term], refined, forms, masses: list[Named], plainer: list[list[tuple[Candidate, Term]]]
+) -> dict[int, list[Step]]:
+    """Return what can be given up for the sake of each axis, a link mass by all axes that carry the link.
+
+    Parameters
+    ----------
+    plainer : of each effect, as of :func:`_plainer`.
+    """
     steps = {}
     for axis in white.problem.judged:
         own = tuple(t for t in base if t.drive[:1] == (axis,))
@@ -272,11 +304,16 @@ def _steps(white: White, base: list[Term], refined, forms, masses: list[Named]) 
                 alone = set(one.term.blocks) == {axis}
                 words = f"mass of link {one.candidate.axis + 1} as given"
                 steps[axis].append(Step(words, (one.term,), of_drive=alone))
-        for (_, candidate, term), form in zip(refined, forms, strict=True):
+        for (_, candidate, term), form, others in zip(refined, forms, plainer, strict=True):
             if candidate.axis in (axis, None):
-                steps[axis].append(
-                    Step(f"{WITHOUT} {candidate.effect}", (term, *(form[1:] if form is not None else ())))
-                )
+                whole = (term,) if form is None else (term, form[1])
+                if form is not None:
+                    # A bend follows what noise and structure do where the effect itself is nothing.
+                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", form[1:]))
+                for _, plain in others:
+                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", whole, instead=(plain,)))
+                    whole = (*whole, plain)
+                steps[axis].append(Step(f"{WITHOUT} {candidate.effect}", whole))
     return steps
 
 

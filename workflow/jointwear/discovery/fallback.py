@@ -24,8 +24,9 @@ DRIVE = "friction and motor inertia as given"
 EVERYTHING = "everything of this joint as given"
 #: Words of the step that gives up what acts on one joint alone, and leaves what other joints lean on.
 OWN = "everything of this joint alone as given"
-#: Words of the step that leaves all of a joint as given, and to the others of the links what it does not feel.
-HELD = "friction and motor inertia as given, and the links as far as this joint feels them"
+#: Words of the steps that leave the links, and all of a joint, as given, and to the others what it does not feel.
+FELT = "the links as far as this joint feels them"
+HELD = f"friction and motor inertia as given, and {FELT}"
 #: Words of the steps that take corrections of the links back, in part and all of them.
 CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
 #: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
@@ -39,6 +40,7 @@ class Step:
     Attributes
     ----------
     words, terms : what it is in words, and the terms that go.
+    instead : terms that take their place.
     links : largest standard deviation, over that of their prior, that corrections of the links keep; at 0 they are
         given up. All axes share the links: for the sake of one they are given up as little as it needs.
     deaf : 0-based axis that says nothing of the links from here on, though they act on it: without parameters of its
@@ -54,6 +56,7 @@ class Step:
     deaf: int | None = None
     hold: np.ndarray | None = None
     of_drive: bool = False
+    instead: tuple[Term, ...] = ()
 
     @property
     def of_many(self) -> bool:
@@ -62,7 +65,7 @@ class Step:
 
     def taken_off(self, terms: list[Term]) -> list[Term]:
         """Return `terms` without what this step gives up."""
-        left = [t for t in terms if not any(t is own for own in self.terms)]
+        left = [t for t in terms if not any(t is own for own in self.terms)] + list(self.instead)
         return [self._of_links(t) if t.label == INERTIAL else t for t in left if t.label != INERTIAL or self.links > 0]
 
     def touches(self, terms: list[Term]) -> bool:
@@ -106,7 +109,9 @@ def put_back(
     """
     limit = white.problem.settings.not_worse
     kept, given_up = list(terms), []
-    ask = Asked(white, kept)
+    held: set[int] = set()
+    others = {id(t): t for of_axis in steps.values() for s in of_axis for t in s.instead}
+    ask = Asked(white, [*kept, *others.values()])
     asked = ask(kept)
     while True:
         ratio = asked.surely
@@ -114,10 +119,13 @@ def put_back(
         best = ((int(j), _mending(white, ask, kept, steps.get(int(j), []), int(j), ratio)) for j in bad)
         chosen = next((found for found in best if found[1]), None)
         chosen = chosen or _little_gained(white, ask, kept, steps, open_axes, asked)
+        chosen = chosen or _held_in_the_open(white, ask, kept, set(open_axes) - held, asked)
         chosen = chosen or _links_in_vain(ask, kept, asked)
         if chosen is None:
             return kept, tuple(given_up)
         axis, step = chosen
+        if step.hold is not None:
+            held.add(axis)
         if ratio[axis] > limit or axis in open_axes:
             # Elsewhere the parameters follow noise alone: that they stay as given is no loss to tell of.
             given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
@@ -201,6 +209,31 @@ def _little_gained(
                 fine = then.ratio <= settings.not_worse * asked.ratio
                 fine[axis] = min(then.ratio[axis], then.surely[axis]) <= worst[axis]
             if np.all(fine):
+                return axis, step
+    return None
+
+
+def _held_in_the_open(
+    white: White, ask: Asked, kept: list[Term], open_axes: Collection[int], asked: LeftOut
+) -> tuple[int, Step] | None:
+    """Return an axis of `open_axes` that does not nearly always gain by links alone, and how firmly it is held.
+
+    Its drive is as given, as nothing explains what it lacks. What the others make of the links helps it here and harms
+    it there, and a record to come may hold more of the one or the other. It is held as firmly as costs the others no
+    more than the margin over the given robot. None if there is none.
+    """
+    settings = white.problem.settings
+    for axis in sorted(open_axes):
+        if asked.gained[axis] >= settings.nearly_all or any(t.drive[:1] == (axis,) for t in kept):
+            continue
+        for width in reversed(HALVINGS):
+            step = _held(white, kept, Step(FELT), axis, width)
+            if step is None:
+                continue
+            then = ask(step.taken_off(kept)).ratio
+            others = np.arange(len(then)) != axis
+            loses = np.any((then > settings.not_worse * asked.ratio)[others])
+            if not loses and then[axis] <= max(settings.not_worse, asked.ratio[axis]):
                 return axis, step
     return None
 

@@ -113,7 +113,8 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     """Return the candidate with the simplest form that the data do not contradict.
 
     A form that the data leave open says more than they do where there are none: between recordings, or beyond the
-    travel. Where an effect has a plain form it is taken, of forms that look alike that of the smallest coefficients.
+    travel. Where an effect has a plain form it is taken, of waves over time the slowest, of forms that look alike that
+    of the smallest coefficients.
     """
     if candidate.axis is None or not free_parameters(candidate):
         return candidate
@@ -124,6 +125,12 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
         trial = replace(candidate, nonlinear=dict(nonlinear))
         if evidence_at(white, fit, trial) > best - undecided:
             return trial
+    slower = effect.slower(white.problem.train_state, candidate.axis, candidate.nonlinear)
+    if slower:
+        trials = [refine(white, fit, replace(candidate, nonlinear=dict(p)), other_form=True) for p in slower]
+        trials = [(evidence_at(white, fit, t), t) for t in trials] + [(best, candidate)]
+        best = max(value for value, _ in trials)
+        return next(t for value, t in trials if value > best - undecided)
     alike = effect.alike(candidate.nonlinear)
     if not alike:
         return candidate

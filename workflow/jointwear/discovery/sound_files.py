@@ -12,6 +12,7 @@ import numpy as np
 
 from jointwear.discovery.effect_estimates import Estimate
 from jointwear.discovery.estimation import WITHOUT, Final, finalise
+from jointwear.discovery.fallback import OWN
 from jointwear.discovery.left_out import mean_squares
 from jointwear.discovery.leftovers import left_open
 from jointwear.discovery.outcome import Outcome, Suspected
@@ -63,12 +64,14 @@ def unchanged_files(problem: Problem, final: Final) -> Written:
 
 
 def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]) -> Written:
-    """Return `first` with the files of the kinds that are `bad` from `second`, or as given where that is bad too."""
-    final, other = first[0], second[0]
+    """Return `first` with the files of the kinds that are `bad` from `second`.
+
+    Where that is bad too the axes that are worse keep what is given of them alone, and if that does not help the file
+    is the given robot.
+    """
+    final = first[0]
     for kind in bad:
-        still = _worse(problem, second[2][kind])
-        if still:
-            other = _as_given(other, kind, still)
+        other = _sound(problem, first, second, kind)
         kept = tuple(f for f in final.fallbacks if f.model != kind) + tuple(
             f for f in other.fallbacks if f.model == kind
         )
@@ -81,13 +84,36 @@ def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]
     return write_files(problem, final)
 
 
-def _as_given(final: Final, kind: str, bad: dict[int, float]) -> Final:
-    """Return a model of which one kind of file is the given robot; its effects stay named where nothing is left."""
+def _sound(problem: Problem, first: Written, second: Written, kind: str) -> Final:
+    """Return the second of two models, or what has to be given up of either for its file to be worse on no axis."""
+    still = _worse(problem, second[2][kind])
+    if not still:
+        return second[0]
+    for model, bad in ((first[0], _worse(problem, first[2][kind])), (second[0], still)):
+        trial = _as_given(model, kind, bad, alone=True)
+        if not _worse(problem, write_files(problem, trial)[2][kind]):
+            return trial
+    return _as_given(second[0], kind, still)
+
+
+def _as_given(final: Final, kind: str, bad: dict[int, float], alone: bool = False) -> Final:
+    """Return a model of which one kind of file is the given robot; its effects stay named where nothing is left.
+
+    Parameters
+    ----------
+    bad : 0-based axis -> how bad its file is. alone : give up only what acts on these axes alone.
+    """
     friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)
     lost = final.estimates if kind == "augmented" else ()
+    if alone:
+        before = (final.delta_friction, final.delta_inertial)
+        before = before if kind == "augmented" else (final.retuned_friction, final.retuned_inertial)
+        friction, inertial = before[0].copy(), before[1]
+        friction[list(bad)] = 0.0
+        lost = tuple(e for e in lost if e.named.candidate.axis in bad)
     doubtful, suspects = _suspected(final.outcome, [e for e in lost if e.named.candidate.axis in (None, *bad)])
     named = [e for e in lost if not any(e is x for x in doubtful)]
-    words = "everything as given"
+    words = OWN if alone else "everything as given"
     for told, effects in (("named but not written:", named), (WITHOUT, doubtful)):
         if effects:
             words += f"; {told} {', '.join(dict.fromkeys(e.named.candidate.effect for e in effects))}"
@@ -95,8 +121,9 @@ def _as_given(final: Final, kind: str, bad: dict[int, float]) -> Final:
     final = replace(final, fallbacks=final.fallbacks + given_up, suspects=final.suspects + suspects)
     if kind == "retuned":
         return replace(final, retuned_friction=friction, retuned_inertial=inertial)
-    everything = (*final.unwritten, *named)
-    return replace(final, delta_friction=friction, delta_inertial=inertial, estimates=(), unwritten=everything)
+    kept = tuple(e for e in final.estimates if not any(e is x for x in lost))
+    unwritten = (*final.unwritten, *named)
+    return replace(final, delta_friction=friction, delta_inertial=inertial, estimates=kept, unwritten=unwritten)
 
 
 def _suspected(outcome: Outcome, estimates: list[Estimate]) -> tuple[list[Estimate], tuple[Suspected, ...]]:

@@ -75,6 +75,8 @@ class Effect:
         function be corrected by a table over the argument.
     bend : how the form may differ from the textbook's, or None where it is exact.
     plain : nonlinear parameters of the simplest forms, simplest first, taken where the data do not decide.
+    slower : nonlinear parameters from which forms of the same kind are searched that change less between recordings,
+        the slowest first; of those that are as good the first is taken.
     alternatives : other nonlinear parameters of the same size that the search of a continuous one cannot reach.
     begins : the same with the other states in which records may begin, which is no part of the form.
     alike : nonlinear parameters that look alike on a short travel; the one of the smallest coefficients is taken
@@ -131,6 +133,7 @@ class Effect:
     shape: Callable[[State, int, Parameters], tuple[np.ndarray, np.ndarray]] | None = None
     bend: Bend | None = None
     plain: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
+    slower: Callable[[State, int, Parameters], Sequence[Parameters]] = lambda state, axis, p: []
     alternatives: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     begins: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     alike: Callable[[Parameters], Sequence[Parameters]] = lambda p: []

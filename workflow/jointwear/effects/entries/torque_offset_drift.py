@@ -53,6 +53,11 @@ def _plain(state, axis):
     return [{"start": start, "time_constant": 20.0 * span}] if span > 0 else []
 
 
+def _slower(state, axis, p):
+    # A few recordings show a fast wave at a few points, which a slow one goes through as well.
+    return [g for g in _grid(state, axis) if "period" in g and g["period"] > p.get("period", np.inf)]
+
+
 def _shape(state, axis, p):
     return np.ones(np.shape(state.time)), state.time
 
@@ -79,6 +84,7 @@ EFFECT = Effect(
     parameters_of=_parameters_of,
     grid=_grid,
     plain=_plain,
+    slower=_slower,
     shape=_shape,
     bend=table_bend(_shape, 6),
     needs=("time",),
