@@ -76,6 +76,25 @@ def test_a_form_that_says_more_than_was_seen_gives_way_to_a_plainer_one(found, m
     ]
 
 
+def test_families_are_ranked_off_their_grids(found):
+    """A bend makes up for a step of the grid too: a coarse grid would lose against a fine one."""
+    white, dictionary = found.final.outcome.white, found.final.outcome.dictionary
+    speed = white.problem.train_state.velocity[:, [1]]
+    lacking = 4.0 * white.whiteners[1].marginal * np.sign(speed) / np.cosh(speed / 0.12)
+    targets = list(white.targets)
+    targets[1] = targets[1] + white.columns(1, lacking)[:, 0]
+    trial = replace(white, targets=targets)
+    fit = trial.fit()
+    scored = next(s for s in scan(trial, dictionary, fit) if s.candidate.key == ("stribeck_friction", 1, None))
+    moved = decide._off_grid(trial, fit, scored)
+    assert moved.candidate.key == scored.candidate.key
+    assert moved.candidate.nonlinear["speed"] != scored.candidate.nonlinear["speed"]
+    assert moved.evidence > scored.evidence + 1.0
+    for key in (("torque_constant_error", 1, None), ("actuation_delay", 1, None)):
+        same = next((s for s in scan(trial, dictionary, fit) if s.candidate.key == key), None)
+        assert same is None or decide._off_grid(trial, fit, same) is same
+
+
 def test_a_load_is_not_refused_for_what_one_joint_lacks(found):
     outcome = found.final.outcome
     problem, coefficients = outcome.problem, np.zeros(10)

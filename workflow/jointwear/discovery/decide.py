@@ -29,10 +29,11 @@ from jointwear.discovery.leftovers import stand_alone, unexplained
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.outcome import Named, Outcome, Refusal
 from jointwear.discovery.posterior import weigh
-from jointwear.discovery.refine import free_parameters, refine
+from jointwear.discovery.refine import evidence_at, free_parameters, refine
 from jointwear.discovery.scan import Scored, contenders, scan
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
 
 #: Refusals in a row after which the search leaves an axis alone: what a misfit of one joint costs must not end the
 #: search on the others. Bounds on time, not limits: what comes later has the least evidence.
@@ -241,8 +242,23 @@ def _form_of(white: White, fit: Fit, scored: Scored) -> Term | None:
     return companion(white, form, float(np.sqrt(np.mean(torque**2))))
 
 
+def _off_grid(white: White, fit: Fit, scored: Scored) -> Scored:
+    """Return a family at the largest evidence near its best point.
+
+    A bend makes up for a step of the grid as for a form that is a little off, and grids are not equally fine.
+    """
+    candidate = scored.candidate
+    if candidate.effect == LINK_MASS or get_effect(candidate.effect).scaled or not free_parameters(candidate):
+        return scored
+    moved = refine(white, fit, candidate)
+    nats = evidence_at(white, fit, moved) - evidence_at(white, fit, candidate)
+    term = term_of(white, moved)
+    return replace(scored, candidate=moved, evidence=scored.evidence + nats, blocks=term.blocks, std=term.std)
+
+
 def _with_form(white: White, fit: Fit, scored: Scored) -> float:
-    """Return the evidence of a candidate when its form may bend, half the prior weight on either."""
+    """Return the evidence of a candidate off the grid when its form may bend, half the prior weight on either."""
+    scored = _off_grid(white, fit, scored)
     form = _form_of(white, fit, scored)
     if form is None:
         return scored.evidence
