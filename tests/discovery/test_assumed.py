@@ -26,6 +26,7 @@ OTHERS = {
         base.MOST_FREE base.HALVINGS between_axes.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
         posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS
+        time_lines.MOST
     """,
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS

@@ -66,7 +66,7 @@ def loud_waves(
     left = take_off(problem.discrepancy[problem.train, axis])
     beside = np.split(take_off(np.concatenate(waves, axis=1)), len(waves), axis=1) if waves else []
     while waves:
-        fits = [_fitted(columns[used], left[used]) for columns in beside]
+        fits = [fitted(columns[used], left[used]) for columns in beside]
         # The loudest by what it takes off the squares; how much better the noise is then, decides.
         best = int(np.argmax([gained for gained, _ in fits]))
         needed = problem.settings.accept + np.log(len(waves))
@@ -82,7 +82,7 @@ def loud_waves(
     return np.concatenate(shown, axis=1)
 
 
-def _fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:
+def fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:
     """Return what columns (m, k) take off the squares of a target (m,), and their coefficients (k,)."""
     gram, b = columns.T @ columns, columns.T @ target
     return chi_square(b, gram, gram)[0], least_squares(b, gram, gram)

@@ -15,6 +15,7 @@ from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whit
 from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import axis_bases
+from jointwear.discovery.time_lines import loud_lines
 from jointwear.effects import State, library
 from jointwear.measurement.even_steps import runs
 from jointwear.measurement.filtering import low_pass
@@ -60,6 +61,9 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         white = estimate(plain(y), used, label, highest)
     of_motor = waves_in_band(problem, axis, limited_state(problem, axis, cutoffs.torque))
     loud = loud_waves(problem, axis, of_motor, white, plain, highest)
+    if not loud.shape[1]:
+        # At a constant speed a wave of the motor is a line over time too.
+        loud = loud_lines(problem, axis, white, plain, highest)
     if loud.shape[1]:
         columns = np.concatenate([columns.T, _scaled(loud, used).T]).T
         white = estimate(_remover(columns, used, None)(y), used, label, highest)
