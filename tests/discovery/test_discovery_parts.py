@@ -187,3 +187,10 @@ def test_columns_that_would_have_to_turn_round_have_no_evidence():
     right, turned = (gain_about_one(white, size * gram[0], gram) for size in (1.0, -5.0))
     assert right == pytest.approx(150.0, rel=0.05)
     assert turned == -np.inf
+
+
+@pytest.mark.parametrize(("size", "counts"), [(0.5, False), (0.8, True), (1.3, True), (2.0, False)])
+def test_columns_of_another_size_have_no_evidence(size, counts):
+    white = SimpleNamespace(problem=SimpleNamespace(settings=Settings()))
+    gram = np.array([[3000.0]])
+    assert np.isfinite(gain_about_one(white, size * gram[0], gram, Settings().off_scale)) == counts

@@ -3,8 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from jointwear.discovery.candidates import Candidate, raw_torques
+from jointwear.discovery.candidates import Candidate, build_dictionary, raw_torques, whitened
+from jointwear.discovery.refine import refine
+from jointwear.discovery.scan import scan
 
 
 def test_ends_of_records_do_not_shake_a_gear(white):
@@ -22,3 +25,17 @@ def test_ends_of_records_do_not_shake_a_gear(white):
     wild = raw_torques(replace(white, problem=problem, _states={}), gear)[1]
     assert ends > 0
     assert np.abs(wild - calm).max() < 1e-9
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.3, 0.6])
+def test_a_swing_is_found_however_soon_it_ends(white, damping):
+    link = float(np.mean(white.problem.train_state.wind_up_regressor(1)[0][..., 1]))
+    parameters = {"inertia_over_stiffness": 3.7e-4, "inertia": link, "side": 1, "damping": damping}
+    there = whitened(white, raw_torques(white, Candidate("joint_flexibility", 1, None, parameters)))
+    shaken = replace(white, targets=[there[axis][:, 0] for axis in range(len(white.targets))])
+    fit = shaken.fit()
+    best = scan(shaken, build_dictionary(shaken), fit)[0].candidate
+    assert best.key == ("joint_flexibility", 1, None)
+    found = refine(shaken, fit, best).nonlinear
+    assert found["damping"] == pytest.approx(damping, rel=0.25)
+    assert found["inertia_over_stiffness"] == pytest.approx(3.7e-4, rel=0.1)

@@ -89,7 +89,7 @@ def test_a_scan_says_what_each_candidate_gains(white):
     for candidates, matrices in dictionary.spreading:
         for k, one in enumerate(candidates):
             sums = fit.gram({axis: x[:, [k]] for axis, x in matrices.items()})
-            points.setdefault(one.key, []).append(gain_about_one(white, *sums))
+            points.setdefault(one.key, []).append(gain_about_one(white, *sums, white.problem.settings.off_scale))
     found = {s.candidate.key: s for s in scan(white, dictionary, fit)}
     assert points.keys() <= found.keys()
     assert len(points) > alone > 20

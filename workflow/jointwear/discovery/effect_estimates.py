@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.discovery.beyond_band import within_band
-from jointwear.discovery.candidates import Candidate, prior_std, raw_torques, whitened
+from jointwear.discovery.candidates import Candidate, on_all_axes, prior_std, raw_torques, whitened
 from jointwear.discovery.fast_waves import lost_to_speed
 from jointwear.discovery.forms import Form, companion
 from jointwear.discovery.largest_torque import Fitted, all_columns, largest_torque
@@ -16,12 +16,14 @@ from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.noisy_columns import noise_share
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import spread
-from jointwear.discovery.refine import free_parameters
+from jointwear.discovery.refine import evidence_at, free_parameters
 from jointwear.discovery.whitening import INERTIAL, White
 from jointwear.effects import get_effect
 
 #: Relative distance within which a parameter lies on a bound.
 ON_BOUND = 1e-6
+#: Factors on (period / 2 pi)^2 at which a swing that is damped less is looked for.
+PERIODS = np.geomspace(0.5, 2.0, 21)
 
 
 @dataclass(frozen=True)
@@ -179,6 +181,23 @@ def _by_its_noise(
     return {name: share * abs(parameters[name]) for name in nothing}
 
 
+def _by_its_damping(
+    white: White, fit: Fit, candidate: Candidate, parameters: dict[str, float], names: Iterable[str]
+) -> dict[str, float]:
+    """Return by what the size of a swing moves if it is damped half as much.
+
+    Noise of derived accelerations drives a swing in the model that is not there: one that ends sooner fits best, and
+    that has its period elsewhere.
+    """
+    nothing, name = dict.fromkeys(names, 0.0), get_effect(candidate.effect).scaled
+    if name not in nothing or not on_all_axes(candidate):
+        return nothing
+    own, best = {**candidate.nonlinear, "damping": 0.5 * candidate.nonlinear["damping"]}, parameters[name]
+    trials = [replace(candidate, nonlinear={**own, name: best * factor}) for factor in PERIODS]
+    lighter = max(trials, key=lambda c: evidence_at(white, fit, c))
+    return nothing | {name: abs(lighter.nonlinear[name] - best)}
+
+
 def _in_the_bend(
     white: White,
     candidate: Candidate,
@@ -265,6 +284,7 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
             _in_the_bend(white, candidate, form, coefficients, parameters, std),
             _by_its_band(white, base, others, candidate, parameters, std),
             _by_its_noise(white, without, candidate, parameters, std),
+            _by_its_damping(white, without, candidate, parameters, std),
         ]
         if not scaled:
             unknown.append(_followed(white, without, candidate, spreads, set(std)))

@@ -29,7 +29,7 @@ def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
         return -np.inf
     b, gram = fit.gram(whitened(white, torques))
     if on_all_axes(candidate):
-        return gain_about_one(white, b, gram)
+        return gain_about_one(white, b, gram, white.problem.settings.off_scale)
     if get_effect(candidate.effect).scaled:
         # Its size is in the columns: the coefficient is one.
         return gain_of_one(b, gram)

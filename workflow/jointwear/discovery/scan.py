@@ -15,7 +15,7 @@ from jointwear.discovery.whitening import White
 from jointwear.effects import Effect, get_effect
 
 
-def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray) -> np.ndarray:
+def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray, off: float = np.inf) -> np.ndarray:
     """Return the evidence (...) that columns add whose coefficient is one, give or take the `usual` share.
 
     Columns that would have to turn round are another torque, however much of the data they would then explain: none of
@@ -25,12 +25,14 @@ def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray) -> np.ndarray:
     ----------
     b : (..., k) X'r of the columns, gram : (..., k, k) what is left of X'X, as of
         :func:`jointwear.discovery.linear.gain`.
+    off : factor by which the coefficient that fits may be off, either way.
     """
     width = np.full(b.shape, white.problem.settings.usual)
     beyond = b - gram.sum(axis=-1)
-    turned_round = np.any(1.0 + posterior_mean(beyond, gram, width) <= 0, axis=-1)
+    size = 1.0 + posterior_mean(beyond, gram, width)
+    another = np.any((size <= 1.0 / off) | (size >= off), axis=-1)
     values = b.sum(axis=-1) - 0.5 * gram.sum(axis=(-2, -1)) + gain(beyond, gram, width)
-    return np.where(turned_round, -np.inf, values)[()]
+    return np.where(another, -np.inf, values)[()]
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def scan(white: White, dictionary: Dictionary, fit: Fit, keys: set | None = None
         if keys is not None and candidates[0].key not in keys:
             continue
         b, square = _gram_each(dictionary, matrices, fit, chol)
-        values = gain_about_one(white, b[:, None], square[:, None, None]).tolist()
+        values = gain_about_one(white, b[:, None], square[:, None, None], white.problem.settings.off_scale).tolist()
         for k, (candidate, value) in enumerate(zip(candidates, values, strict=True)):
             blocks = {a: x[:, k : k + 1] for a, x in matrices.items()}
             families.setdefault(candidate.key, []).append((value, candidate, blocks, np.ones(1)))

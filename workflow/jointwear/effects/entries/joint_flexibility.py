@@ -12,8 +12,10 @@ _SHARES = (5e-5, 1.3e-4, 3.2e-4, 8e-4, 2e-3, 5e-3)
 #: J / K [s^2] to start from, for links that swing at 60 to 4 Hz, that of a heavy arm stretched out with its load. A
 #: swing is sharp: in steps of a seventh of the stiffness none is passed by.
 _SWINGS = tuple(float(x) for x in (2 * np.pi * np.geomspace(60.0, 4.0, 39)) ** -2.0)
-#: Damping of that swing to start from, over that at which it ends.
+#: Damping of that swing to start from, over that at which it ends. Inertia that is a few per cent off puts a swing out
+#: of step within some turns, and then nothing of it fits: a swing that ends soon is looked for too, in wider steps.
 _DAMPING = 0.05
+_DAMPED, _STRIDE = 0.25, 3
 
 
 def _friction(state, axis, velocity):
@@ -65,7 +67,11 @@ def _grid(state, axis):
     if state.wind_up_regressor is not None and state.encoder_side != "link":
         link = float(np.mean(state.wind_up_regressor(axis)[0][..., axis]))
         if link > 0:
-            of_motor = [{"inertia_over_stiffness": x, "inertia": link, "side": 1, "damping": _DAMPING} for x in _SWINGS]
+            of_motor = [
+                {"inertia_over_stiffness": x, "inertia": link, "side": 1, "damping": damping}
+                for damping, swings in ((_DAMPING, _SWINGS), (_DAMPED, _SWINGS[::_STRIDE]))
+                for x in swings
+            ]
     if state.torque_kind == "link_sensor":
         # Behind the gear the motor is not felt: only the positions may be its own.
         return of_motor
