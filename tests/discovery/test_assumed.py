@@ -19,7 +19,7 @@ OTHERS = {
         spectra.SHORTEST spectra.SPAN structure.KNOTS structure.KNOTS_OF_OTHERS structure.FEWEST_KNOTS
         structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS structure.SURROUNDINGS structure.FASTEST_CHIRP
         structure.SLOW_SWEEP structure.WIDEST_SWEEP structure.COARSER encoder_step.NEAREST
-        encoder_step.WIDER in_its_place.SIZES
+        encoder_step.WIDER in_its_place.SIZES effect_estimates.PERIODS
     """,
     "a bound on time": """
         leftovers.SPEEDS
