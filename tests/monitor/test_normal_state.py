@@ -317,6 +317,27 @@ def test_programs_are_told_apart_and_an_unseen_one_is_said_so():
     assert find_regimes(mixed, np.ones(20, dtype=bool)) is None
 
 
+def test_a_later_program_near_a_known_one_is_no_part_of_it():
+    random = np.random.default_rng(3)
+    one, other = np.zeros(6), np.full(6, 1.0)
+    baseline = np.arange(48) < 40
+    # Windows differ by 0.03 about their program, and its neighbour is 0.22 away.
+    signature = np.repeat([one, other, one], [20, 20, 8], axis=0) + 0.03 * random.uniform(-1, 1, (48, 6))
+    signature[40:, 2] += 0.22
+    regime = find_regimes(signature, baseline)
+    assert set(regime[:40]) == {0, 1}
+    assert (regime[40:] == 2).all()
+    # Three of them may be windows of the known one that hold a part of its cycle, as may more that do not follow each
+    # other, or that lie on both sides.
+    assert (find_regimes(signature[:43], baseline[:43])[40:] == 0).all()
+    apart = signature.copy()
+    apart[[42, 45]] = one
+    assert (find_regimes(apart, baseline)[40:] == 0).all()
+    about = signature.copy()
+    about[41::2, 2] -= 0.44
+    assert (find_regimes(about, baseline)[40:] == 0).all()
+
+
 def test_an_axis_without_a_torque_makes_no_new_program():
     speed = np.array([[1.0, 2.0, 0.5], [0.6, 0.7, 2.0]])
     hidden = np.zeros((28, 3), dtype=bool)

@@ -4,7 +4,8 @@ The signature of a window does not change with a speed override or a load: of ea
 axes, and the ratio of root mean square and mean speed. Regimes are found one after the other in the baseline (a window
 joins the nearest one that lies within :data:`ALIKE`, else it founds one); a regime counts from :data:`FEWEST` windows
 on. A later window that lies near none is a program that was never seen: it founds a regime too, and is not judged
-before its constant has been learnt (:func:`jointwear.monitor.normal_state.introduced`). Where most windows of the
+before its constant has been learnt (:func:`jointwear.monitor.normal_state.introduced`). So does a run of later windows
+that lies near a regime, yet farther from it than windows of the baseline do, all on one side. Where most windows of the
 baseline lie near no regime, each being a mixture of its own, none is told apart. An axis without a torque in a window
 shows no motion either; such a later window is told by its other axes, and founds no regime.
 """
@@ -18,6 +19,8 @@ from jointwear.monitor.windows import WindowStatistics
 
 #: Largest difference of signatures (logs) that still is one program, and beyond which a window is unseen.
 ALIKE, UNSEEN = 0.15, 0.3
+#: Usual are distances up to so many times the one from its own regime that this share of the baseline's windows keeps.
+CLOSE, MOST = 2.0, 0.9
 #: Fewest windows of a regime; share of the baseline's windows that regimes must hold.
 FEWEST, COVERED = 4, 0.7
 
@@ -66,9 +69,11 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
             centres[best][known] += (signature[k] - centres[best])[known] / counts[best]
         label[k] = best
     kept = [c for c, count in zip(centres, counts, strict=True) if count >= FEWEST]
-    near = [len(kept) > 0 and float(_distances(signature[k], kept).min()) <= UNSEEN for k in np.flatnonzero(baseline)]
-    if sum(near) < COVERED * max(len(near), 1):
+    near = np.array([_distances(signature[k], kept).min(initial=np.inf) for k in np.flatnonzero(baseline)])
+    if not len(kept) or np.sum(near <= UNSEEN) < COVERED * len(near):
         return None
+    usual = float(np.clip(CLOSE * np.quantile(near[near <= UNSEEN], MOST), ALIKE, UNSEEN))
+    known = len(kept)
     result = np.full(len(signature), -1)
     members = [FEWEST] * len(kept)
     for k in range(len(signature)):
@@ -84,7 +89,37 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
         result[k] = best
     rare = np.array(members) < FEWEST
     result[(result >= 0) & rare[result]] = -1
+    _split(result, signature, kept[:known], ~baseline & ~late.any(axis=1), usual)
     return result
+
+
+def _split(
+    regime: np.ndarray, signature: np.ndarray, centres: list[np.ndarray], later: np.ndarray, usual: float
+) -> None:
+    """Take programs that the baseline lacks out of the regimes (w,) that they are near to.
+
+    Windows of one program that lie beyond what is `usual` are single ones, on all sides of it; those of another
+    program follow each other, on one side.
+
+    Parameters
+    ----------
+    signature : (w, 2 n). centres : of the baseline's regimes. later : (w,) bool, windows after it that are whole.
+    """
+    near = later & (regime >= 0) & (regime < len(centres))
+    distance = np.full(len(regime), np.inf)
+    distance[near] = [_distances(signature[k], centres).min() for k in np.flatnonzero(near)]
+    apart = near & (distance > usual)
+    for k in np.flatnonzero(apart):
+        run = slice(max(k - FEWEST + 1, 0), k + 1)
+        if k + 1 < FEWEST or not (apart[run] & (regime[run] == regime[k])).all():
+            continue
+        middle = signature[run].mean(axis=0)
+        if _distances(middle, centres).min() <= usual:
+            continue
+        alike = np.flatnonzero(apart)
+        alike = alike[[float(_distances(signature[a], [middle])[0]) <= usual for a in alike]]
+        regime[alike] = regime.max() + 1
+        apart[alike] = False
 
 
 def _distances(one: np.ndarray, centres: list[np.ndarray], hidden: np.ndarray | None = None) -> np.ndarray:
