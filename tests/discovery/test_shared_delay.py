@@ -2,12 +2,13 @@
 
 import copy
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.discovery import Settings, discover
+from jointwear.discovery import Settings, discover, pipeline
 from jointwear.discovery import shared_delay as module
 from jointwear.discovery.candidates import Candidate, raw_blocks
 from jointwear.discovery.linear import Term
@@ -173,3 +174,20 @@ def test_joints_agree_by_their_torque_with_one_that_has_a_name(
     assert shared_delay(white, period) == 0.0
     asked = shared_delay(white, period, named={0: -0.4 * period}) / period
     assert asked == pytest.approx(expected, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("asked", "read"), [((0.4, -0.5, 0.0), 0.0), ((0.4, -0.5, -0.5, -0.5), -0.5), ((0.4, 0.3, 0.3), 0.3)]
+)
+def test_between_late_and_early_the_log_is_read_as_it_came(recording, robot, monkeypatch, asked, read):
+    """A delay that is found on the other side beside what has a name may be the first one, taken out too far."""
+    period, answers = sampling_period(recording), list(asked)
+    monkeypatch.setattr(pipeline, "shared_delay", lambda *_: answers.pop(0) * period)
+    monkeypatch.setattr(
+        pipeline, "beside_slow_noise", lambda white, _: SimpleNamespace(white=white, named=[_load(white)])
+    )
+    white = whitened(build_problem(recording, robot, Settings()))
+    log, outcome, told = pipeline._read_in_time(recording, white)
+    assert not answers
+    assert (outcome.white is white) == (log is recording) == (not told) == (read == 0.0)
+    assert not told or f"({abs(read):.2f} of a sampling period)" in told[0]

@@ -175,6 +175,9 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
         beside = lasting_terms(outcome.named)
         late = named_delays(outcome.named)
         delay = shared_delay(outcome.white, period, beside, read, late) if beside or late else read
+        if delay * read < 0:
+            # The columns of a delay lack what lies above their band, which makes it too long. Between the two is none.
+            delay = 0.0
         if delay == read:
             break
     return log, outcome, [delay_in_words(read, period)] if read else []

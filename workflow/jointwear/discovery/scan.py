@@ -25,12 +25,15 @@ def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray, off: float = n
     ----------
     b : (..., k) X'r of the columns, gram : (..., k, k) what is left of X'X, as of
         :func:`jointwear.discovery.linear.gain`.
-    off : factor by which the coefficient that fits may be off, either way.
+    off : factor by which the coefficient that fits may be off, either way, as
+        :func:`jointwear.discovery.acceptance.within_bounds` asks it.
     """
     width = np.full(b.shape, white.problem.settings.usual)
     beyond = b - gram.sum(axis=-1)
-    size = 1.0 + posterior_mean(beyond, gram, width)
-    another = np.any((size <= 1.0 / off) | (size >= off), axis=-1)
+    another = np.any(1.0 + posterior_mean(beyond, gram, width) <= 0, axis=-1)
+    if np.isfinite(off):
+        size = posterior_mean(b, gram, np.ones(b.shape))
+        another |= np.any((size <= 1.0 / off) | (size >= off), axis=-1)
     values = b.sum(axis=-1) - 0.5 * gram.sum(axis=(-2, -1)) + gain(beyond, gram, width)
     return np.where(another, -np.inf, values)[()]
 
