@@ -30,6 +30,17 @@ def found(robot):
     return discover(make_case(robot, 22, root), robot, Settings())
 
 
+def _that_lacks(white, told):
+    """`white` with nothing left on any axis but what `told` {axis: (m,)} says, over the noise."""
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    targets = [np.zeros_like(y) for y in white.targets]
+    for axis, y in told.items():
+        whitener = white.whiteners[axis]
+        odd.discrepancy[np.flatnonzero(white.problem.train)[whitener.rows], axis] = whitener.marginal * y
+        targets[axis] = y
+    return replace(white, problem=odd, targets=targets)
+
+
 def test_a_parameter_may_go_to_zero_where_an_effect_takes_its_place(found, robot):
     assert [(e["effect"], e["axis"]) for e in found.effects] == [("nonlinear_viscous_friction", 3)]
     assert found.augmented_robot["joints"][2]["viscous"] < 0.25 * robot.viscous[2] / robot.gear_ratio[2] ** 2
@@ -168,12 +179,7 @@ def test_friction_of_half_of_the_time_is_no_drive_parameter(found, dragging):
     label, sign = white.blocks(axis) // 8, np.sign(white.problem.train_state.velocity[white.whiteners[axis].rows, axis])
     drags = label % 2 < 2 * dragging
     sigma = white.whiteners[axis].marginal
-    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
-    rows = np.flatnonzero(white.problem.train)[white.whiteners[axis].rows]
-    odd.discrepancy[rows, axis] = 20.0 * sigma * sign * drags
-    targets = [np.zeros_like(y) for y in white.targets]
-    targets[axis] = 20.0 * sign * drags
-    trial = replace(white, problem=odd, targets=targets)
+    trial = _that_lacks(white, {axis: 20.0 * sign * drags})
     blocks, raw = {axis: sign[:, None] * 1.0}, {axis: sigma * sign[:, None]}
     term = Term("friction", blocks, np.array([1e3]), raw, (axis, 0))
     step = Step(DRIVE, (term,), of_drive=True)
@@ -214,12 +220,7 @@ def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_
     felt = np.stack([np.sign(velocity[rows[right], right]), np.zeros(len(rows[right]))], axis=1)
     rng = np.random.default_rng(1)
     told = {lacks: both @ [1.0, 4.0], right: rng.normal(size=len(felt))}
-    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
-    targets = [np.zeros_like(y) for y in white.targets]
-    for axis, y in told.items():
-        odd.discrepancy[np.flatnonzero(white.problem.train)[rows[axis]], axis] = sigma[axis] * y
-        targets[axis] = y
-    trial = replace(white, problem=odd, targets=targets)
+    trial = _that_lacks(white, told)
     blocks = {lacks: both, right: felt}
     links = Term(INERTIAL, blocks, np.full(2, 1e3), {axis: sigma[axis] * x for axis, x in blocks.items()})
     kept, given_up = put_back(trial, [links], {right: list(OF_LINKS)}, "augmented")
@@ -228,7 +229,7 @@ def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_
     assert ratio[right] <= white.problem.settings.not_worse
     assert ratio[lacks] < 0.8
     (held,) = kept
-    theta = held.turn @ Fit(targets, kept).theta
+    theta = held.turn @ Fit(trial.targets, kept).theta
     assert theta == pytest.approx([0.0, 4.0], abs=0.3)
 
 
@@ -242,18 +243,13 @@ def test_a_joint_with_structure_that_gains_nothing_by_links_alone_feels_none_of_
     rng = np.random.default_rng(2)
     felt = {axis: rng.choice([-1.0, 1.0], size=(len(rows[axis]), 1)) for axis in rows}
     told = {tells: 4.0 * felt[tells][:, 0], lacks: 20.0 * rng.normal(size=len(felt[lacks]))}
-    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
-    targets = [np.zeros_like(y) for y in white.targets]
-    for axis, y in told.items():
-        odd.discrepancy[np.flatnonzero(white.problem.train)[rows[axis]], axis] = sigma[axis] * y
-        targets[axis] = y
-    trial = replace(white, problem=odd, targets=targets)
+    trial = _that_lacks(white, told)
     blocks = {tells: np.hstack([felt[tells]] * 2), lacks: felt[lacks] * np.array([[1.0, 0.0]])}
     links = Term(INERTIAL, blocks, np.full(2, 1e2), {axis: sigma[axis] * x for axis, x in blocks.items()})
     kept, given_up = put_back(trial, [links], {}, "augmented", [lacks] if is_open else [])
     assert [(f.axis, f.step) for f in given_up] == ([(lacks + 1, FELT)] if is_open else [])
     (own,) = kept
-    fitted = Fit(targets, kept).theta
+    fitted = Fit(trial.targets, kept).theta
     theta = fitted if own.turn is None else own.turn @ fitted
     assert theta.sum() == pytest.approx(4.0, abs=0.1)
     assert (abs(theta[0]) < 0.2) == is_open
@@ -265,13 +261,8 @@ def test_friction_that_gains_in_every_record_is_written_where_structure_is_left_
     white = found.final.outcome.white
     axis = 0
     record, sign = white.folds(axis), np.sign(white.problem.train_state.velocity[white.whiteners[axis].rows, axis])
-    told = 20.0 * sign * np.where(record == record.max(), last, 1.0)
     sigma = white.whiteners[axis].marginal
-    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
-    odd.discrepancy[np.flatnonzero(white.problem.train)[white.whiteners[axis].rows], axis] = sigma * told
-    targets = [np.zeros_like(y) for y in white.targets]
-    targets[axis] = told
-    trial = replace(white, problem=odd, targets=targets)
+    trial = _that_lacks(white, {axis: 20.0 * sign * np.where(record == record.max(), last, 1.0)})
     term = Term("friction", {axis: sign[:, None]}, np.array([1e3]), {axis: sigma * sign[:, None]}, (axis, 0))
     asked = Asked(trial, [term])([term])
     assert asked.ratio[axis] < 0.8
@@ -312,18 +303,15 @@ def test_a_name_that_the_file_does_without_is_a_suspect_where_structure_is_left_
 def test_links_on_which_no_axis_leans_are_as_given(found, leans):
     """One coefficient moves two axes. Both lack something that comes and goes, or the second lacks it at all times."""
     white = found.final.outcome.white
-    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
-    targets, blocks, raw = [np.zeros_like(y) for y in white.targets], {}, {}
+    lacking, blocks, raw = {}, {}, {}
     for axis in (0, 1):
         told = np.where(white.folds(axis) == white.folds(axis).max(), -0.2, 0.2)
         if leans and axis == 1:
             told = 0.2
-        sigma = white.whiteners[axis].marginal
-        targets[axis] = 20.0 * (told + 0.6 * np.sign(white.blocks(axis) % 2 - 0.5) * (axis == 0))
-        odd.discrepancy[np.flatnonzero(white.problem.train)[white.whiteners[axis].rows], axis] = sigma * targets[axis]
-        blocks[axis] = np.ones((len(targets[axis]), 1))
-        raw[axis] = sigma * blocks[axis]
-    trial = replace(white, problem=odd, targets=targets)
+        lacking[axis] = 20.0 * (told + 0.6 * np.sign(white.blocks(axis) % 2 - 0.5) * (axis == 0))
+        blocks[axis] = np.ones((len(lacking[axis]), 1))
+        raw[axis] = white.whiteners[axis].marginal * blocks[axis]
+    trial = _that_lacks(white, lacking)
     links = Term(INERTIAL, blocks, np.array([1e3]), raw)
     given, asked = Asked(trial, [links])([]).ratio, Asked(trial, [links])([links]).ratio
     assert (asked[1] < given[1]) == leans
@@ -390,13 +378,8 @@ def test_a_plain_form_takes_the_place_of_one_that_says_more_than_the_records(fou
     """A bend through all records swings where one is left out; a line does not."""
     white, axis = found.final.outcome.white, 1
     record = white.folds(axis) - np.mean(np.unique(white.folds(axis)))
-    told = 30.0 * record + 3.0 * (record == record.max())
     sigma = white.whiteners[axis].marginal
-    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
-    odd.discrepancy[np.flatnonzero(white.problem.train)[white.whiteners[axis].rows], axis] = sigma * told
-    targets = [np.zeros_like(y) for y in white.targets]
-    targets[axis] = told
-    trial = replace(white, problem=odd, targets=targets)
+    trial = _that_lacks(white, {axis: 30.0 * record + 3.0 * (record == record.max())})
 
     def of(columns):
         return Term("drift", {axis: columns}, np.full(columns.shape[1], 1e3), {axis: sigma * columns}, effect=True)
