@@ -324,12 +324,12 @@ def test_what_was_put_back_is_told_once_with_its_reason():
     first, second = put_back_in_words({"fallbacks": put_back})
     assert first.startswith("Joint 1, retuned model: as fitted, its error on records left out was 0.761 times ")
     assert "stands in for what stays unexplained" in first
-    assert first.endswith(f"Given up: {everything}. Written: all as given.")
+    assert first.endswith(f"Put back: {everything}. The file holds: all as given.")
     assert second.startswith(
         "Joint 2, augmented and retuned models: as fitted, its error on records left out was 1.73 "
     )
     assert second.endswith(
-        f"Given up: {drive}; then, at 1.9 times, {links}. Written: {drive}, {links}. "
+        f"Put back: {drive}; then, at 1.9 times, {links}. The file holds: {drive}, {links}. "
         "On held-out motion it has 1 times the given error."
     )
     assert put_back_in_words({"fallbacks": []}) == []

@@ -109,6 +109,7 @@ def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_k
     spring = SimpleNamespace(named=SimpleNamespace(candidate=SimpleNamespace(axis=0, effect="joint_spring")))
     final = SimpleNamespace(
         fallbacks=(
+            FallBack("retuned", 1, 1.3, HELD),
             FallBack("retuned", 2, 1.2, DRIVE),
             FallBack("augmented", 2, 1.2, DRIVE),
             FallBack("augmented", 1, 1.1, OF_LINKS[0].words),
@@ -122,12 +123,15 @@ def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_k
         retuned_inertial=np.ones(20),
     )
     gap = Gap((2.0, None), (1.5, None), (1.0, None), (0.5, None))
-    one, two, other = told_fallbacks(final, gap)
+    one, two, held, other = told_fallbacks(final, gap)
     assert (one.model, one.axis, one.held_out) == ("augmented", 1, 0.5)
     assert one.kept == "friction and motor inertia as fitted, inertia of the links as given, joint_spring"
     assert (two.axis, two.ratio, two.held_out) == (2, 1.2, None)
     assert [s.ratio for s in two.steps] == [1.2, 1.6, 1.3]
     assert two.step == f"{DRIVE}, then {OF_LINKS[0].words}"
+    assert held.kept == (
+        "friction and motor inertia as given, inertia of the links as fitted, but for what this joint feels"
+    )
     assert (other.model, other.kept) == (
         "retuned",
         "friction and motor inertia as given, inertia of the links as fitted",

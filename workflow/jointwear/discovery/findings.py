@@ -14,7 +14,7 @@ from jointwear.discovery.link_masses import unlikely_masses
 from jointwear.discovery.noise_floor import floor_with_names
 from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.problem import Problem
-from jointwear.discovery.restrictions import beyond_the_time
+from jointwear.discovery.restrictions import beyond_the_temperature, beyond_the_time
 from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.told_fallbacks import told_fallbacks
 from jointwear.discovery.verdict import (
@@ -69,6 +69,7 @@ def make_verdict(
     else:
         word = "retuned" if retuned else NONE
     gap = measure_gap(problem, torques, floor_with_names(final))
+    written = [e.named.candidate for e in final.estimates]
     return Verdict(
         dataset=name,
         verdict=word,
@@ -89,7 +90,8 @@ def make_verdict(
         restrictions=(
             *restrictions,
             *_alike_in_time(final),
-            *beyond_the_time(problem, (e.named.candidate for e in final.estimates)),
+            *beyond_the_time(problem, written),
+            *beyond_the_temperature(problem, written),
             *stands_in(retuned, {u.axis for u in left}),
             *unlikely_masses(retuned, problem.settings),
         ),

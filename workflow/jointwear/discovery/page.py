@@ -149,7 +149,7 @@ def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
-    """Return for every joint on which a model was put back why, what was given up in which order, and what is written.
+    """Return for every joint on which a model was put back why, what went back in which order, and what is written.
 
     Models of which all that is the same are told together.
     """
@@ -159,7 +159,7 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
         models.setdefault((f["axis"], steps, f["kept"], f["held_out"]), []).append(f["model"])
     told = []
     for (axis, steps, kept, held_out), names in sorted(models.items(), key=lambda found: found[0][0]):
-        given_up = "; ".join(
+        put_back = "; ".join(
             step if k == 0 else f"then, at {number(ratio)} times, {step}" for k, (step, ratio) in enumerate(steps)
         )
         first = steps[0][1]
@@ -168,8 +168,8 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
             why += ", but it stands in for what stays unexplained there and may be worse in the next recording"
         end = "" if held_out is None else f" On held-out motion it has {number(held_out)} times the given error."
         told.append(
-            f"Joint {axis}, {' and '.join(sorted(names))} model{'s' if len(names) > 1 else ''}: {why}. Given up: "
-            f"{given_up}. Written: {kept}.{end}"
+            f"Joint {axis}, {' and '.join(sorted(names))} model{'s' if len(names) > 1 else ''}: {why}. Put back: "
+            f"{put_back}. The file holds: {kept}.{end}"
         )
     return told
 

@@ -109,3 +109,20 @@ def beyond_the_time(problem: Problem, written: Iterable[Candidate]) -> list[str]
         for c in written
         if c.effect != LINK_MASS and c.axis is not None and get_effect(c.effect).follows_time
     ]
+
+
+def beyond_the_temperature(problem: Problem, written: Iterable[Candidate]) -> list[str]:
+    """Return in words which joints are warmer or colder in test than in training, where what is written follows it."""
+    found = []
+    following = (c for c in written if c.effect != LINK_MASS and get_effect(c.effect).follows_temperature)
+    for axis in sorted({c.axis for c in following}):
+        warm = problem.state.temperature[:, axis]
+        seen, asked = (values[np.isfinite(values)] for values in (warm[problem.train], warm[problem.test]))
+        if not len(asked) or max(seen.min() - asked.min(), asked.max() - seen.max()) <= SMALLEST_SPREAD:
+            continue
+        found.append(
+            f"joint {axis + 1}: its temperature is {asked.min():.0f} to {asked.max():.0f} degC in the test "
+            f"trajectories and {seen.min():.0f} to {seen.max():.0f} degC in training: what changes with it is carried "
+            "on by its form alone; hold out trajectories of temperatures between others to see how well it is known"
+        )
+    return found

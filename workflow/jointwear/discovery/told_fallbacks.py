@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.estimation import Final
+from jointwear.discovery.fallback import FELT
 from jointwear.discovery.verdict import FallBack, Gap, GivenUp
 
 #: Between the steps that were taken one after the other.
@@ -32,20 +33,21 @@ def told_fallbacks(final: Final, gap: Gap) -> tuple[FallBack, ...]:
                 steps[0],
                 step=THEN.join(dict.fromkeys(s.step for s in steps)),
                 steps=tuple(GivenUp(s.step, s.ratio) for s in steps),
-                kept=_kept(final, model, axis - 1),
+                kept=_kept(final, model, axis - 1, any(FELT in s.step for s in steps)),
                 held_out=float(f"{written / given:.4g}") if given and written is not None else None,
             )
         )
     return tuple(result)
 
 
-def _kept(final: Final, model: str, axis: int) -> str:
-    """Return in words what a file holds for a 0-based axis."""
+def _kept(final: Final, model: str, axis: int, held: bool) -> str:
+    """Return in words what a file holds for a 0-based axis; `held`: of the links only what the axis does not feel."""
     augmented = model == "augmented"
     drive = (final.delta_friction if augmented else final.retuned_friction)[axis]
     links = final.delta_inertial if augmented else final.retuned_inertial
     effects = [e.named.candidate.effect for e in final.estimates if e.named.candidate.axis in (axis, None)]
-    words = [f"friction and motor inertia {_as(drive)}", f"inertia of the links {_as(links)}"]
+    felt = ", but for what this joint feels" if held and np.any(links) else ""
+    words = [f"friction and motor inertia {_as(drive)}", f"inertia of the links {_as(links)}{felt}"]
     return ", ".join(words + (list(dict.fromkeys(effects)) if augmented else []))
 
 

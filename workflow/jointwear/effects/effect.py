@@ -176,6 +176,11 @@ class Effect:
         """Whether the torque changes with time itself, so that it must hold for the time to come."""
         return "time" in self.needs
 
+    @property
+    def follows_temperature(self) -> bool:
+        """Whether the torque changes with the temperature, and so from what was seen to warmer or colder joints."""
+        return "temperature" in self.needs
+
     def complete(self, parameters: Parameters) -> dict[str, Any]:
         """Return `parameters` with defaults filled in."""
         return {**{p.name: p.default for p in self.parameters}, **parameters}

@@ -29,7 +29,7 @@ EXAMPLE = {
     "effect": "temperature_dependent_viscous_friction",
     "axis": 3,
     "recordings": 4,
-    "held_out": 2,
+    "held_out": 0,
     "duration_s": 10.0,
     "interval_s": 0.02,
     "inertial_error": 0.03,
