@@ -75,3 +75,22 @@ def test_its_own_axis_is_asked_all_the_same(bent):
     )
     decide._believe_no_bent_links(outcome)
     assert outcome.named
+
+
+@pytest.mark.parametrize(("off", "stays"), [(0.1, True), (0.6, False)])
+def test_a_gain_of_a_load_that_links_correct_by_a_large_share_is_not_believed(wrong, off, stays, monkeypatch):
+    """How much a torque is off is known no better than the load."""
+    settled = []
+    monkeypatch.setattr(decide, "settle", settled.append)
+    one = _gain(wrong)
+    links = next(t for t in wrong.base if t.label == INERTIAL)
+    fit = wrong.fit([one.term])
+    # Links that are all too light by the same share.
+    load = wrong.problem.inertial[wrong.problem.train] @ wrong.directions_of(links)
+    far = np.linalg.lstsq(load[:, ELBOW], off * wrong.problem.train_state.load[:, ELBOW], rcond=None)[0]
+    fit.theta[fit.where(INERTIAL)] = far
+    outcome = SimpleNamespace(problem=wrong.problem, white=wrong, fit=fit, named=[one], refusals=[], unexplained=[])
+    decide._believe_no_unknown_loads(outcome)
+    assert bool(outcome.named) == stays
+    assert len(settled) == len(outcome.refusals) == (not stays)
+    assert all(r.reached < r.needed for r in outcome.refusals)

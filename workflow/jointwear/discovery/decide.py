@@ -24,6 +24,7 @@ from jointwear.discovery.candidates import (
     term_of,
 )
 from jointwear.discovery.crossval import CrossValidated
+from jointwear.discovery.effect_estimates import links_error
 from jointwear.discovery.forms import companion, form_of
 from jointwear.discovery.leftovers import stand_alone, unexplained
 from jointwear.discovery.linear import Fit, Term, gain
@@ -65,6 +66,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     outcome.named = _searched(outcome)
     settle(outcome)
     _believe_no_bent_links(outcome)
+    _believe_no_unknown_loads(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
     for n in weighed:
@@ -104,6 +106,25 @@ def _believe_no_bent_links(outcome: Outcome) -> None:
             kept.append(one)
     if len(kept) < len(outcome.named):
         outcome.named = kept
+        settle(outcome)
+
+
+def _believe_no_unknown_loads(outcome: Outcome) -> None:
+    """Take the names back of a factor of all torque of a joint of whose load the fit corrects a large share.
+
+    How far that torque is off is known no better than the load itself: the interval of such a factor holds none.
+    """
+    least = outcome.problem.settings.mass_sigmas
+    gate = "load of its joint over what the fit corrects of the links there"
+    failed = []
+    for one in outcome.named:
+        share = links_error(outcome.white, outcome.fit, one.candidate) if of_drive(one.candidate) else 0.0
+        if share * least > 1.0:
+            failed.append(Refusal(one.candidate, one.evidence, gate, 1.0 / share, least))
+    if failed:
+        outcome.refusals += failed
+        keys = {r.candidate.key for r in failed}
+        outcome.named = [n for n in outcome.named if n.candidate.key not in keys]
         settle(outcome)
 
 

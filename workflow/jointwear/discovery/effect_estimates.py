@@ -63,10 +63,14 @@ def misfits(estimate: Estimate) -> Iterator[str]:
                 yield f"{p.name} of {candidate.effect} on joint {candidate.axis + 1} ended on its bound {bound:g}"
 
 
-def _links_error(white: White, fit: Fit, candidate: Candidate) -> float:
+def links_error(white: White, fit: Fit, candidate: Candidate) -> float:
     """Return the relative error of the columns of an effect because they are made of the torque of the given links.
 
     It is the size of what the fit corrects of the links, over the load; 0 for columns that do not follow the load.
+
+    Parameters
+    ----------
+    fit : of a model that may hold corrections of the links.
     """
     effect, problem = get_effect(candidate.effect), white.problem
     links = next((i for i, t in enumerate(fit.terms) if t.label == INERTIAL), None)
@@ -97,7 +101,7 @@ def _form_std(
     effect, problem = get_effect(candidate.effect), white.problem
     units = {p.name: p.unit for p in effect.parameters}
     size = np.sqrt(sum(parameters[other] ** 2 for other in linear if units[other] == units[name]))
-    share = np.hypot(problem.settings.parameter_error, _links_error(white, fit, candidate))
+    share = np.hypot(problem.settings.parameter_error, links_error(white, fit, candidate))
     if effect.left is not None:
         state = problem.train_state
         passed = effect.left(state, candidate.axis, candidate.nonlinear) * np.ones(len(state.time))
