@@ -106,6 +106,15 @@ def test_a_log_that_is_read_right_stays_so(recording, robot):
     assert shared_delay(white, period, (), read) == read
 
 
+@pytest.mark.parametrize(("undo", "stays"), [(2, True), (3, False)])
+def test_nothing_is_read_that_the_names_of_three_joints_undo(recording, robot, undo, stays):
+    period = sampling_period(recording)
+    white = whitened(build_problem(recording, robot, Settings()))
+    read = 0.3 * period
+    named = {axis: -read if axis < undo else read for axis in range(3)}
+    assert shared_delay(white, period, read=read, named=named) == (read if stays else 0.0)
+
+
 def test_names_of_timing_are_nothing_that_lasts(recording, robot):
     white = whitened(build_problem(recording, robot, Settings()))
     load = _load(white)

@@ -49,7 +49,8 @@ def shared_delay(
     It is 0, or the delay that has been taken out already, where no other is clearly likelier. No joint counts for more
     than half of what a name needs, so that three have to agree, and one with a delay of its own speaks neither for nor
     against. Where noise leaves the model of most joints no band to tell it, but one of them has a name for a delay, the
-    others may agree with that by the recorded torque.
+    others may agree with that by the recorded torque. Where three have names for delays that undo what was read, none
+    was to be read.
 
     Parameters
     ----------
@@ -60,6 +61,9 @@ def shared_delay(
     settings = white.problem.settings
     # Two times of which each is known so well; and half a period, to which a zero-order hold delays, and as much.
     agree = 2.0 * assumed.CLOCK
+    undone = sum(abs(read + delay) <= agree * period for delay in named.values()) if read else 0
+    if undone * 0.5 * settings.accept > settings.accept:
+        return 0.0
     largest = 0.5 + agree
     shares = np.append(np.linspace(-largest, largest, 2 * STEPS + 1), read / period)
     lost = _of_joints(white, fit, period, shares - read / period)
