@@ -10,7 +10,7 @@ from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import _as_kept, doubts, finalise
-from jointwear.discovery.fallback import DRIVE, FELT, HELD, OF_LINKS, OWN, Step, put_back
+from jointwear.discovery.fallback import DRIVE, FELT, HELD, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
 from jointwear.discovery.left_out import Asked, left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -208,8 +208,12 @@ def test_a_part_of_a_model_is_asked_as_if_it_were_the_whole(found):
             assert getattr(part, name) == pytest.approx(getattr(alone, name), rel=1e-9)
 
 
-def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_not_feel(found):
-    """One joint asks for links that another contradicts: as given they would be lost to both."""
+@pytest.mark.parametrize("has_effect", [False, True])
+def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_not_feel(found, has_effect):
+    """One joint asks for links that another contradicts: as given they would be lost to both.
+
+    An effect of that joint alone that does not mend it goes with what it is held by.
+    """
     white = found.final.outcome.white
     lacks, right = 0, 2
     rows = {axis: white.whiteners[axis].rows for axis in (lacks, right)}
@@ -223,8 +227,12 @@ def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_
     trial = _that_lacks(white, told)
     blocks = {lacks: both, right: felt}
     links = Term(INERTIAL, blocks, np.full(2, 1e3), {axis: sigma[axis] * x for axis, x in blocks.items()})
-    kept, given_up = put_back(trial, [links], {right: list(OF_LINKS)}, "augmented")
-    assert [(f.axis, f.step) for f in given_up] == [(right + 1, HELD)]
+    idle = np.cos(3.0 * np.arange(len(felt)))[:, None]
+    effect = Term("effect", {right: idle}, np.ones(1), {right: sigma[right] * idle}, effect=True)
+    effects = [effect] if has_effect else []
+    steps = [*OF_LINKS, *(Step("without it", (t,)) for t in effects)]
+    kept, given_up = put_back(trial, [links, *effects], {right: steps}, "augmented")
+    assert [(f.axis, f.step) for f in given_up] == [(right + 1, HELD_WITHOUT if has_effect else HELD)]
     ratio = Asked(trial, kept)(kept).ratio
     assert ratio[right] <= white.problem.settings.not_worse
     assert ratio[lacks] < 0.8

@@ -21,7 +21,7 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_estimates import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, OF_LINKS, OWN, Step, put_back
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.linear import Fit, Term
@@ -222,7 +222,7 @@ def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[
         own = [c.effect for c in lost if (whole if c.axis is None else c.axis + 1 == step.axis)]
         if step.step.startswith(WITHOUT):
             result.append(step)
-        elif step.step in (EVERYTHING, OWN) and own:
+        elif step.step in (EVERYTHING, OWN, HELD_WITHOUT) and own:
             result.append(replace(step, step=f"{WITHOUT} {', '.join(own)}"))
     return tuple(result)
 

@@ -27,6 +27,7 @@ OWN = "everything of this joint alone as given"
 #: Words of the steps that leave the links, and all of a joint, as given, and to the others what it does not feel.
 FELT = "the links as far as this joint feels them"
 HELD = f"friction and motor inertia as given, and {FELT}"
+HELD_WITHOUT = f"{OWN}, and {FELT}"
 #: Words of the steps that take corrections of the links back, in part and all of them.
 CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
 #: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
@@ -144,7 +145,8 @@ def _mending(
     limit = white.problem.settings.not_worse
     found = best_step(ask, kept, steps, axis, ratio, limit)
     best, so_far = found, ratio if found is None else ask(found.taken_off(kept)).surely
-    own = Step(HELD, tuple(t for s in steps if s.of_drive for t in s.terms))
+    alone = tuple(t for s in steps for t in s.terms if set(t.blocks) == {axis})
+    own = Step(HELD_WITHOUT if any(t.effect for t in alone) else HELD, alone)
     for width in HALVINGS:
         held = _held(white, kept, own, axis, width)
         if held is None:
