@@ -212,7 +212,7 @@ def test_a_part_of_a_model_is_asked_as_if_it_were_the_whole(found):
 def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_not_feel(found, has_effect):
     """One joint asks for links that another contradicts: as given they would be lost to both.
 
-    An effect of that joint alone that does not mend it goes with what it is held by.
+    An effect of that joint alone that helps and does not mend it goes too.
     """
     white = found.final.outcome.white
     lacks, right = 0, 2
@@ -223,14 +223,14 @@ def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_
     both = np.stack([own, np.cos(np.arange(len(own)))], axis=1)
     felt = np.stack([np.sign(velocity[rows[right], right]), np.zeros(len(rows[right]))], axis=1)
     rng = np.random.default_rng(1)
-    told = {lacks: both @ [1.0, 4.0], right: rng.normal(size=len(felt))}
+    idle = np.cos(3.0 * np.arange(len(felt)))[:, None]
+    told = {lacks: both @ [1.0, 4.0], right: rng.normal(size=len(felt)) + 0.15 * has_effect * idle[:, 0]}
+    told[lacks] += 3.0 * has_effect * rng.normal(size=len(own))
     trial = _that_lacks(white, told)
     blocks = {lacks: both, right: felt}
     links = Term(INERTIAL, blocks, np.full(2, 1e3), {axis: sigma[axis] * x for axis, x in blocks.items()})
-    idle = np.cos(3.0 * np.arange(len(felt)))[:, None]
     effect = Term("effect", {right: idle}, np.ones(1), {right: sigma[right] * idle}, effect=True)
-    effects = [effect] if has_effect else []
-    steps = [*OF_LINKS, *(Step("without it", (t,)) for t in effects)]
+    effects, steps = ([effect], [Step("without it", (effect,))]) if has_effect else ([], list(OF_LINKS))
     kept, given_up = put_back(trial, [links, *effects], {right: steps}, "augmented")
     assert [(f.axis, f.step) for f in given_up] == [(right + 1, HELD_WITHOUT if has_effect else HELD)]
     ratio = Asked(trial, kept)(kept).ratio

@@ -140,13 +140,15 @@ def _mending(
     """Return what is given up for the sake of an axis, as :func:`best_step` says, or the axis held if that is better.
 
     Links as given mend an axis and take what was found of them from all others. Where it is held, as firmly as is best
-    for all axes together, they are lost only as far as it feels them.
+    for all axes together, they are lost only as far as it feels them. An effect that acts on it alone goes too, but
+    only where no step helps.
     """
     limit = white.problem.settings.not_worse
     found = best_step(ask, kept, steps, axis, ratio, limit)
     best, so_far = found, ratio if found is None else ask(found.taken_off(kept)).surely
-    alone = tuple(t for s in steps for t in s.terms if set(t.blocks) == {axis})
-    own = Step(HELD_WITHOUT if any(t.effect for t in alone) else HELD, alone)
+    own = Step(HELD, tuple(t for s in steps if s.of_drive for t in s.terms))
+    if found is None and any(t.effect and set(t.blocks) == {axis} for t in kept):
+        own = Step(HELD_WITHOUT, tuple(t for s in steps for t in s.terms if set(t.blocks) == {axis}))
     for width in HALVINGS:
         held = _held(white, kept, own, axis, width)
         if held is None:
