@@ -57,3 +57,35 @@ def test_rests_and_a_few_held_rows_are_a_record_of_the_motion():
     for k in range(520, 900, 40):
         samples.position[k : k + 4], samples.torque[k : k + 4] = samples.position[k], samples.torque[k]
     check(samples)
+
+
+def noisy(held, rate=RATE):
+    """A torque with noise, of which every so many rows are kept and the others drawn as lines between them."""
+    samples = recorded(step=1e-6, resolution=1e-6, rate=rate)
+    samples.torque += 0.02 * np.random.default_rng(held).standard_normal(samples.torque.shape)
+    kept = samples.time[::held]
+    for values in (samples.position, samples.torque):
+        for j in range(values.shape[1]):
+            values[:, j] = np.interp(samples.time, kept, values[::held, j])
+    return samples
+
+
+@pytest.mark.parametrize("held", [2, 3, 5, 10])
+def test_lines_between_the_values_of_a_slower_source_are_refused(held):
+    with pytest.raises(Refused, match=f"lie on a straight line.* for about {held / RATE:.2g} s"):
+        check(noisy(held))
+
+
+@pytest.mark.parametrize("rate", [50.0, 250.0, 1000.0])
+def test_what_was_measured_lies_on_no_line_and_a_few_holes_are_no_slower_source(rate):
+    samples = noisy(1, rate)
+    check(samples)
+    # A smooth torque without any noise, as a simulation writes it.
+    phase = samples.time[:, None] * np.array([1.0, 1.3, 0.7])
+    check(Samples(samples.time, 0.8 * np.sin(phase), 3.0 * np.cos(phase)))
+    rows = np.arange(len(samples.time))
+    kept = np.flatnonzero(rows % 150 > 15)
+    for values in (samples.position, samples.torque):
+        for j in range(values.shape[1]):
+            values[:, j] = np.interp(rows, kept, values[kept, j])
+    check(samples)

@@ -12,6 +12,7 @@ from jointwear.measurement.formats import layout_of
 from jointwear.measurement.torque_scale import shared_scale
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.plausibility import beyond_loads
 from jointwear.monitor.read_findings import reading_findings
 from jointwear.monitor.survey import survey_log
 from jointwear.robots.dynamics import Dynamics
@@ -205,3 +206,10 @@ def test_torques_that_are_all_halved_are_told_where_no_factor_is_clear(good):
         scaled = parts * np.array([1, 1, 1, factor])[:, None]
         found = shared_scale(Dynamics(robot), scaled, usable)
         assert found == (told and pytest.approx(told, rel=0.25))
+
+
+def test_factors_beside_a_load_are_none_where_those_without_one_are_about_one():
+    """Of a few seconds of a slow arm that carries a part, and of torques in mN m of the same arm."""
+    beside = np.array([138.0, -6.9, 26.9, 6.2, 43.3, 1.0])
+    assert not beyond_loads(beside, np.array([1.15, 1.36, 0.97, 1.04, 1.0, -2.3]), 6)
+    assert beyond_loads(1e3 * np.ones(6), np.array([1.0, 870.0, 1060.0, 918.0, 1.0, 940.0]), 6)

@@ -1,4 +1,5 @@
-"""Rows in which a logger wrote once more what it had written before, while the robot moved on."""
+"""Rows that were not measured: a logger wrote once more what it had written before while the robot moved on, or values
+on the straight line to the next that it had."""
 
 from __future__ import annotations
 
@@ -10,12 +11,17 @@ from jointwear.measurement.recording import Recording
 
 #: Encoder steps that a joint makes in each row, at least, where a row that repeats the one before is none of motion.
 STEPS = 2.0
+#: Share of the usual step of a column by which steps of a straight line may differ: what rounding leaves of them.
+ROUNDED = 1e-4
 
 
 def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: str) -> None:
-    """Check that rows of fast motion are measured anew: one that repeats position and torque of all joints is not.
+    """Check that rows of fast motion are measured anew: one that repeats position and torque of all joints, or goes on
+    with the steps of all of them, is not.
 
     A joint that has made many of its smallest steps from one change to the next has passed some in every row between.
+    No torque is so smooth, nor its noise so small, that the torques of all joints change by the same as in the row
+    before.
 
     Parameters
     ----------
@@ -23,14 +29,18 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
 
     Raises
     ------
-    Refused : where rows repeat before more than half of the changes, with how long values are held.
+    Refused : where rows repeat, or go on, before more than half of the changes, with the time from one to the next.
     """
     if len(samples.time) < FEWEST:
         return
     values = np.concatenate([samples.position, samples.torque], axis=1)
     with np.errstate(invalid="ignore"):
         moved = np.abs(np.diff(samples.position, axis=0))
-        changed = np.any(np.diff(values, axis=0) != 0.0, axis=1) | (np.diff(stretch) != 0)
+        steps = np.diff(values, axis=0)
+        changed = np.any(steps != 0.0, axis=1) | (np.diff(stretch) != 0)
+        drawn = _goes_on(steps, samples.torque.shape[1]) & (np.diff(stretch) == 0)
+    if changed.any():
+        changed[np.argmax(changed) + 1 :] &= ~drawn[np.argmax(changed) + 1 :]
     # Row k + 1 against row k: rows since the change before, the change itself included.
     places = np.flatnonzero(changed)
     if len(places) < 2:
@@ -38,8 +48,8 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
     rows = np.diff(places, prepend=places[0] - 1)
     inside = (np.diff(stretch) == 0)[places]
     smallest = np.where(moved > 0.0, moved, np.inf).min(axis=0)
-    steps = np.nanmax(np.nan_to_num(moved[places]) / smallest, axis=1)
-    fast = inside & (steps > STEPS * rows)
+    since = np.diff(np.cumsum(np.nan_to_num(moved), axis=0)[places], axis=0, prepend=np.nan_to_num(moved[places[:1]]))
+    fast = inside & (np.nanmax(since / smallest, axis=1) > STEPS * rows)
     if fast.sum() < FEWEST:
         return
     repeated = float(np.mean(rows[fast] > 1))
@@ -47,6 +57,21 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
         held = float(np.median(np.diff(samples.time))) * float(np.median(rows[fast]))
         raise Refused(
             f"{name}: before {100 * repeated:.0f} % of the rows of fast motion in which something changes, rows repeat "
-            f"the positions and torques of all joints; the logger holds values, for about {held:.2g} s",
+            f"the positions and torques of all joints or lie on a straight line; the logger holds or interpolates "
+            f"values, for about {held:.2g} s",
             "write each value once, at the time at which it was measured, and not on a faster grid",
         )
+
+
+def _goes_on(steps: np.ndarray, joints: int) -> np.ndarray:
+    """Return where a row (m - 1,) goes on by the `steps` (m - 1, 2 n) of the row before, in all positions and torques.
+
+    Parameters
+    ----------
+    joints : columns of torques, the last ones; half of them have to change, as coarse ones seldom do.
+    """
+    size = np.abs(steps)
+    usual = np.array([np.median(s[s > 0]) if (s > 0).any() else 0.0 for s in size.T])
+    straight = np.abs(np.diff(steps, axis=0)) <= ROUNDED * usual
+    moves = (size[1:, -joints:] > 0).sum(axis=1) >= max(joints / 2, 1)
+    return np.concatenate([[False], straight.all(axis=1) & moves])

@@ -32,7 +32,7 @@ from jointwear.measurement.held_rows import check_rows_are_new
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import check_torque_moves
-from jointwear.measurement.torque_scale import LIKELIER, OF_ONE, gained_by, off_scale, shared_scale, thinned
+from jointwear.measurement.torque_scale import FACTOR, LIKELIER, OF_ONE, gained_by, off_scale, shared_scale, thinned
 from jointwear.measurement.turns import turns_on
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion
@@ -185,15 +185,20 @@ class LaterCheck:
         # Another load at the flange multiplies the bodies of the axes too, and leaves the factors beside it at one.
         if scale is None or free is None:
             return
+        beyond = beyond_loads(free, scale, int(np.isfinite(self._last).sum()))
         if not self._explains(parts, usable, scale, plain):
-            if not (self._beyond_loads(free) or self._explains_loaded(measured, free, plain)):
+            if not (beyond or self._explains_loaded(measured, free, plain)):
                 return
             scale = free
+        # A load is as good a cause where the torque without it is explained as well: one of tons takes the bodies' part
+        # of a torque in mN m, and leaves that of friction.
         lighter = without_load(measured, robot)
         if lighter is not None and off_scale(thinned(lighter), robot) is None:
-            return
+            left = self._left_over(*_thinned(lighter), np.ones_like(scale))
+            if left - self._left_over(parts, usable, scale) < WORSE:
+                return
         # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
-        if not self._beyond_loads(free) and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
+        if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
             return
         known, self._scale = np.flatnonzero(scale != 1.0), scale
         factors = ", ".join(f"{scale[j]:.3g} on joint {j + 1}" for j in known)
@@ -226,10 +231,6 @@ class LaterCheck:
             "logs of a robot",
         )
         raise self._refusal
-
-    def _beyond_loads(self, scale: np.ndarray) -> bool:
-        """Return whether a scale (n,), found beside a load, is off on most axes by more than its errors can be."""
-        return np.sum(np.abs(np.log(np.abs(scale))) > np.log(OF_ONE)) > MOST_LOST * np.isfinite(self._last).sum()
 
     def _explains_loaded(self, measured: Measured, scale: np.ndarray, plain: float) -> bool:
         """Return :meth:`_explains` of a scale (n,) with the load taken off that then shows."""
@@ -269,6 +270,22 @@ class LaterCheck:
             growth = self._grown(left)
             # An axis that another reading leaves without motion is not explained by it.
             yield float(np.nansum(np.where(np.isfinite(growth), growth, self._last))), reading
+
+
+def beyond_loads(scale: np.ndarray, alone: np.ndarray, axes: int) -> bool:
+    """Return whether a scale, found beside a load, is off by more than its errors can be on most axes.
+
+    Beside a load that is left free the bodies of a few seconds of a slow arm may have any factor: it is none where that
+    without a load is clearly about one.
+
+    Parameters
+    ----------
+    scale, alone : (n,) factors beside a load and without one; exactly one where a factor is not clear.
+    axes : number of axes that are known.
+    """
+    right = (alone != 1.0) & (alone > 1 / FACTOR) & (alone < FACTOR)
+    off = ~right & (np.abs(np.log(np.abs(scale))) > np.log(OF_ONE))
+    return bool(off.sum() > MOST_LOST * axes)
 
 
 def _measured(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.ndarray) -> Measured:
