@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear.measurement.checks import Refused
-from jointwear.measurement.held_rows import check_rows_are_new
+from jointwear.measurement.held_rows import check_rows_are_new, without_lines
 
 RATE = 50.0
 
@@ -89,3 +89,8 @@ def test_what_was_measured_lies_on_no_line_and_a_few_holes_are_no_slower_source(
         for j in range(values.shape[1]):
             values[:, j] = np.interp(rows, kept, values[kept, j])
     check(samples)
+    # What lies on the lines is left out, and nothing else: of a hole all rows between its ends.
+    found = np.isnan(without_lines(samples, np.zeros(len(rows), int)).position).all(axis=1)
+    first, last = kept[0], kept[-1]
+    inside = (rows > first) & (rows < last) & ~np.isin(rows, kept)
+    assert (found[first : last + 1] == inside[first : last + 1]).all()

@@ -3,6 +3,8 @@ on the straight line to the next that it had."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from jointwear.measurement.checks import FEWEST, Refused
@@ -38,7 +40,7 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
         moved = np.abs(np.diff(samples.position, axis=0))
         steps = np.diff(values, axis=0)
         changed = np.any(steps != 0.0, axis=1) | (np.diff(stretch) != 0)
-        drawn = _goes_on(steps, samples.torque.shape[1]) & (np.diff(stretch) == 0)
+        drawn = _goes_on(steps, samples.torque.shape[1], stretch)
     if changed.any():
         changed[np.argmax(changed) + 1 :] &= ~drawn[np.argmax(changed) + 1 :]
     # Row k + 1 against row k: rows since the change before, the change itself included.
@@ -63,15 +65,31 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
         )
 
 
-def _goes_on(steps: np.ndarray, joints: int) -> np.ndarray:
+def without_lines(samples: Chunk, stretch: np.ndarray) -> Chunk:
+    """Return samples without the positions of rows on straight lines, which somebody drew through a hole of the log.
+
+    Parameters
+    ----------
+    stretch : (m,) label of the uninterrupted run that each sample belongs to.
+    """
+    if len(samples.time) < FEWEST:
+        return samples
+    with np.errstate(invalid="ignore"):
+        steps = np.diff(np.concatenate([samples.position, samples.torque], axis=1), axis=0)
+        drawn = np.concatenate([_goes_on(steps, samples.torque.shape[1], stretch), [False]])
+    # Row k lies between two like steps, the one to it and the one from it.
+    return replace(samples, position=np.where(drawn[:, None], np.nan, samples.position)) if drawn.any() else samples
+
+
+def _goes_on(steps: np.ndarray, joints: int, stretch: np.ndarray) -> np.ndarray:
     """Return where a row (m - 1,) goes on by the `steps` (m - 1, 2 n) of the row before, in all positions and torques.
 
     Parameters
     ----------
-    joints : columns of torques, the last ones; half of them have to change, as coarse ones seldom do.
+    joints : columns of torques, the last ones; half of them have to change, as coarse ones seldom do. stretch : (m,).
     """
     size = np.abs(steps)
     usual = np.array([np.median(s[s > 0]) if (s > 0).any() else 0.0 for s in size.T])
     straight = np.abs(np.diff(steps, axis=0)) <= ROUNDED * usual
     moves = (size[1:, -joints:] > 0).sum(axis=1) >= max(joints / 2, 1)
-    return np.concatenate([[False], straight.all(axis=1) & moves])
+    return np.concatenate([[False], straight.all(axis=1) & moves]) & (np.diff(stretch) == 0)

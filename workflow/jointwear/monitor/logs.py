@@ -14,6 +14,7 @@ from jointwear.measurement.clock import Clock, Ordered, join, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
 from jointwear.measurement.formats.chunk import Chunk, unread_in_words
+from jointwear.measurement.held_rows import without_lines
 from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
@@ -150,7 +151,7 @@ def _block_statistics(
     path: str,
 ) -> WindowStatistics:
     chunk, robot = around.chunk, model.robot
-    motion = derive_motion(chunk, around.stretch, np.array(survey.cutoff))
+    motion = derive_motion(without_lines(chunk, around.stretch), around.stretch, np.array(survey.cutoff))
     flags = around.flags[:, None] | motion.flags
     saturated, _ = at_limit(chunk.torque, chunk.position, around.stretch)
     flags[saturated] |= int(Flag.SATURATED)
