@@ -88,8 +88,13 @@ def _goes_on(steps: np.ndarray, joints: int, stretch: np.ndarray) -> np.ndarray:
     ----------
     joints : columns of torques, the last ones; half of them have to change, as coarse ones seldom do. stretch : (m,).
     """
-    size = np.abs(steps)
-    usual = np.array([np.median(s[s > 0]) if (s > 0).any() else 0.0 for s in size.T])
-    straight = np.abs(np.diff(steps, axis=0)) <= ROUNDED * usual
-    moves = (size[1:, -joints:] > 0).sum(axis=1) >= max(joints / 2, 1)
-    return np.concatenate([[False], straight.all(axis=1) & moves]) & (np.diff(stretch) == 0)
+    on = np.diff(stretch) == 0
+    on[:1] = False
+    # Mostly the first torque tells that there is no such row.
+    for column in steps.T[::-1]:
+        size = np.abs(column)
+        usual = np.median(size[size > 0]) if (size > 0).any() else 0.0
+        on[1:] &= np.abs(np.diff(column)) <= ROUNDED * usual
+        if not on.any():
+            return on
+    return on & ((steps[:, -joints:] != 0).sum(axis=1) >= max(joints / 2, 1))
