@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from jointwear.discovery import searches
+from jointwear.discovery import carried, searches
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.linear import chi_square
 from jointwear.discovery.outcome import Outcome
@@ -143,6 +143,9 @@ LATE = Candidate("actuation_delay", 1, None, {"delay": 0.01})
         ([SWING], 50.0, [0], True),
         # Structure on the joint of a gear of little evidence: the gear may be noise.
         ([SWING], 50.0, [1], False),
+        # Noise that feigns as much of a delay feigns that of a gear; next to a strong gear a delay may stand.
+        ([SWING, LATE], 50.0, [0], False),
+        ([SWING, LATE], 5000.0, [0], True),
         ([SHARED], 50.0, [], True),
         ([SHARED], 5000.0, [0], False),
         ([SHARED, LATE], 50.0, [], False),
@@ -163,6 +166,21 @@ def test_what_shakes_the_arm_is_noise_unless_what_was_found_explains_it(
     monkeypatch.setattr(searches, "_search", search)
     assert len(searches.search(disturbed).named) == (len(found) if stands else 0)
     assert asked == ([False] if stands else [False, True])
+
+
+def test_a_body_that_is_carried_takes_the_explanation_away(disturbed, monkeypatch):
+    """With a body in the load the gear may be gone for whose sake nothing was noise, and a feigned delay may stay."""
+    asked, loaded = [], replace(disturbed.problem, still=True)
+
+    def ask(white, search):
+        asked.append(white.problem.still)
+        named = [SimpleNamespace(candidate=LATE, evidence=900.0)] if white.problem.still else []
+        return Outcome(white.problem, white, None, None, named=named)
+
+    monkeypatch.setattr(carried, "carrying", lambda found: loaded)
+    monkeypatch.setattr(carried, "beside_slow_noise", ask)
+    assert not carried.search_beside(Outcome(loaded, disturbed, None, None)).named
+    assert asked == [True, False]
 
 
 def test_noise_that_moves_the_arm_is_no_structure(disturbed):

@@ -19,7 +19,7 @@ from jointwear.discovery.candidates import build_dictionary
 from jointwear.discovery.decide import decide
 from jointwear.discovery.outcome import Outcome
 from jointwear.discovery.problem import Problem
-from jointwear.discovery.searches import whitened
+from jointwear.discovery.searches import explains_shaking, whitened
 from jointwear.discovery.slow_noise import beside_slow_noise
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
@@ -66,4 +66,8 @@ def search_beside(found: Outcome) -> Outcome:
         outcome.dictionary = dictionary
         return outcome
 
-    return beside_slow_noise(whitened(loaded), ask)
+    outcome = beside_slow_noise(whitened(loaded), ask)
+    if loaded.still and not explains_shaking(outcome):
+        # What spoke against noise that moves the arm was the body's.
+        outcome = beside_slow_noise(whitened(replace(loaded, still=False)), ask)
+    return outcome

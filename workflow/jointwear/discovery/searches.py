@@ -32,24 +32,33 @@ def search(white: White) -> Outcome:
 
 
 def _found_still(white: White) -> Outcome | None:
-    """Return what is found where nothing that shakes the arm is noise, if that explains it, else None.
-
-    A strong gear shakes all joints, as noise in the drives does, and a drive of two joints both of them. Noise feigns
-    rates of torque: names of timing say nothing here, but for a link that swings, which needs the stiffness, the size
-    and the pull on all other joints of one gear. With little evidence it must also leave nothing on its own joint.
-    Other names explain it where they leave nothing at all.
-    """
+    """Return what is found where nothing that shakes the arm is noise, if that explains it, else None."""
     if not white.problem.shaken.any():
         return None
     outcome = _search(whitened(replace(white.problem, still=True)))
+    return outcome if explains_shaking(outcome) else None
+
+
+def explains_shaking(outcome: Outcome) -> bool:
+    """Return whether what was found where nothing that shakes the arm is noise explains it.
+
+    A strong gear shakes all joints, as noise in the drives does, and a drive of two joints both of them. Noise feigns
+    rates of torque: names of timing say nothing here, but for a link that swings, which needs the stiffness, the size
+    and the pull on all other joints of one gear. With little evidence it must also leave nothing on its own joint, and
+    be worth more than any other name of timing: where noise feigns more, it feigns that much.
+    Other names explain it where they leave nothing at all.
+    """
     lacking = {u.axis for u in outcome.unexplained}
-    weak = white.problem.settings.weak_nats
-    if any(_swings(n) and (n.evidence > weak or n.candidate.axis not in lacking) for n in outcome.named):
-        return outcome
-    if {int(a) for a in np.flatnonzero(white.problem.shaken)} in _shared_drives(outcome.named, weak):
-        return outcome
-    sound = outcome.named and not outcome.unexplained and not any(of_timing(n.candidate) for n in outcome.named)
-    return outcome if sound else None
+    weak = outcome.problem.settings.weak_nats
+    timing = [n for n in outcome.named if of_timing(n.candidate)]
+    swings = [n for n in timing if _swings(n)]
+    feigned = max((n.evidence for n in timing if not _swings(n)), default=0.0)
+    if any(n.evidence > weak or (n.candidate.axis not in lacking and n.evidence > feigned) for n in swings):
+        return True
+    drives = _shared_drives(outcome.named, weak)
+    if drives and {int(a) for a in np.flatnonzero(replace(outcome.problem, still=False).shaken)} in drives:
+        return True
+    return bool(outcome.named) and not outcome.unexplained and not timing
 
 
 def _swings(one: Named) -> bool:
