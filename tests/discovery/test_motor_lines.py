@@ -13,6 +13,8 @@ from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import axis_noise
 from jointwear.discovery.settings import Settings
 from jointwear.effects import get_effect, make_state
+from jointwear.measurement.derived_noise import DerivedNoise
+from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 
 AXIS = 2
@@ -93,3 +95,21 @@ def test_a_held_wave_is_tried_where_filters_made_the_accelerations(robot):
     held, shaken = (effect.columns(state, AXIS, None, {"order": 1.0, "held": h}) for h in (1.0, 0.0))
     assert np.allclose(held[:, 1], 1.0)
     assert not shaken.any()
+
+
+def test_what_takes_noise_off_accelerations_takes_the_shaking_of_a_wave(robot):
+    """A controller that chatters leaves the filter at its highest cut-off, where noise is most of the acceleration."""
+    recording = split(make_case(robot, 5))
+    measured, frequency = measure(recording), np.array([2.0, 35.0])
+    band, size = np.full(robot.joints, 0.4 * measured.rate), 50.0
+    density = np.full((1, robot.joints), 2.0 * size**2 / measured.rate)
+    noise = DerivedNoise(density, (0,), band, False, measured.rate)
+    measured = replace(measured, fitted=False, cutoff=band, noise=noise)
+    shaken = size * np.random.default_rng(2).standard_normal(measured.acceleration.shape)
+    coarse = replace(measured, acceleration=measured.acceleration + shaken)
+    calm, loud = (
+        build_problem(recording, robot, Settings(), x).train_state.derives(AXIS, frequency) for x in (measured, coarse)
+    )
+    assert calm.min() > 0.95
+    assert loud[0] > 0.95
+    assert loud[1] < 0.5

@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.discovery import assumed
 from jointwear.discovery.encoder_step import encoder_step
+from jointwear.discovery.linear import least_squares, posterior_mean
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
@@ -17,7 +18,7 @@ from jointwear.discovery.shaken import shaken_shares
 from jointwear.discovery.shared_drives import sticking
 from jointwear.discovery.spectra import frequencies
 from jointwear.effects import State, effect_torque, make_state
-from jointwear.measurement.filtering import low_pass
+from jointwear.measurement.filtering import low_pass, zero_phase_gain
 from jointwear.measurement.motion import Measured, measure, runs
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
@@ -83,7 +84,38 @@ class Problem:
     @cached_property
     def train_state(self) -> State:
         """The training samples, ordered within their records."""
-        return self.state.part(self.train)
+        state = self.state.part(self.train)
+        if state.derives is None or not self.smear.any():
+            return state
+        # What the base regression takes off accelerations it takes off a shaking of the joint too.
+        return replace(state, derives=lambda axis, f: state.derives(axis, f) * self._left_of_shaking(axis, f))
+
+    def _left_of_shaking(self, axis: int, frequency: np.ndarray) -> np.ndarray:
+        """Return the share (...,) of a wave in the acceleration of an axis that the base regression leaves there."""
+        cutoff, rate = self.measured.cutoff[axis], self.measured.rate
+        if not np.isfinite(cutoff):
+            return np.ones(np.shape(frequency))
+        taken = (1.0 - zero_phase_gain(frequency, share * cutoff, rate) for share in SMEAR)
+        return np.clip(1.0 - sum(c * x for c, x in zip(self._rounded[axis], taken, strict=True)), 0.0, 1.0)
+
+    @cached_property
+    def _rounded(self) -> np.ndarray:
+        """(n, 3) coefficients of what the filter behind the derivatives does, as the base regression has them.
+
+        Where it takes noise of derived accelerations off the residual it takes off what shakes the joint as well: in
+        that band the discrepancy says nothing of either.
+        """
+        found = np.zeros((self.robot.joints, len(SMEAR)))
+        for axis in self.judged:
+            used = self.usable[:, axis]
+            friction = self.friction_columns(self.train_state, axis)[used]
+            series = np.column_stack([self.rounding(axis), self.discrepancy[self.train, axis]])[used]
+            series = series - friction @ np.linalg.lstsq(friction, series, rcond=None)[0]
+            rounding, lacking = series[:, :-1], series[:, -1]
+            gram, b = rounding.T @ rounding, rounding.T @ lacking
+            noise = max(float(np.mean((lacking - rounding @ least_squares(b, gram, gram)) ** 2)), 1e-300)
+            found[axis] = posterior_mean(b / noise, gram / noise, np.full(len(SMEAR), assumed.FILTER))
+        return found
 
     @cached_property
     def felt(self) -> list[np.ndarray]:
