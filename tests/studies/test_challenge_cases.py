@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -221,6 +222,16 @@ def test_a_short_delay_is_the_derivative_of_the_torque(world):
     # Away from reversals the torque is smooth: what a delay takes, an advance gives.
     smooth = np.abs(world.state.velocity) > 0.1
     np.testing.assert_allclose((late - now)[smooth], -(ahead - now)[smooth], atol=2e-3 * np.abs(now).max())
+
+
+def test_a_lag_makes_no_steps_of_a_jump(world):
+    """Friction that turns shows behind a current filter as an exponential, not as a staircase."""
+    scene, clock = scene_of(world), np.linspace(-0.02, 0.15, 3401)
+    draws = (structure_forms.delay(scene, np.random.default_rng(k), 0) for k in range(20))
+    lag = next(h for h in draws if h.form == "lag")
+    jump = SimpleNamespace(torque_before=lambda delay: np.outer(clock > delay, np.ones(scene.joints)))
+    after = np.maximum(clock, 0.0) / lag.size
+    np.testing.assert_allclose(lag.term(jump)[:, 0], 1 - np.exp(-after) - (clock > 0), atol=0.01)
 
 
 def test_closed_loop_obeys_its_own_dynamics(robot):

@@ -12,6 +12,9 @@ from jointwear.studies.challenge.arm import Arm
 from jointwear.studies.challenge.scene import Scene, log_uniform
 from jointwear.studies.challenge.world import Hidden, World, hidden_law, on_axis
 
+#: Dead times that a first-order lag is made of.
+LAG_NODES = 96
+
 
 def spring(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
     """A hose package that stiffens (sinh), a leaf between soft stops (tan), or a gas-spring counterbalance."""
@@ -179,7 +182,8 @@ def delay(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
     time, form = log_uniform(rng, 0.003, 0.02), str(rng.choice(["dead_time", "lag"]))
     # A first-order lag is an exponentially weighted mean of the past. Friction jumps at reversals, so that the nodes
     # are spread over the share of the weight (Gauss-Legendre), not over a polynomial of the delay (Gauss-Laguerre).
-    share, weights = np.polynomial.legendre.leggauss(12)
+    # Each node makes a step of its own of such a jump: a lag has none.
+    share, weights = np.polynomial.legendre.leggauss(LAG_NODES)
     nodes, weights = (-np.log(0.5 - 0.5 * share), weights / 2) if form == "lag" else (np.ones(1), np.ones(1))
 
     def term(world: World) -> np.ndarray:
