@@ -42,3 +42,17 @@ def test_a_shared_drive_that_sticks_for_a_third_of_the_time_is_no_program():
     stuck = sticking(usable, velocity, acceleration, noise + friction[:, None], inertial)
     np.testing.assert_array_equal(stuck, np.stack([slow, slow], axis=1))
     assert not sticking(usable, velocity, acceleration, noise, inertial).any()
+
+
+def test_samples_beside_reversals_of_a_dragging_neighbour_are_left_out():
+    """A filter rounds the jump of a neighbour's friction on a joint that moves on."""
+    rng = np.random.default_rng(5)
+    time = np.arange(4000) / RATE
+    velocity = np.stack([np.sin(2.0 * time), np.cos(3.1 * time)], axis=1)
+    acceleration = np.gradient(velocity, 1 / RATE, axis=0)
+    usable, inertial = np.ones((4000, 2), dtype=bool), rng.standard_normal((4000, 2, 2))
+    slow = np.abs(velocity[:, 1]) < assumed.STICKS
+    level = np.where(slow, rng.uniform(-1, 1, 4000), np.sign(velocity[:, 1]))
+    missing = 0.02 * rng.standard_normal((4000, 2)) + 0.8 * level[:, None] * np.array([1, 0])
+    stuck = sticking(usable, velocity, acceleration, missing, inertial)
+    np.testing.assert_array_equal(stuck, np.stack([slow, np.zeros(4000, dtype=bool)], axis=1))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from jointwear import effects
 from jointwear.effects.order import late_torque, smoothed_torque
-from jointwear.effects.rests import SLOW, rests
+from jointwear.effects.rests import SLOW, rests, sense_of
 from jointwear.robots.robot import load_robot
 
 RATE = 100.0
@@ -54,6 +54,20 @@ def test_a_stop_lies_between_the_moving_samples(still, after):
 def test_turning_without_a_stop_is_none(acceleration, offset):
     velocity = acceleration * (np.arange(200) - 100 + offset) / RATE
     assert not rests(velocity, np.arange(200) / RATE, [slice(0, 200)])
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.02, 5.0), st.floats(0.1, 0.9))
+def test_a_drive_that_turns_slowly_has_a_sense(acceleration, offset):
+    velocity = acceleration * (np.arange(200) - 100 + offset) / RATE
+    np.testing.assert_array_equal(sense_of(velocity, [slice(0, 200)]), np.sign(velocity))
+
+
+def test_a_drive_that_stands_still_or_chatters_has_none():
+    standing = np.concatenate([1e-3 * (-1.0) ** np.arange(30), np.linspace(SLOW, 1, 30)])
+    assert np.all(sense_of(standing, [slice(0, 60)]) == np.repeat([0.0, 1.0], 30))
+    chattering = np.array([-0.3, -0.2, -0.1, 0.01, 0.01, -0.008, 0.1, 0.2, 0.3])
+    np.testing.assert_array_equal(sense_of(chattering, [slice(0, 9)]), [-1, -1, -1, 0, 0, 0, 1, 1, 1])
 
 
 def test_a_record_that_begins_at_rest_has_no_stop():

@@ -17,6 +17,8 @@ from jointwear.discovery import assumed
 
 #: Fewest samples that say that a drive sticks, and fewest elsewhere for each column of the regression.
 FEWEST, FEWEST_EACH = 5, 3
+#: Shares of a joint in the motion of the drive of its neighbour, whose own is one: none where the neighbour drags it.
+SHARES = (1.0, -1.0, 0.0)
 #: Samples that the regression is made of, at most.
 SAMPLES = 3000
 #: Ridge of the regression as a share of the mean square of its columns.
@@ -41,11 +43,11 @@ def sticking(
         return np.concatenate([np.stack([v > 0, v < 0, v, a], axis=1), inertial[:, axis]], axis=1)
 
     for pair in pairwise(range(usable.shape[1])):
-        for sign in (1.0, -1.0):
-            speed = velocity[:, pair[0]] + sign * velocity[:, pair[1]]
-            slow = np.abs(speed) < assumed.STICKS
-            for axis, other in (pair, pair[::-1]):
-                used = usable[:, axis]
+        for axis, other in (pair, pair[::-1]):
+            used = usable[:, axis]
+            for share in SHARES:
+                speed = share * velocity[:, axis] + velocity[:, other]
+                slow = np.abs(speed) < assumed.STICKS
                 if np.sum(used & slow) < FEWEST:
                     continue
                 shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -49,15 +51,44 @@ def rests(velocity: np.ndarray, time: np.ndarray, records: list[slice]) -> list[
     A record that begins or ends at rest says nothing of one side of the stop: it has none there.
     """
     found = []
-    slow_all = np.abs(velocity) < SLOW
-    for record in records:
-        slow = slow_all[record]
-        edges = np.flatnonzero(np.diff(slow.astype(np.int8), prepend=0, append=0))
-        first, after = edges[::2], edges[1::2]
-        good = (after - first >= FEWEST) & (first > 0) & (after < len(slow))
-        for i, k in zip(first[good] + record.start, after[good] + record.start, strict=True):
-            speeds = np.sort(np.abs(velocity[i:k]))
-            if speeds[(k - i) // 2] < STILL * SLOW:
-                before, later = np.sign(velocity[i - 1]), np.sign(velocity[k])
-                found.append(Rest(record, slice(i, k), time[i - 1], time[k], float(before), float(later)))
+    for record, stop in _stops(velocity, records):
+        i, k = stop.start, stop.stop
+        if record.start < i and k < record.stop:
+            before, later = np.sign(velocity[i - 1]), np.sign(velocity[k])
+            found.append(Rest(record, stop, time[i - 1], time[k], float(before), float(later)))
     return found
+
+
+def sense_of(velocity: np.ndarray, records: list[slice]) -> np.ndarray:
+    """Return the sense (m,), -1 to 1, of a velocity [rad/s], 0 where it is not known.
+
+    What passes slowly through zero has a sense all the way. What stands still has none, nor has what turns round again
+    within fewer samples than a stop has.
+    """
+    sense = np.sign(velocity)
+    result, slow = sense.copy(), np.abs(velocity) < SLOW
+    for record in records:
+        for way in _runs(sense[record], record.start):
+            if way.stop - way.start < FEWEST and slow[way].all():
+                result[way] = 0.0
+    for _, stop in _stops(velocity, records):
+        result[stop] = 0.0
+    return result
+
+
+def _stops(velocity: np.ndarray, records: list[slice]) -> Iterator[tuple[slice, slice]]:
+    """Yield the record and the samples of every stop, those with which a record begins or ends among them."""
+    slow = np.abs(velocity) < SLOW
+    for record in records:
+        for part in _runs(slow[record], record.start):
+            if part.stop - part.start < FEWEST or not slow[part.start]:
+                continue
+            speeds = np.sort(np.abs(velocity[part]))
+            if speeds[len(speeds) // 2] < STILL * SLOW:
+                yield record, part
+
+
+def _runs(values: np.ndarray, start: int) -> Iterator[slice]:
+    """Yield where values (m,) stay the same, as places that begin at `start`."""
+    edges = start + np.concatenate([[0], np.flatnonzero(values[1:] != values[:-1]) + 1, [len(values)]])
+    return (slice(int(i), int(k)) for i, k in pairwise(edges))

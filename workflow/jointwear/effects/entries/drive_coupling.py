@@ -3,7 +3,8 @@
 import numpy as np
 
 from jointwear.effects.effect import Bend, Effect, Parameter
-from jointwear.effects.rests import SLOW
+from jointwear.effects.rests import sense_of
+from jointwear.effects.state import record_slices
 from jointwear.effects.tables import hats, knots_of
 
 
@@ -15,7 +16,7 @@ def _columns(state, axis, source, p):
     # Where the shared drive sticks its friction is anything up to Coulomb friction.
     # The share of this axis in viscous friction and inertia is part of its own parameters in the robot file.
     speed = _speed(state, axis, source, p)
-    level = np.where(np.abs(speed) > SLOW, np.sign(speed), 0.0)
+    level = np.sign(speed) if state.record is None else sense_of(speed, record_slices(state))
     for rest in state.rests_of(axis, source, (p["own"], p["other"])):
         level[rest.samples] = rest.sense(state.time[rest.samples])
     return np.stack([level, state.velocity[..., source], state.acceleration[..., source]], axis=-1)
