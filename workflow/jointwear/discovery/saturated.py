@@ -94,7 +94,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     if used.sum() >= assumed.ROOM * sum(g.shape[1] for g in groups):
         groups += _sequential_columns(limited_state(problem, axis, cutoffs.timing), axis)
         groups.append(_beside_reversals(raw, axis, label, rate))
-        groups += _columns_of_neighbours(state, axis)
+        groups += _columns_of_neighbours(replace(state, velocity=speeds), axis)
     # Each column in one piece: they are whitened one by one.
     series = np.concatenate([g.T for g in groups])
     whole = np.zeros((2, len(used)))
