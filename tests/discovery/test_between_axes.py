@@ -15,6 +15,11 @@ def test_axes_that_agree_have_no_variance_between_them():
     assert np.mean(scattered) == pytest.approx(0.03**2, rel=0.1)
 
 
+def test_an_axis_that_knows_nothing_says_nothing_of_the_others():
+    values, variances = np.array([1.0, 1.02, 0.99, 1.01, 0.98, 50.0]), np.array([*[1e-4] * 5, 400.0])
+    assert between_variance(values, variances) < 0.03**2
+
+
 class Whitened:
     def __init__(self, targets):
         self.targets = targets

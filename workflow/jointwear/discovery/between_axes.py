@@ -3,8 +3,8 @@
 A body at the flange is seen by every axis. What one axis lacks besides, a torque constant that is 3 % off or friction
 without a name, is the same in all of its rows: it does not average out, and the scatter of a residual does not show it,
 because the body takes it over. The axes asked one by one tell: they are taken for studies of one thing that scatter
-about it by more than they know (random effects: DerSimonian and Laird 1986), with the variance between them by Paule
-and Mandel (1982), nothing where they agree.
+about it by more than they know, with the variance between them by moments (random effects: DerSimonian and Laird 1986),
+nothing where they agree. An axis that knows next to nothing weighs next to nothing there.
 """
 
 from __future__ import annotations
@@ -13,9 +13,6 @@ import numpy as np
 
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.whitening import White
-
-#: Halvings of an interval of variances: of rounding only.
-HALVINGS = 60
 
 
 def of_scales(white: White, fit: Fit, term: Term) -> np.ndarray:
@@ -52,19 +49,10 @@ def _of_one(term: Term, axis: int) -> Term:
 
 
 def between_variance(values: np.ndarray, variances: np.ndarray) -> float:
-    """Return the variance between studies (k,) beyond that of each of them, 0 where they agree (Paule and Mandel)."""
+    """Return the variance between studies (k,) beyond that of each of them, 0 where they agree."""
     if len(values) < 2:
         return 0.0
-
-    def excess(between: float) -> float:
-        weight = 1.0 / (variances + between)
-        mean = np.sum(weight * values) / np.sum(weight)
-        return float(np.sum(weight * (values - mean) ** 2)) - (len(values) - 1)
-
-    if excess(0.0) <= 0:
-        return 0.0
-    low, high = 0.0, float(np.sum((values - np.mean(values)) ** 2)) + float(np.max(variances))
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if excess(middle) > 0 else (low, middle)
-    return 0.5 * (low + high)
+    weight = 1.0 / variances
+    mean = np.sum(weight * values) / np.sum(weight)
+    excess = float(np.sum(weight * (values - mean) ** 2)) - (len(values) - 1)
+    return max(0.0, excess / float(np.sum(weight) - np.sum(weight**2) / np.sum(weight)))
