@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from discovery_cases import make_case, wave
 
-from jointwear.discovery import Settings, acceptance, decide, discover, pipeline
+from jointwear.discovery import Settings, acceptance, decide, discover, leftovers, pipeline
 from jointwear.discovery.acceptance import missed, predictive
 from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks
 from jointwear.discovery.crossval import CrossValidated, cross_validate
 from jointwear.discovery.explained import explained
 from jointwear.discovery.findings import _above_the_noise
 from jointwear.discovery.left_out import left_out_ratio
-from jointwear.discovery.leftovers import lasting, unexplained
+from jointwear.discovery.leftovers import LINE, lasting, unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Refusal
 from jointwear.discovery.page import body_in_words, heading, joint_table, lead, put_back_in_words, write_page
@@ -240,6 +240,43 @@ def test_one_sample_that_jumps_is_no_structure(found):
     jumped.unexplained = unexplained(jumped)[0]
     assert {u.axis for u in jumped.unexplained} == {axis} | {u.axis for u in before}
     assert [(u.axis, u.argument) for u in lasting(jumped)] == [(u.axis, u.argument) for u in before]
+
+
+@pytest.mark.parametrize("instant", [True, False])
+def test_one_instant_that_is_off_is_no_structure(found, instant):
+    """Where the acceleration jumps, samples beside each other are off, each by little more than one may be."""
+    outcome = found.final.outcome
+    white, axis = outcome.white, 4
+    before = [(u.axis, u.argument) for u in unexplained(outcome)[0]]
+    state = white.axis_state(axis)
+    torque, used = state.torque[:, axis], white.problem.usable[:, axis]
+    largest = np.argmax(np.where(used, torque, -np.inf))
+    if instant:
+        block = white.problem.block_of_sample
+        off = np.exp(-(((state.time - state.time[largest]) / 0.1) ** 2)) * (block == block[largest])
+    else:
+        off = np.cos(4.0 * torque / np.std(torque[used]))
+    extra = white.columns(axis, off[:, None])[:, 0]
+    targets = [y.copy() for y in white.targets]
+    targets[axis] += extra * np.sqrt(2.0 * 400.0 / (extra @ extra))
+    jumped = replace(outcome, white=replace(white, targets=targets))
+    jumped.unexplained = unexplained(jumped)[0]
+    assert (axis, "torque") in {(u.axis, u.argument) for u in jumped.unexplained}
+    left = [(u.axis, u.argument) for u in lasting(jumped)]
+    assert left == before if instant else (axis, "torque") in left
+
+
+@pytest.mark.parametrize("shown", [True, False])
+def test_a_line_counts_where_positions_show_its_motion(found, monkeypatch, shown):
+    outcome = found.final.outcome
+    white, axis = outcome.white, 4
+    wave = white.columns(axis, np.sin(2.0 * np.pi * 20.0 * white.problem.train_state.time)[:, None])[:, 0]
+    targets = [y.copy() for y in white.targets]
+    targets[axis] += wave * np.sqrt(2.0 * 500.0 / (wave @ wave))
+    rings = replace(outcome, white=replace(white, targets=targets))
+    of_positions = leftovers.torque_noise
+    monkeypatch.setattr(leftovers, "torque_noise", lambda *given: of_positions(*given) * (1e-9 if shown else 1e9))
+    assert ((axis, LINE) in {(u.axis, u.argument) for u in unexplained(rings)[0]}) == shown
 
 
 def test_samples_that_are_all_far_off_are_no_outliers(found):

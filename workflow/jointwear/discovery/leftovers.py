@@ -15,6 +15,7 @@ from jointwear.discovery.candidates import LINK_MASS, columns_of, raw_columns, r
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.in_its_place import better_in_its_place
+from jointwear.discovery.instruments import torque_noise
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, Line, chance_of, strongest_line, where_strongest
@@ -40,7 +41,7 @@ def unexplained(
 
     Parameters
     ----------
-    robust : let no sample lie further than `assumed.SIGMAS` from the model.
+    robust : let no sample lie further than `assumed.SIGMAS` from the model, and no `Settings.block` of time decide.
     asked : 0-based axes with the arguments that are tested there; default all.
 
     Returns
@@ -66,15 +67,14 @@ def unexplained(
             statistic, freedom = chi_square(b, gram, columns.T @ columns)
             if not freedom:
                 continue
-            # The variance of the noise is estimated too, to sqrt(2 / samples): a chi-square is known no better.
-            known = 1.0 + np.sqrt(2.0 / len(white.targets[axis]))
-            p = float(gammaincc(freedom / 2, statistic / 2 / known))
-            nats = 0.5 * (statistic - freedom)
+            p, nats = _chance(white, axis, statistic, freedom)
             low, high = _where(basis, b, gram, white.whiteners[axis].rows)
             entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats)
             profile.append(entry)
             if p < settings.unexplained_p and nats > settings.accept:
                 theta = least_squares(b, gram, columns.T @ columns)
+                if robust and not _elsewhere(white, fit, axis, columns, theta):
+                    continue
                 torque = _beside(fit, axis, columns, white.raw(axis, basis.columns[:, good]), theta)
                 if (1.0 - freedom / statistic) * float(np.mean(torque**2)) > least:
                     found.append(entry)
@@ -98,6 +98,7 @@ def unexplained(
                 line.p_value < settings.unexplained_p
                 and line.power > settings.accept
                 and 2.0 * line.power / len(rows) * level > least
+                and _shown_as_motion(white, axis, line) > settings.accept
             ):
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
@@ -131,6 +132,51 @@ def _line(white: White, fit: Fit, axis: int) -> Line | None:
             break
         line, residual, rows, speed = others, residual[away], rows[away], speed[away]
     return line
+
+
+def _shown_as_motion(white: White, axis: int, line: Line) -> float:
+    """Return what the motion that holds a line would be worth in the positions [nats], infinite where it is measured.
+
+    A controller that rings at 50 Hz moves its arm by less than a step of the encoder. Derived accelerations hold
+    nothing of that motion, and the torque that it takes is no structure.
+    """
+    problem = white.problem
+    noise, at = problem.measured.noise, np.array([line.frequency])
+    if noise is None:
+        return np.inf
+    everywhere = replace(noise, band=np.full_like(noise.band, np.inf))
+    as_torque = float(torque_noise(everywhere, problem.mass_squares, at)[axis, 0])
+    level = float(white.whiteners[axis].density(at, problem.measured.rate)[0])
+    return line.power * level / as_torque if as_torque > 0 else np.inf
+
+
+def _chance(white: White, axis: int, statistic: float, freedom: int) -> tuple[float, float]:
+    """Return the probability that noise alone gives a chi-square on one axis, and what it is worth [nats]."""
+    # The variance of the noise is estimated too, to sqrt(2 / samples): a chi-square is known no better.
+    known = 1.0 + np.sqrt(2.0 / len(white.targets[axis]))
+    return float(gammaincc(freedom / 2, statistic / 2 / known)), 0.5 * (statistic - freedom)
+
+
+def _elsewhere(white: White, fit: Fit, axis: int, columns: np.ndarray, theta: np.ndarray) -> bool:
+    """Return whether structure on one axis is half as sure without the time, a block long, that gains most from it.
+
+    Where the acceleration jumps, derived accelerations are wrong for a few samples. At the largest torque of a log
+    those are alone over that torque, and would be structure.
+    """
+    settings, torque, residual = white.problem.settings, columns @ theta, fit.residual[axis]
+    time = white.problem.train_state.time[white.whiteners[axis].rows]
+    end = np.searchsorted(time, time + settings.block)
+    gained = np.concatenate([[0.0], np.cumsum(torque * residual - 0.5 * torque**2)])
+    first = np.argmax(gained[end] - gained[:-1])
+    most = (np.arange(len(time)) >= first) & (np.arange(len(time)) < end[first])
+    targets = list(fit.targets)
+    targets[axis] = targets[axis] - np.where(most, residual, 0.0)
+    rest = np.where(most[:, None], 0.0, columns)
+    statistic, freedom = chi_square(*Fit(targets, fit.terms).gram({axis: rest}), rest.T @ rest)
+    if not freedom:
+        return False
+    p, nats = _chance(white, axis, statistic, freedom)
+    return p < np.sqrt(settings.unexplained_p) and nats > 0.5 * settings.accept
 
 
 def _beside(fit: Fit, axis: int, columns: np.ndarray, raw: np.ndarray, theta: np.ndarray) -> np.ndarray:
