@@ -41,7 +41,7 @@ def unexplained(
 
     Parameters
     ----------
-    robust : let no sample lie further than `assumed.SIGMAS` from the model, and no `Settings.block` of time decide.
+    robust : let no sample lie further than `assumed.SIGMAS` from the model, and no `Settings.block` of splines decide.
     asked : 0-based axes with the arguments that are tested there; default all.
 
     Returns
@@ -160,9 +160,11 @@ def _chance(white: White, axis: int, statistic: float, freedom: int) -> tuple[fl
 def _elsewhere(white: White, fit: Fit, axis: int, columns: np.ndarray, theta: np.ndarray) -> bool:
     """Return whether structure on one axis is half as sure without the time, a block long, that gains most from it.
 
-    Where the acceleration jumps, derived accelerations are wrong for a few samples. At the largest torque of a log
-    those are alone over that torque, and would be structure.
+    Where the acceleration jumps, that of splines is wrong for a few samples. At the largest torque of a log those are
+    alone over that torque, and would be structure. Without splines an instant may be all that is seen of a cause.
     """
+    if not white.problem.measured.fitted:
+        return True
     settings, torque, residual = white.problem.settings, columns @ theta, fit.residual[axis]
     time = white.problem.train_state.time[white.whiteners[axis].rows]
     end = np.searchsorted(time, time + settings.block)
