@@ -166,7 +166,10 @@ def _elsewhere(white: White, fit: Fit, axis: int, columns: np.ndarray, theta: np
     if not white.problem.measured.fitted:
         return True
     settings, torque, residual = white.problem.settings, columns @ theta, fit.residual[axis]
-    time = white.problem.train_state.time[white.whiteners[axis].rows]
+    state, rows = white.problem.train_state, white.whiteners[axis].rows
+    # No block holds samples of two records, whose clocks may begin anew.
+    passed = np.where(np.diff(np.asarray(state.record)[rows]) != 0, settings.block, np.diff(state.time[rows]))
+    time = np.concatenate([[0.0], np.cumsum(passed)])
     end = np.searchsorted(time, time + settings.block)
     gained = np.concatenate([[0.0], np.cumsum(torque * residual - 0.5 * torque**2)])
     first = np.argmax(gained[end] - gained[:-1])

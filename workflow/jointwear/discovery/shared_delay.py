@@ -61,8 +61,7 @@ def shared_delay(
     settings = white.problem.settings
     # Two times of which each is known so well; and half a period, to which a zero-order hold delays, and as much.
     agree = 2.0 * assumed.CLOCK
-    undone = sum(abs(read + delay) <= agree * period for delay in named.values()) if read else 0
-    if undone * 0.5 * settings.accept > settings.accept:
+    if read and sum(abs(read + delay) <= agree * period for delay in named.values()) > 2:
         return 0.0
     largest = 0.5 + agree
     shares = np.append(np.linspace(-largest, largest, 2 * STEPS + 1), read / period)
