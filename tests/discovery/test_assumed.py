@@ -11,7 +11,7 @@ from jointwear.studies.world.assumptions import LIMITS, moved, moves
 #: Numbers of the modules that decide no verdict by themselves, by kind.
 OTHERS = {
     "a grid, a range or a resolution that is searched": """
-        base.DRIVE_ERRORS base.INERTIAL_ERRORS estimation.SOUND fallback.HALVINGS fallback.OF_LINKS fused_load.ENDS
+        base.DRIVE_ERRORS base.INERTIAL_ERRORS sound_fit.SOUND fallback.HALVINGS fallback.OF_LINKS fused_load.ENDS
         instruments.FREQUENCIES instruments.CUTOFFS instruments.LATE noise.HIGHEST_ORDER noise.HIGHEST_ORDER_DERIVED
         noise_spectrum.CELLS noise_spectrum.BANDS noise_spectrum.POINTS noise_spectrum.EDGES peak_torque.STEPS_OF_ONE
         peak_torque.STEPS_OF_MANY peak_torque.ZEROS problem.SMEAR recorded_in_time.SHARES refine.STARTS regimes.BINS

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.estimation import _of_effects
 from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, HELD, OF_LINKS, Step, best_step
 from jointwear.discovery.linear import Term
+from jointwear.discovery.steps_back import given_up_of_effects
 from jointwear.discovery.told_fallbacks import told_fallbacks
 from jointwear.discovery.verdict import FallBack, Gap
 from jointwear.discovery.whitening import INERTIAL
@@ -97,7 +97,7 @@ def test_an_effect_of_the_whole_arm_is_not_given_up_for_one_axis_where_others_ga
 def test_an_effect_of_the_whole_arm_that_is_not_written_is_told():
     body = SimpleNamespace(axis=None, effect="payload")
     step = FallBack("augmented", 2, 1.29, EVERYTHING)
-    assert [f.step for f in _of_effects((step,), [body])] == ["without payload"]
+    assert [f.step for f in given_up_of_effects((step,), [body])] == ["without payload"]
 
 
 def test_an_axis_without_anything_to_give_up_is_left():

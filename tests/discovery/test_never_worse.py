@@ -9,12 +9,13 @@ from discovery_cases import make_case
 from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import cross_validate
-from jointwear.discovery.estimation import _as_kept, doubts, finalise
+from jointwear.discovery.estimation import doubts, finalise
 from jointwear.discovery.fallback import DRIVE, FELT, HELD, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
 from jointwear.discovery.left_out import Asked, left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Unexplained
+from jointwear.discovery.steps_back import as_kept
 from jointwear.discovery.whitening import INERTIAL
 
 
@@ -407,9 +408,9 @@ def test_an_effect_has_its_plain_forms_and_no_more_of_them_than_it_is():
     drift = Candidate("torque_offset_drift", 1, None, {"start": 0.0, "period": 9.0})
     terms = [Term(x, {1: np.ones((3, 1))}, np.ones(1), effect=True) for x in "abc"]
     plain = [(replace(drift, nonlinear={}), terms[1])]
-    assert _as_kept((None, drift, terms[0]), plain, {id(terms[0])}) == (None, drift, terms[0])
-    assert _as_kept((None, drift, terms[0]), plain, {id(terms[1])}) == (None, *plain[0])
-    assert _as_kept((None, drift, terms[0]), plain, {id(terms[2])}) == (None, drift, terms[0])
+    assert as_kept((None, drift, terms[0]), plain, {id(terms[0])}) == (None, drift, terms[0])
+    assert as_kept((None, drift, terms[0]), plain, {id(terms[1])}) == (None, *plain[0])
+    assert as_kept((None, drift, terms[0]), plain, {id(terms[2])}) == (None, drift, terms[0])
 
 
 @pytest.mark.parametrize("left", [True, False])

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from scipy.linalg import null_space
 
 from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import stiff
@@ -21,24 +20,20 @@ from jointwear.discovery.candidates import (
 )
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.effect_estimates import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
+from jointwear.discovery.fallback import put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome, Suspected
 from jointwear.discovery.references import effect_term, reference_of, with_references
-from jointwear.discovery.refine import free_parameters, refine, simplest
-from jointwear.discovery.sound_links import nearest_links
+from jointwear.discovery.refine import refine, simplest
+from jointwear.discovery.sound_fit import make_links_sound, make_sound
+from jointwear.discovery.steps_back import as_kept, given_up_of_effects, plainer_forms, steps_of
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL, White
-from jointwear.effects import get_effect
 from jointwear.robots.inertia import mass_direction
 
-#: First word of a step that gives up an effect.
-WITHOUT = "without"
-#: First words of a step that gives up the bend of the form of an effect, and keeps the effect.
-PLAIN = "the plain form of"
 #: How often effects are refined at most, each time beside what the last elastic gears do above their band.
 REFINEMENTS = 3
 
@@ -97,11 +92,11 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
         base = [t for t in base if t.label not in without]
         nameless = open_axes(outcome, [c.axis for _, c, _ in refined] + [n.candidate.axis for n in masses])
-        plainer = [_plainer(white, c, t) for _, c, t in refined]
-        steps = _steps(white, base, refined, forms, masses, plainer)
+        plainer = [plainer_forms(white, c, t) for _, c, t in refined]
+        steps = steps_of(white, base, refined, forms, masses, plainer)
         kept, given_up = put_back(white, base + terms, steps, "augmented", nameless)
         left = {id(t) for t in kept}
-        refined = [_as_kept(r, other, left) for r, other in zip(refined, plainer, strict=True)]
+        refined = [as_kept(r, other, left) for r, other in zip(refined, plainer, strict=True)]
         # A bend goes alone, or with the form that it bends.
         forms = [
             f if f is None or id(f[1]) in left or id(t) not in left else None
@@ -114,7 +109,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
             )
             unwritten, suspects = unwritten + still_named, suspects + doubtful
             # Parameters of the drives were held where the effect made corrections needless: they are asked again.
-            given_up = _of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
+            given_up = given_up_of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
         fallbacks += given_up
         masses = [n for n in masses if id(n.term) in left]
         mass_terms = [t for n in masses for t in n.terms]
@@ -129,10 +124,10 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     masses = [n for n in named if n.candidate.effect == LINK_MASS]
     mass_terms = [t for n in masses for t in n.terms]
     alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
-    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), _steps(plain, alone, [], [], masses, [])
+    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), steps_of(plain, alone, [], [], masses, [])
     alone, retuned_given_up = put_back(plain, [*alone, *mass_terms], steps, "retuned", nameless)
     retuned = Fit(plain.targets, alone)
-    beside = _make_links_sound(plain, retuned, masses)
+    beside = make_links_sound(plain, retuned, masses)
     friction, _, inertial = _base_of(plain, retuned, masses)
     return replace(
         final,
@@ -214,19 +209,6 @@ def _doubted(one: Named, doubt: np.ndarray) -> Named:
     return replace(one, term=divided(one.term, doubt), form=form)
 
 
-def _of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[FallBack, ...]:
-    """Return what was given up of effects, those that went with everything else of their joint by their names."""
-    result = []
-    for step in given_up:
-        whole = step.step == EVERYTHING
-        own = [c.effect for c in lost if (whole if c.axis is None else c.axis + 1 == step.axis)]
-        if step.step.startswith(WITHOUT):
-            result.append(step)
-        elif step.step in (EVERYTHING, OWN, HELD_WITHOUT) and own:
-            result.append(replace(step, step=f"{WITHOUT} {', '.join(own)}"))
-    return tuple(result)
-
-
 def _named_all_the_same(
     outcome: Outcome, white: White, doubt: np.ndarray, misfit: np.ndarray, base, refined, forms, masses, left
 ) -> tuple[tuple[Estimate, ...], tuple[Suspected, ...]]:
@@ -269,54 +251,6 @@ def _whole_model(white, refined, forms, mass_terms):
     return base, refined
 
 
-def _plainer(white: White, candidate: Candidate, term: Term) -> list[tuple[Candidate, Term]]:
-    """Return an effect in its plain forms, the one that says most first, which could stand in the place of its own."""
-    if candidate.axis is None or not free_parameters(candidate):
-        return []
-    plain = get_effect(candidate.effect).plain(white.problem.train_state, candidate.axis)
-    found = [replace(candidate, nonlinear=dict(p)) for p in reversed(plain)]
-    return [(c, effect_term(white, c, term)) for c in found if c.nonlinear != candidate.nonlinear]
-
-
-def _as_kept(refined, plainer: list[tuple[Candidate, Term]], left: set[int]):
-    """Return a refined effect as it is in a model with the terms `left`: in a plain form where that took its place."""
-    one, _, term = refined
-    found = [] if id(term) in left else [(c, t) for c, t in plainer if id(t) in left]
-    return (one, *found[0]) if found else refined
-
-
-def _steps(
-    white: White, base: list[Term], refined, forms, masses: list[Named], plainer: list[list[tuple[Candidate, Term]]]
-) -> dict[int, list[Step]]:
-    """Return what can be given up for the sake of each axis, a link mass by all axes that carry the link.
-
-    Parameters
-    ----------
-    plainer : of each effect, as of :func:`_plainer`.
-    """
-    steps = {}
-    for axis in white.problem.judged:
-        own = tuple(t for t in base if t.drive[:1] == (axis,))
-        steps[axis] = [Step(DRIVE, own, of_drive=True), *OF_LINKS]
-        for one in masses:
-            if axis in one.term.blocks:
-                # Of a link that no other joint feels it is as good as motor inertia.
-                alone = set(one.term.blocks) == {axis}
-                words = f"mass of link {one.candidate.axis + 1} as given"
-                steps[axis].append(Step(words, (one.term,), of_drive=alone))
-        for (_, candidate, term), form, others in zip(refined, forms, plainer, strict=True):
-            if candidate.axis in (axis, None):
-                whole = (term,) if form is None else (term, form[1])
-                if form is not None:
-                    # A bend follows what noise and structure do where the effect itself is nothing.
-                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", form[1:]))
-                for _, plain in others:
-                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", whole, instead=(plain,)))
-                    whole = (*whole, plain)
-                steps[axis].append(Step(f"{WITHOUT} {candidate.effect}", whole))
-    return steps
-
-
 def _fitted(
     outcome: Outcome,
     white: White,
@@ -336,9 +270,9 @@ def _fitted(
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     fit = Fit(white.targets, [*base, *terms])
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
-    beside = _make_links_sound(white, fit, masses)
+    beside = make_links_sound(white, fit, masses)
     for _, candidate, term in refined:
-        _make_sound(fit, candidate, places[id(term)])
+        make_sound(fit, candidate, places[id(term)])
     weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
     known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
     known.covariance = doubted_links(weak, known)
@@ -360,63 +294,6 @@ def _fitted(
     inertial += beside
     std = _base_of(weak, known, [])[1]
     return Final(outcome, weak, doubt * misfit, fit, tuple(estimates), friction, std, inertial, friction, inertial)
-
-
-#: Standard deviations by which the first coefficient of an effect is moved until something like it may exist.
-SOUND = np.linspace(0.0, 3.0, 31)
-
-
-def _make_sound(fit: Fit, candidate: Candidate, where: slice) -> None:
-    """Move a fit along its posterior to the nearest parameters of an effect that may exist, where there are any.
-
-    A mass that the motion hardly shows comes out too small for its moments: the inertia about the centre of mass would
-    be negative, and what is written for it another torque. Everything else follows the mass as its covariance says.
-    """
-    effect = get_effect(candidate.effect)
-    if effect.sound is None:
-        return
-    theta, column = fit.theta, fit.covariance[:, where.start]
-    deviation = column / np.sqrt(column[where.start])
-    for step in SOUND:
-        for moved in (theta + step * deviation, theta - step * deviation):
-            if effect.sound(effect.parameters_of(candidate.nonlinear, moved[where])):
-                fit.theta = moved
-                return
-
-
-def _make_links_sound(white: White, fit: Fit, masses: list[Named]) -> np.ndarray:
-    """Move a fit along its posterior to the nearest links that may exist.
-
-    Returns
-    -------
-    what is added to the inertial parameters (10 n,) beside the coefficients: directions that the data cannot see cost
-    no torque, and are bent before those that they do.
-    """
-    problem, mass_terms = white.problem, [t for n in masses for t in n.terms]
-    where = fit.where(INERTIAL)
-    own = [] if where is None else [np.arange(where.start, where.stop)]
-    links = next((t for t in fit.terms if t.label == INERTIAL), None)
-    change = [] if links is None else [problem.factor @ white.directions_of(links)]
-    for term, place in zip(fit.terms, fit.slices, strict=True):
-        for one, of_mass in zip(masses, mass_terms, strict=True):
-            if term is of_mass:
-                own.append(np.arange(place.start, place.stop))
-                change.append(mass_direction(problem.robot, one.candidate.axis)[:, None])
-    if not own:
-        return np.zeros(10 * problem.robot.joints)
-    places = np.concatenate(own)
-    seen = white.directions if where is not None else np.zeros((problem.factor.shape[1], 0))
-    unseen = problem.factor @ null_space(seen.T)
-    count = len(places)
-    covariance = fit.covariance[np.ix_(places, places)]
-    precision = np.eye(count + unseen.shape[1])
-    precision[:count, :count] = np.linalg.inv(covariance)
-    fitted = np.concatenate([fit.theta[places], np.zeros(unseen.shape[1])])
-    found = nearest_links(problem.robot, np.concatenate([*change, unseen], axis=1), fitted, precision)
-    if found is not fitted:
-        moved = precision[:count, :count] @ (found - fitted)[:count]
-        fit.theta = fit.theta + fit.covariance[:, places] @ moved
-    return unseen @ found[count:]
 
 
 def _base_of(white: White, fit: Fit, masses: list[Named]):

@@ -11,12 +11,13 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.effect_estimates import Estimate
-from jointwear.discovery.estimation import WITHOUT, Final, finalise
+from jointwear.discovery.estimation import Final, finalise
 from jointwear.discovery.fallback import OWN
 from jointwear.discovery.left_out import mean_squares
 from jointwear.discovery.leftovers import left_open
 from jointwear.discovery.outcome import Outcome, Suspected
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.steps_back import WITHOUT
 from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot

@@ -1,0 +1,81 @@
+"""What a model with effects can give up for the sake of a joint that it makes worse, and what is left of it then."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, HELD_WITHOUT, OF_LINKS, OWN, Step
+from jointwear.discovery.linear import Term
+from jointwear.discovery.outcome import Named
+from jointwear.discovery.references import effect_term
+from jointwear.discovery.refine import free_parameters
+from jointwear.discovery.verdict import FallBack
+from jointwear.discovery.whitening import White
+from jointwear.effects import get_effect
+
+#: First word of a step that gives up an effect.
+WITHOUT = "without"
+#: First words of a step that gives up the bend of the form of an effect, and keeps the effect.
+PLAIN = "the plain form of"
+
+
+def steps_of(
+    white: White, base: list[Term], refined, forms, masses: list[Named], plainer: list[list[tuple[Candidate, Term]]]
+) -> dict[int, list[Step]]:
+    """Return what can be given up for the sake of each axis, a link mass by all axes that carry the link.
+
+    Parameters
+    ----------
+    plainer : of each effect, as of :func:`plainer_forms`.
+    """
+    steps = {}
+    for axis in white.problem.judged:
+        own = tuple(t for t in base if t.drive[:1] == (axis,))
+        steps[axis] = [Step(DRIVE, own, of_drive=True), *OF_LINKS]
+        for one in masses:
+            if axis in one.term.blocks:
+                # Of a link that no other joint feels it is as good as motor inertia.
+                alone = set(one.term.blocks) == {axis}
+                words = f"mass of link {one.candidate.axis + 1} as given"
+                steps[axis].append(Step(words, (one.term,), of_drive=alone))
+        for (_, candidate, term), form, others in zip(refined, forms, plainer, strict=True):
+            if candidate.axis in (axis, None):
+                whole = (term,) if form is None else (term, form[1])
+                if form is not None:
+                    # A bend follows what noise and structure do where the effect itself is nothing.
+                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", form[1:]))
+                for _, plain in others:
+                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", whole, instead=(plain,)))
+                    whole = (*whole, plain)
+                steps[axis].append(Step(f"{WITHOUT} {candidate.effect}", whole))
+    return steps
+
+
+def plainer_forms(white: White, candidate: Candidate, term: Term) -> list[tuple[Candidate, Term]]:
+    """Return an effect in its plain forms, the one that says most first, which could stand in the place of its own."""
+    if candidate.axis is None or not free_parameters(candidate):
+        return []
+    plain = get_effect(candidate.effect).plain(white.problem.train_state, candidate.axis)
+    found = [replace(candidate, nonlinear=dict(p)) for p in reversed(plain)]
+    return [(c, effect_term(white, c, term)) for c in found if c.nonlinear != candidate.nonlinear]
+
+
+def as_kept(refined, plainer: list[tuple[Candidate, Term]], left: set[int]):
+    """Return a refined effect as it is in a model with the terms `left`: in a plain form where that took its place."""
+    one, _, term = refined
+    found = [] if id(term) in left else [(c, t) for c, t in plainer if id(t) in left]
+    return (one, *found[0]) if found else refined
+
+
+def given_up_of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[FallBack, ...]:
+    """Return what was given up of effects, those that went with everything else of their joint by their names."""
+    result = []
+    for step in given_up:
+        whole = step.step == EVERYTHING
+        own = [c.effect for c in lost if (whole if c.axis is None else c.axis + 1 == step.axis)]
+        if step.step.startswith(WITHOUT):
+            result.append(step)
+        elif step.step in (EVERYTHING, OWN, HELD_WITHOUT) and own:
+            result.append(replace(step, step=f"{WITHOUT} {', '.join(own)}"))
+    return tuple(result)
