@@ -15,8 +15,8 @@ OTHERS = {
         instruments.FREQUENCIES instruments.CUTOFFS instruments.LATE noise.HIGHEST_ORDER noise.HIGHEST_ORDER_DERIVED
         noise_spectrum.CELLS noise_spectrum.BANDS noise_spectrum.POINTS noise_spectrum.EDGES peak_torque.STEPS_OF_ONE
         peak_torque.STEPS_OF_MANY peak_torque.ZEROS problem.SMEAR recorded_in_time.SHARES refine.STARTS regimes.BINS
-        shared_drives.SHARES
-        saturated.START saturated.SHARP shared_delay.STEPS shared_delay.ASKED sound_links.BARRIER spectra.LONGEST
+        shared_drives.SHARES saturated.START saturated.SHARP shared_delay.STEPS shared_delay.ASKED sound_links.BARRIER
+        spectra.LONGEST
         spectra.SHORTEST spectra.SPAN structure.KNOTS structure.KNOTS_OF_OTHERS structure.FEWEST_KNOTS
         structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS structure.SURROUNDINGS structure.FASTEST_CHIRP
         structure.SLOW_SWEEP structure.WIDEST_SWEEP structure.COARSER encoder_step.NEAREST

@@ -95,18 +95,14 @@ def _believe_no_bent_links(outcome: Outcome) -> None:
     half = 0.5 * outcome.problem.settings.accept
     gate = "nats where joints that stay unexplained say nothing of the links"
     bent = {u.axis for u in outcome.unexplained}
-    kept = []
+    refused = []
     for one in outcome.named:
         others = [t for n in outcome.named if n is not one for t in n.terms]
         witnesses = bent - {one.candidate.axis} if of_drive(one.candidate) else set()
         nats = nats_without_witnesses(outcome.white, others, one, witnesses) if witnesses else np.inf
         if nats < half:
-            outcome.refusals.append(Refusal(one.candidate, one.evidence, gate, nats, half))
-        else:
-            kept.append(one)
-    if len(kept) < len(outcome.named):
-        outcome.named = kept
-        settle(outcome)
+            refused.append(Refusal(one.candidate, one.evidence, gate, nats, half))
+    _take_back(outcome, refused)
 
 
 def _believe_no_unknown_loads(outcome: Outcome) -> None:
@@ -116,14 +112,19 @@ def _believe_no_unknown_loads(outcome: Outcome) -> None:
     """
     least = outcome.problem.settings.mass_sigmas
     gate = "load of its joint over what the fit corrects of the links there"
-    failed = []
+    refused = []
     for one in outcome.named:
         share = links_error(outcome.white, outcome.fit, one.candidate) if of_drive(one.candidate) else 0.0
         if share * least > 1.0:
-            failed.append(Refusal(one.candidate, one.evidence, gate, 1.0 / share, least))
-    if failed:
-        outcome.refusals += failed
-        keys = {r.candidate.key for r in failed}
+            refused.append(Refusal(one.candidate, one.evidence, gate, 1.0 / share, least))
+    _take_back(outcome, refused)
+
+
+def _take_back(outcome: Outcome, refused: list[Refusal]) -> None:
+    """Take the names back that are refused, if any, and settle what is left."""
+    if refused:
+        outcome.refusals += refused
+        keys = {r.candidate.key for r in refused}
         outcome.named = [n for n in outcome.named if n.candidate.key not in keys]
         settle(outcome)
 

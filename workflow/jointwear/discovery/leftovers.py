@@ -93,12 +93,12 @@ def unexplained(
             )
             profile.append(entry)
             rows, rate = white.whiteners[axis].rows, problem.measured.rate
-            level = float(white.whiteners[axis].density(np.array([line.frequency]), rate)[0]) * rate / 2
+            density = float(white.whiteners[axis].density(np.array([line.frequency]), rate)[0])
             if (
                 line.p_value < settings.unexplained_p
                 and line.power > settings.accept
-                and 2.0 * line.power / len(rows) * level > least
-                and _shown_as_motion(white, axis, line) > settings.accept
+                and line.power / len(rows) * density * rate > least
+                and _shown_as_motion(white, axis, line, density) > settings.accept
             ):
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
@@ -134,20 +134,23 @@ def _line(white: White, fit: Fit, axis: int) -> Line | None:
     return line
 
 
-def _shown_as_motion(white: White, axis: int, line: Line) -> float:
+def _shown_as_motion(white: White, axis: int, line: Line, density: float) -> float:
     """Return what the motion that holds a line would be worth in the positions [nats], infinite where it is measured.
 
     A controller that rings at 50 Hz moves its arm by less than a step of the encoder. Derived accelerations hold
     nothing of that motion, and the torque that it takes is no structure.
+
+    Parameters
+    ----------
+    density : of the noise of the axis at the line [(N m)^2/Hz].
     """
     problem = white.problem
-    noise, at = problem.measured.noise, np.array([line.frequency])
+    noise = problem.measured.noise
     if noise is None:
         return np.inf
     everywhere = replace(noise, band=np.full_like(noise.band, np.inf))
-    as_torque = float(torque_noise(everywhere, problem.mass_squares, at)[axis, 0])
-    level = float(white.whiteners[axis].density(at, problem.measured.rate)[0])
-    return line.power * level / as_torque if as_torque > 0 else np.inf
+    as_torque = float(torque_noise(everywhere, problem.mass_squares, np.array([line.frequency]))[axis, 0])
+    return line.power * density / as_torque if as_torque > 0 else np.inf
 
 
 def _chance(white: White, axis: int, statistic: float, freedom: int) -> tuple[float, float]:
@@ -173,11 +176,13 @@ def _elsewhere(white: White, fit: Fit, axis: int, columns: np.ndarray, theta: np
     end = np.searchsorted(time, time + settings.block)
     gained = np.concatenate([[0.0], np.cumsum(torque * residual - 0.5 * torque**2)])
     first = np.argmax(gained[end] - gained[:-1])
-    most = (np.arange(len(time)) >= first) & (np.arange(len(time)) < end[first])
-    targets = list(fit.targets)
-    targets[axis] = targets[axis] - np.where(most, residual, 0.0)
-    rest = np.where(most[:, None], 0.0, columns)
-    statistic, freedom = chi_square(*Fit(targets, fit.terms).gram({axis: rest}), rest.T @ rest)
+    most = slice(first, end[first])
+    gone, rest = np.zeros_like(residual), columns.copy()
+    gone[most], rest[most] = residual[most], 0.0
+    # What the terms had said of that time they give back elsewhere.
+    back = fit.design[axis] @ fit.mimicked({axis: gone[:, None]}, np.ones(1))[fit.columns[axis]]
+    b, gram = fit.gram({axis: rest})
+    statistic, freedom = chi_square(b + rest.T @ back, gram, rest.T @ rest)
     if not freedom:
         return False
     p, nats = _chance(white, axis, statistic, freedom)

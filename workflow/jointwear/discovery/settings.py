@@ -62,8 +62,8 @@ class Settings:
     unexplained_p : structure is unexplained below this probability, if its torque is no less than `smallest_share` too.
     mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own; an
         effect has to be needed where inertial parameters may be off by as much. By as many of its own a factor of all
-        torque of an axis must be off: less, and its own interval says that it may be right. So
-        does it where its load is not as many times what the fit corrects of the links there.
+        torque of an axis must be off: less, and its own interval says that it may be right. So does it where its load
+        is not as many times what the fit corrects of the links there.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
     off_scale : factor by which the torque of an effect with one parameter may miss the size that the parameter gives
         it: beyond it the torque has another shape.

@@ -68,7 +68,7 @@ def sense_of(velocity: np.ndarray, records: list[slice]) -> np.ndarray:
     sense = np.sign(velocity)
     result, slow = sense.copy(), np.abs(velocity) < SLOW
     for record in records:
-        for way in _runs(sense[record], record.start):
+        for way in runs(sense[record], record.start):
             if way.stop - way.start < FEWEST and slow[way].all():
                 result[way] = 0.0
     for _, stop in _stops(velocity, records):
@@ -80,7 +80,7 @@ def _stops(velocity: np.ndarray, records: list[slice]) -> Iterator[tuple[slice, 
     """Yield the record and the samples of every stop, those with which a record begins or ends among them."""
     slow = np.abs(velocity) < SLOW
     for record in records:
-        for part in _runs(slow[record], record.start):
+        for part in runs(slow[record], record.start):
             if part.stop - part.start < FEWEST or not slow[part.start]:
                 continue
             speeds = np.sort(np.abs(velocity[part]))
@@ -88,7 +88,7 @@ def _stops(velocity: np.ndarray, records: list[slice]) -> Iterator[tuple[slice, 
                 yield record, part
 
 
-def _runs(values: np.ndarray, start: int) -> Iterator[slice]:
+def runs(values: np.ndarray, start: int = 0) -> Iterator[slice]:
     """Yield where values (m,) stay the same, as places that begin at `start`."""
     edges = start + np.concatenate([[0], np.flatnonzero(values[1:] != values[:-1]) + 1, [len(values)]])
-    return (slice(int(i), int(k)) for i, k in pairwise(edges))
+    return (slice(int(i), int(k)) for i, k in pairwise(edges) if i < k)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects.between import Between
-from jointwear.effects.rests import Rest, rests
+from jointwear.effects.rests import Rest, rests, runs
 from jointwear.robots.robot import Robot
 
 #: Axis -> derivatives (..., n) of the torques by the acceleration and by the angle of one link.
@@ -275,8 +275,4 @@ def make_state(
 
 def record_slices(state: State) -> list[slice]:
     """Return the slices of the records of an ordered state; a record is a run of one label."""
-    label = np.asarray(state.record)
-    if not len(label):
-        return []
-    edges = np.flatnonzero(np.diff(label)) + 1
-    return [slice(a, b) for a, b in zip([0, *edges], [*edges, len(label)], strict=True)]
+    return list(runs(np.asarray(state.record)))

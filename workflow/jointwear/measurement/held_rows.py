@@ -41,8 +41,8 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
         steps = np.diff(values, axis=0)
         changed = np.any(steps != 0.0, axis=1) | (np.diff(stretch) != 0)
         drawn = _goes_on(steps, samples.torque.shape[1], stretch)
-    if changed.any():
-        changed[np.argmax(changed) + 1 :] &= ~drawn[np.argmax(changed) + 1 :]
+    first = np.argmax(changed) + 1
+    changed[first:] &= ~drawn[first:]
     # Row k + 1 against row k: rows since the change before, the change itself included.
     places = np.flatnonzero(changed)
     if len(places) < 2:
