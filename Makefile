@@ -159,6 +159,17 @@ test-versions: $(RUN)  ## Compare results across cores, runs, Python 3.11 to 3.1
 reference: $(RUN)  ## Write docs/reference from schemas and docstrings
 	@PYTHONPATH=workflow $(BIN)/python -m jointwear.publishing.reference docs/reference
 
+# The pictures of the README: their page, as it looks in a window of this size.
+shoot = chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,1050 --screenshot=docs/images/$(1).png "file://$(CURDIR)/$(2)" 2>/dev/null
+
+.PHONY: pictures
+pictures: reproduce  ## Take the pictures of the README anew (Debian: chromium)
+	@$(SNAKEMAKE) discover --configfile config/examples/discover_puma560.yaml
+	@$(SNAKEMAKE) monitor --configfile config/examples/monitor_puma560.yaml
+	@$(call shoot,report,$(REPORT))
+	@$(call shoot,discover,results/discover/puma560_hidden/discover.html)
+	@$(call shoot,monitor,results/monitor/puma560_example/monitor.html)
+
 .PHONY: lock
 lock:  ## Renew requirements/*.txt from requirements/*.in
 	@"$(PYTHON)" -m venv .venv-lock
