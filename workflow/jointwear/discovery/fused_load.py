@@ -18,7 +18,7 @@ import numpy as np
 
 from jointwear.discovery.instruments import FREQUENCIES
 from jointwear.effects.order import continued
-from jointwear.measurement.even_steps import runs
+from jointwear.statistics.runs import runs
 
 if TYPE_CHECKING:
     from jointwear.discovery.noise import Whitener

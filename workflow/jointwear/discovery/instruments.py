@@ -23,7 +23,7 @@ from jointwear.effects import State
 from jointwear.effects.order import change_by_delay, first_derivative, second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise
 from jointwear.measurement.filtering import HIGHEST, low_pass, zero_phase_gain
-from jointwear.measurement.motion import runs
+from jointwear.statistics.runs import runs
 
 #: Evidence [nats] that noise which column and residual share may feign at most: what a parameter gains by chance on
 #: average, half of a chi-square of one degree of freedom.

@@ -19,7 +19,7 @@ from jointwear.discovery.shared_drives import sticking
 from jointwear.discovery.spectra import frequencies
 from jointwear.effects import State, effect_torque, make_state
 from jointwear.measurement.filtering import low_pass, zero_phase_gain
-from jointwear.measurement.motion import Measured, measure, runs
+from jointwear.measurement.motion import Measured, measure
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import (
@@ -31,6 +31,7 @@ from jointwear.robots.inertia import (
     wind_up_regressor,
 )
 from jointwear.robots.robot import Link, Robot
+from jointwear.statistics.runs import runs
 
 #: Fewest usable samples of an axis that a verdict is based on.
 FEWEST_SAMPLES = 60

@@ -20,7 +20,7 @@ from jointwear.discovery.linear import Fit, gain_of_one
 from jointwear.discovery.whitening import White
 from jointwear.effects.order import continued, earlier_sense, level_between
 from jointwear.effects.state import State
-from jointwear.measurement.even_steps import runs
+from jointwear.statistics.runs import runs
 
 #: Shares of a delay that are tried: a lag is nearly a dead time of its own length, less where torque changes fast.
 SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)

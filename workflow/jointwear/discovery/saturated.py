@@ -17,8 +17,8 @@ from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import axis_bases
 from jointwear.discovery.time_lines import loud_lines
 from jointwear.effects import State, library
-from jointwear.measurement.even_steps import runs
 from jointwear.measurement.filtering import low_pass
+from jointwear.statistics.runs import runs
 
 #: Share of a column, by its square, that has to lie on samples whose predecessors are usable too.
 SEEN = 0.5

@@ -17,7 +17,7 @@ from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.noise_spectrum import FEWEST_OF_RECORD
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import SURROUNDINGS
-from jointwear.measurement.even_steps import runs
+from jointwear.statistics.runs import runs
 
 #: Lines of one axis at most, a bound on time: what beats has two, and each has neighbours in short records.
 MOST = 6

@@ -28,7 +28,7 @@ from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import Basis, axis_bases
 from jointwear.effects import Effect, State
-from jointwear.measurement.even_steps import runs
+from jointwear.statistics.runs import runs
 
 #: Label of the term of the corrections of the links, which all axes share.
 INERTIAL = "inertial"

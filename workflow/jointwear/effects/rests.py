@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
+
+from jointwear.statistics.runs import runs
 
 #: What turns slower than this [rad/s] for some samples may stand still.
 SLOW = 0.015
@@ -86,9 +87,3 @@ def _stops(velocity: np.ndarray, records: list[slice]) -> Iterator[tuple[slice, 
             speeds = np.sort(np.abs(velocity[part]))
             if speeds[len(speeds) // 2] < STILL * SLOW:
                 yield record, part
-
-
-def runs(values: np.ndarray, start: int = 0) -> Iterator[slice]:
-    """Yield where values (m,) stay the same, as places that begin at `start`."""
-    edges = start + np.concatenate([[0], np.flatnonzero(values[1:] != values[:-1]) + 1, [len(values)]])
-    return (slice(int(i), int(k)) for i, k in pairwise(edges) if i < k)

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects.between import Between
-from jointwear.effects.rests import Rest, rests, runs
+from jointwear.effects.rests import Rest, rests
 from jointwear.robots.robot import Robot
+from jointwear.statistics.runs import runs
 
 #: Axis -> derivatives (..., n) of the torques by the acceleration and by the angle of one link.
 WindUp = Callable[[int], tuple[np.ndarray, np.ndarray]]

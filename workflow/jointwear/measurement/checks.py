@@ -9,13 +9,13 @@ import numpy as np
 from jointwear.files.errors import InputError
 from jointwear.files.wording import count
 from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, other_scale, readings
-from jointwear.measurement.even_steps import runs
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
+from jointwear.statistics.runs import runs
 
 #: Samples looked at by the checks against the model.
 LOOK = 1500

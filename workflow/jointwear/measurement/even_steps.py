@@ -15,6 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from jointwear.measurement.recording import Recording
+from jointwear.statistics.runs import runs
 
 #: Usual steps after which a record is in two pieces, as for the clock of the monitor.
 GAP = 5.0
@@ -25,12 +26,6 @@ EVEN = 1e-3
 CLEARER = 0.5
 #: Fewest samples that are put on a grid.
 SHORTEST = 24
-
-
-def runs(labels: np.ndarray) -> list[slice]:
-    """Return one slice for each run of equal `labels` (m,)."""
-    edges = np.flatnonzero(np.diff(labels)) + 1
-    return [slice(a, b) for a, b in zip([0, *edges], [*edges, len(labels)], strict=True) if b > a]
 
 
 def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:

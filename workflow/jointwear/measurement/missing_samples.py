@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.measurement.even_steps import runs
+from jointwear.statistics.runs import runs
 
 #: Samples in a row of a position, velocity or acceleration that may be missing and are bridged.
 LONGEST_BRIDGE = 2

@@ -18,7 +18,6 @@ import numpy as np
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.even_steps import evenly, pieces_of
-from jointwear.measurement.even_steps import runs as runs
 from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
 from jointwear.measurement.jumps import without_jumps

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import name_axes
-from jointwear.measurement.even_steps import runs
 from jointwear.monitor.series import LOUDEST, loud_windows
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.statistics.known import known_median
+from jointwear.statistics.runs import runs
 
 #: Kinds of the findings, of one axis and of most.
 LOUD, UNEVEN = "loud", "uneven"

@@ -9,10 +9,10 @@ import numpy as np
 
 from jointwear.effects import get_effect
 from jointwear.files.wording import count, listed, name_axes
-from jointwear.measurement.even_steps import runs
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.robots.robot import Robot
+from jointwear.statistics.runs import runs
 
 #: What was found in reading that keeps axes from being judged, or samples from counting: kind -> flag and words.
 _READ = {
