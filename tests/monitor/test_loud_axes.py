@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from monitor_windows import NOISE, residuals, statistics_of
 
-from jointwear.monitor.loud import LOUD, UNEVEN, loud_findings
+from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN, loud_findings
 
 #: Windows, and those of a shift; the first three shifts are the baseline.
 WINDOWS, SHIFT = 64, 8
@@ -52,3 +52,28 @@ def test_most_axes_that_are_loud_together_are_told_as_one_while_it_lasts(axes):
     assert (found["time"], found["end"]) == (4 * SHIFT * 3600.0, 6 * SHIFT * 3600.0)
     (answered,) = _findings(_loud(axes, [4, 5]), ((40,), (40,), (40,)))
     assert answered["answered"]
+
+
+def _smooth(factor, axes, shifts):
+    """Noise of `axes` divided by `factor` in `shifts`."""
+    less = np.ones((WINDOWS, 3))
+    for s in shifts:
+        less[s * SHIFT : (s + 1) * SHIFT, axes] = 1 / factor
+    statistics = statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), 1))
+    statistics.residual_square[:] *= less**2
+    return loud_findings(statistics, np.arange(WINDOWS) // SHIFT, np.arange(WINDOWS) // SHIFT < 3, ((), (), ()))
+
+
+@pytest.mark.parametrize("axes", [[0, 1, 2], [0, 2]])
+def test_torques_of_most_axes_that_grow_smooth_are_told(axes):
+    (found,) = _smooth(4.0, axes, [4, 5])
+    assert found["kind"] == SMOOTH
+    assert found["axes"] == [a + 1 for a in axes]
+    assert (found["time"], found["end"]) == (4 * SHIFT * 3600.0, 6 * SHIFT * 3600.0)
+
+
+@pytest.mark.parametrize(
+    ("factor", "axes", "shifts"), [(1.5, [0, 1, 2], [4, 5]), (8.0, [1], [4, 5]), (8.0, [0, 1, 2], [4, 6])]
+)
+def test_a_little_less_noise_one_axis_or_one_shift_is_not_smooth(factor, axes, shifts):
+    assert _smooth(factor, axes, shifts) == []

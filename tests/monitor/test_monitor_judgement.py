@@ -121,6 +121,20 @@ def test_an_axis_that_was_mended_is_healthy_again_once_somebody_says_so():
     assert (said.status[121:, 0] == HEALTHY).all()
 
 
+@pytest.mark.parametrize(
+    ("change", "axes"), [((0.14, -0.12, 0.2), [1, 2, 3]), ((-0.14, -0.12, 0.2), None), ((0.2, 0.0, 0.0), None)]
+)
+def test_axes_that_rise_and_fall_within_two_shifts_are_told_as_one_cause(change, axes):
+    growth = np.zeros((260, 3))
+    growth[192:] = change
+    found = judge(statistics_of(residuals(260, growth, 18)), 120, SETTINGS).findings
+    told = [f for f in found if f["kind"] == "at_once"]
+    assert [f["axes"] for f in told] == ([axes] if axes else [])
+    if axes:
+        assert "axes 1 and 3 rose and of axis 2 fell" in told[0]["words"]
+        assert told[0]["time"] >= 192 * 3600.0
+
+
 def test_a_service_that_is_told_raises_no_alarm_and_wear_after_it_does():
     growth = np.zeros((420, 3))
     growth[200:, 0] = -0.15

@@ -23,6 +23,9 @@ from jointwear.publishing.report.numbers import fixed
 
 #: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
 WITH_SCALE = 2
+#: Share of the axes, and fewest, that change within two shifts from a cause that they share; fewest of these that rise:
+#: one may wear while a service takes friction off the others.
+MOST_AXES, FEWEST_AXES, FEWEST_RISEN = 0.5, 3, 2
 #: Kind of a finding on a fall that may be a service, and on a program that the baseline lacks.
 FELL, PROGRAM = "proposed_service", "program"
 
@@ -50,6 +53,7 @@ def findings_of(
     steps : changed scales. changed : (w, n) bool, axes with an open alarm of friction. conditions : of all windows.
     """
     found = _scales(statistics, shift, steps, changed) + _services(statistics, level, steps)
+    found += _at_once(statistics, shift, level, steps)
     found += _programs(statistics, conditions, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline) + broken(statistics, baseline)
@@ -93,6 +97,38 @@ def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleS
                 answered = {"answered": True} if told else {}
                 result.append({"time": time, "axes": [j + 1], "kind": FELL, "words": words, "fell": True, **answered})
     return result
+
+
+def _at_once(
+    statistics: WindowStatistics, shift: np.ndarray, level: Watch, steps: Sequence[ScaleStep]
+) -> list[dict[str, Any]]:
+    """One finding for the first two shifts in which most axes begin to alarm or fall, each by itself."""
+    explained = {(s.axis, s.window) for s in steps}
+    begins = [
+        (int(shift[k]), int(k), j, rose)
+        for j, starts in enumerate(level.starts)
+        for k, rose in [
+            *((k, True) for k in np.flatnonzero(level.alarm[:, j])[:1]),
+            *((s.window, False) for s in starts if s.proposed and (j, s.window) not in explained),
+        ]
+    ]
+    for name in sorted({b[0] for b in begins}):
+        here = [b for b in begins if 0 <= b[0] - name <= 1]
+        rose, fell = (sorted({j + 1 for _, _, j, up in here if up == wanted}) for wanted in (True, False))
+        axes = sorted({*rose, *fell})
+        if len(axes) < max(FEWEST_AXES, MOST_AXES * len(level.starts)) or len(rose) < FEWEST_RISEN:
+            continue
+        window = min(k for _, k, _, _ in here)
+        told = [f"of {name_axes(a)} {word}" for a, word in ((rose, "rose"), (fell, "fell")) if a]
+        answered = all(any(not s.proposed and s.window >= window for s in level.starts[a - 1]) for a in axes)
+        words = (
+            f"Within two shifts friction {' and '.join(told)}, which no gear does: logs of another robot under this "
+            "name, exchanged drives, another controller, a load, or weather that no thermometer shows. Look for that "
+            "before you look at a gear, and enter under 'events' what was changed."
+        )
+        known = {"answered": True} if answered else {}
+        return [{"time": float(statistics.start[window]), "axes": axes, "kind": "at_once", "words": words, **known}]
+    return []
 
 
 def fell_words(axes: Sequence[int]) -> str:

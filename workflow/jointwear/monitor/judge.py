@@ -28,6 +28,7 @@ from jointwear.monitor.gain_of_all import gain_of_all
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.observed import Observed, observe
+from jointwear.monitor.odd_motion import odd_motion_findings
 from jointwear.monitor.parts import viscous_part, viscous_scale
 from jointwear.monitor.present import back_to_normal, error_now
 from jointwear.monitor.programs import program_findings
@@ -128,6 +129,7 @@ def judge(
     findings += program_findings(statistics, first, most)
     zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
     findings += reading_findings(statistics, first, shift) + zero_finding(statistics, zero)
+    findings += odd_motion_findings(statistics, seen.regime, shift, first, seen.events)
     findings += driving_findings(statistics, seen.series["friction"].driving, shift)
     return Judgement(
         estimates=estimates,

@@ -57,7 +57,7 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
     counts: list[int] = []
     label = np.full(len(signature), -1)
     for k in np.flatnonzero(baseline):
-        distance = _distances(signature[k], centres)
+        distance = differences(signature[k], centres)
         best = int(np.argmin(distance)) if len(distance) else -1
         if best < 0 or distance[best] > ALIKE:
             centres.append(signature[k].copy())
@@ -69,7 +69,7 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
             centres[best][known] += (signature[k] - centres[best])[known] / counts[best]
         label[k] = best
     kept = [c for c, count in zip(centres, counts, strict=True) if count >= FEWEST]
-    near = np.array([_distances(signature[k], kept).min(initial=np.inf) for k in np.flatnonzero(baseline)])
+    near = np.array([differences(signature[k], kept).min(initial=np.inf) for k in np.flatnonzero(baseline)])
     if not len(kept) or np.sum(near <= UNSEEN) < COVERED * len(near):
         return None
     usual = float(np.clip(CLOSE * np.quantile(near[near <= UNSEEN], MOST), ALIKE, UNSEEN))
@@ -77,7 +77,7 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
     result = np.full(len(signature), -1)
     members = [FEWEST] * len(kept)
     for k in range(len(signature)):
-        distance = _distances(signature[k], kept, late[k])
+        distance = differences(signature[k], kept, late[k])
         best = int(np.argmin(distance))
         if distance[best] > UNSEEN and not baseline[k] and not late[k].any() and np.isfinite(signature[k]).any():
             kept.append(signature[k].copy())
@@ -107,22 +107,22 @@ def _split(
     """
     near = later & (regime >= 0) & (regime < len(centres))
     distance = np.full(len(regime), np.inf)
-    distance[near] = [_distances(signature[k], centres).min() for k in np.flatnonzero(near)]
+    distance[near] = [differences(signature[k], centres).min() for k in np.flatnonzero(near)]
     apart = near & (distance > usual)
     for k in np.flatnonzero(apart):
         run = slice(max(k - FEWEST + 1, 0), k + 1)
         if k + 1 < FEWEST or not (apart[run] & (regime[run] == regime[k])).all():
             continue
         middle = signature[run].mean(axis=0)
-        if _distances(middle, centres).min() <= usual:
+        if differences(middle, centres).min() <= usual:
             continue
         alike = np.flatnonzero(apart)
-        alike = alike[[float(_distances(signature[a], [middle])[0]) <= usual for a in alike]]
+        alike = alike[[float(differences(signature[a], [middle])[0]) <= usual for a in alike]]
         regime[alike] = regime.max() + 1
         apart[alike] = False
 
 
-def _distances(one: np.ndarray, centres: list[np.ndarray], hidden: np.ndarray | None = None) -> np.ndarray:
+def differences(one: np.ndarray, centres: list[np.ndarray], hidden: np.ndarray | None = None) -> np.ndarray:
     """Return the distance of a signature (2 n,) from centres; an axis that rests in one and moves in the other is far,
     and one that is `hidden` (n,) has no say unless all are."""
     if not centres:

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.loud import LOUD, UNEVEN
+from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN
+from jointwear.monitor.odd_motion import CLOCK_SPEED, STOPPED
 from jointwear.monitor.read_findings import DRIVES, NONE
 from jointwear.monitor.thermometers import BROKEN
 from jointwear.monitor.zeros import ZERO
@@ -19,7 +20,7 @@ ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 ASKING = ("scale", "clock", "proposed_service", LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
-WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, BROKEN)
+WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, BROKEN)
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 

@@ -1,0 +1,77 @@
+"""A clock at another speed and a position that stops are told; other speeds, rates and programs are not."""
+
+import numpy as np
+import pytest
+from monitor_windows import motion, residuals, statistics_of
+
+from jointwear.measurement.flags import Flag
+from jointwear.monitor.odd_motion import CLOCK_SPEED, STOPPED, odd_motion_findings
+
+#: Windows, and those of a shift; the first four shifts are the baseline. Two programs take turns.
+WINDOWS, SHIFT, STEP = 64, 8, 0.02
+SHIFTS, PROGRAM = np.arange(WINDOWS) // SHIFT, np.arange(WINDOWS) % 2
+
+
+def month(speed=1.0, step=1.0, since=48, seed=3):
+    """Windows of three axes; from `since` on the speed is another, and so is the time between samples."""
+    s = statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), seed))
+    scatter = np.exp(0.03 * np.random.default_rng(seed).standard_normal(WINDOWS))
+    size = scatter * np.where(PROGRAM, 1.6, 1.0) * np.where(np.arange(WINDOWS) >= since, speed, 1.0)
+    # The second program moves the first axis three times as fast beside the others.
+    size = size[:, None] * np.where(PROGRAM[:, None] & (np.arange(3) == 0), 3.0, 1.0)
+    s.gram[:, :, 2] *= size[..., None]
+    s.gram[:, :, :, 2] *= size[..., None]
+    path = np.abs(motion()[..., 2]).sum(axis=0) * size * STEP
+    s.travel[:] = path * np.where(np.arange(WINDOWS) >= since, step, 1.0)[:, None]
+    return s
+
+
+def rest(s, axes, since=48):
+    for name in ("gram", "moment", "count", "travel"):
+        getattr(s, name)[since:, axes] = 0
+    s.flags[since:, axes] |= int(Flag.AT_REST)
+    return s
+
+
+def findings(s, regime=PROGRAM, events=((), (), ())):
+    return odd_motion_findings(s, regime, SHIFTS, SHIFTS < 4, events)
+
+
+@pytest.mark.parametrize(
+    ("factor", "regime"), [(0.5, PROGRAM), (0.7, PROGRAM), (2.0, PROGRAM), (0.5, None), (2.0, None)]
+)
+def test_a_clock_at_another_speed_is_told_while_it_runs(factor, regime):
+    (found,) = findings(month(speed=1 / factor, step=factor), regime)
+    assert found["kind"] == CLOCK_SPEED
+    assert (found["time"], found["end"]) == (48 * 3600.0, WINDOWS * 3600.0)
+    told = float(found["words"].split("runs at ")[1].split(" ")[0])
+    assert told == pytest.approx(1 / factor, rel=0.1)
+
+
+@pytest.mark.parametrize(("speed", "step"), [(0.5, 1.0), (1.0, 0.5), (0.5, 0.5), (0.9, 1.1), (0.7, 1.1), (1.0, 1.0)])
+def test_other_speeds_and_other_rates_are_no_clock(speed, step):
+    assert findings(month(speed, step)) == []
+
+
+def test_a_position_that_stops_is_told():
+    (found,) = findings(rest(month(), 1))
+    assert (found["kind"], found["axes"], found["time"]) == (STOPPED, [2], 48 * 3600.0)
+    assert "answered" not in found
+    (answered,) = findings(rest(month(), 1), events=((), (50,), ()))
+    assert answered["answered"]
+
+
+def test_one_shift_two_axes_at_rest_or_another_program_are_no_stopped_position():
+    assert findings(rest(month(since=56), 1, since=56)) == []
+    assert findings(rest(month(), [0, 1])) == []
+    other = rest(month(), 1)
+    other.gram[48:, 0, 2] *= 2.0
+    other.gram[48:, 0, :, 2] *= 2.0
+    other.travel[48:, 0] *= 2.0
+    assert findings(other) == []
+
+
+def test_without_a_torque_nothing_tells_whether_an_axis_moved():
+    lost = rest(month(), 1)
+    lost.flags[48:, 1] = int(Flag.NOT_FINITE)
+    assert findings(lost) == []

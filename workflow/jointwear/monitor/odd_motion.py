@@ -1,0 +1,130 @@
+"""Motion that a known program does not have: a clock that runs at another speed, a joint whose position stops.
+
+A program run at another speed takes other speeds at the same time between samples, a log at another rate another time
+at the same speeds. Where both change by the same factor, one up and one down, the rows hold the motion that they always
+held, and the clock is what changed: friction and inertia are then seen at speeds that never were.
+
+A joint that keeps its place while the others move as in a program in which it moves has a position that stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import name_axes
+from jointwear.measurement.even_steps import runs
+from jointwear.measurement.flags import Flag
+from jointwear.monitor.regimes import UNSEEN, differences, signatures
+from jointwear.monitor.windows import WindowStatistics
+from jointwear.publishing.report.numbers import number
+from jointwear.statistics.known import known_median
+
+#: Kinds of the findings.
+CLOCK_SPEED, STOPPED = "clock_speed", "stopped"
+#: Smallest change (log) of a clock that is told, and the part of it that speeds may be off by: a program that windows
+#: hold parts of differs by a tenth from shift to shift, both ways (one of 100 simulated months).
+SMALLEST, AGREES = 0.2, 1 / 3
+#: Shifts in a row that show it, and windows of each; windows of a program in the baseline that its usual is told from.
+SHIFTS, WINDOWS, USUAL = 2, 3, 3
+
+
+def odd_motion_findings(
+    statistics: WindowStatistics,
+    regime: np.ndarray | None,
+    shift: np.ndarray,
+    baseline: np.ndarray,
+    events: Sequence[Sequence[int]],
+) -> list[dict[str, Any]]:
+    """Return one finding for each spell of shifts after the baseline in which a clock ran at another speed, or a joint
+    kept its place.
+
+    Parameters
+    ----------
+    regime : (w,) program of each window, -1 unknown, or None for one. shift : (w,) labels. baseline : (w,) bool.
+    events : for each axis the windows of the events that a user entered; one of all axes after the begin answers it.
+    """
+    program = np.zeros(statistics.windows, dtype=int) if regime is None else regime
+    step, speed = _changes(statistics, program, baseline)
+    still = _stopped(statistics, program, baseline)
+    rows = [np.flatnonzero((shift == s) & ~baseline) for s in np.unique(shift[~baseline])]
+    found = []
+
+    def tell(odd: list[bool], kind: str, words: Any) -> None:
+        for part in (p for p in runs(np.array(odd, dtype=bool)) if odd[p.start] and p.stop - p.start >= SHIFTS):
+            own = np.concatenate(rows[part])
+            axes, text = words(own)
+            since = [any(k >= own[0] for k in e) for e in events]
+            answered = {"answered": True} if all(since[a - 1] for a in axes or range(1, len(events) + 1)) else {}
+            time, end = float(statistics.start[own[0]]), float(statistics.end[own[-1]])
+            found.append({"time": time, "end": end, "axes": axes, "kind": kind, "words": text, **answered})
+
+    tell([_of_clock(step[r], speed[r]) for r in rows], CLOCK_SPEED, lambda own: ([], _clock_words(step[own])))
+    for j in range(statistics.axes):
+        told = [still[r, j].sum() >= WINDOWS and still[r, j].mean() > 0.5 for r in rows]
+        tell(told, STOPPED, lambda own, j=j: ([j + 1], _STOPPED.format(axes=name_axes([j + 1]))))
+    return found
+
+
+_STOPPED = (
+    "The position of {axes} stays where it is while all other axes move as in a program in which it moves: its sensor, "
+    "or its column in the log. What the other axes need is worked out with a wrong posture: growth from there on is "
+    "not to be trusted. If the program was changed, enter it under 'events'."
+)
+
+
+def _clock_words(step: np.ndarray) -> str:
+    factor = number(float(np.exp(-known_median(step, axis=0))), 2)
+    return (
+        f"The clock of these logs runs at {factor} times its speed in the normal period: rows hold the same path, "
+        "and lie another time apart. Speeds and accelerations are wrong by it, and so is all friction from there "
+        "on; mend the times, or leave these logs out."
+    )
+
+
+def _of_clock(step: np.ndarray, speed: np.ndarray) -> bool:
+    """Return whether times between samples and speeds (logs, of the windows of a shift) changed as with a clock."""
+    known = np.isfinite(step) & np.isfinite(speed)
+    if known.sum() < WINDOWS:
+        return False
+    size = float(np.median(step[known]))
+    return abs(size) > SMALLEST and abs(size + float(np.median(speed[known]))) < AGREES * abs(size)
+
+
+def _changes(statistics: WindowStatistics, program: np.ndarray, baseline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the changes (w,) of the time between samples and of the speed, logs over the baseline in the program."""
+    gram = statistics.gram
+    with np.errstate(invalid="ignore", divide="ignore"):
+        moved = np.where(statistics.count > 0, statistics.count, np.nan)
+        values = [
+            np.log(statistics.travel / (gram[..., 0, 2] + gram[..., 1, 2])),
+            0.5 * np.log(gram[..., 2, 2] / moved),
+        ]
+    changes = [np.full(len(program), np.nan) for _ in values]
+    for name in np.unique(program[baseline & (program >= 0)]):
+        there, normal = program == name, (program == name) & baseline
+        if normal.sum() >= USUAL:
+            for change, value in zip(changes, values, strict=True):
+                change[there] = known_median(value[there] - known_median(value[normal], axis=0), axis=1)
+    return changes[0], changes[1]
+
+
+def _stopped(statistics: WindowStatistics, program: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+    """Return the windows (w, n) in which one joint alone keeps its place, in a program that moves it."""
+    signature, n = signatures(statistics), statistics.axes
+    normal = [baseline & (program == p) for p in np.unique(program[baseline & (program >= 0)])]
+    centres = [known_median(signature[own], axis=0) for own in normal if own.sum() >= USUAL]
+    result = np.zeros((len(program), n), dtype=bool)
+    if n < 3 or not centres:
+        return result
+    strange = (statistics.flags & int(Flag.NOT_FINITE | Flag.OUTSIDE_LIMITS | Flag.REFUSED) != 0).any(axis=1)
+    moves = np.isfinite(np.array(centres)[:, :n])
+    for k in np.flatnonzero(~baseline & ~strange):
+        still = ~np.isfinite(signature[k, :n])
+        for centre in np.flatnonzero((moves & still).sum(axis=1) == 1):
+            hidden = moves[centre] & still
+            if differences(signature[k], [centres[centre]], hidden)[0] <= UNSEEN:
+                result[k] |= hidden
+    return result
