@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import name_axes
-from jointwear.measurement.even_steps import runs
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.regimes import UNSEEN, differences, signatures
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
 from jointwear.statistics.known import known_median
+from jointwear.statistics.runs import runs
 
 #: Kinds of the findings.
 CLOCK_SPEED, STOPPED = "clock_speed", "stopped"
