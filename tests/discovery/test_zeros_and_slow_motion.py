@@ -77,6 +77,28 @@ def test_of_waves_through_the_same_few_recordings_the_slowest_is_written(white):
     assert found.nonlinear["period"] == pytest.approx(known.nonlinear["period"], rel=0.01)
 
 
+def test_wear_between_recordings_is_as_most_forms_through_them_have_it(white):
+    """Three levels say nothing of when the last was reached: growth that ends at once after the second is the edge."""
+    state, wear = white.problem.train_state, get_effect("wear_drift")
+    record = np.asarray(state.record) - np.min(state.record)
+    when = np.array([0.0, 300.0, 5000.0])[record]
+    apart = replace(state, time=state.time - np.array([state.time[record == k][0] for k in range(3)])[record] + when)
+    problem = replace(white.problem)
+    problem.__dict__.update(train_state=apart)
+    few, span = replace(white, problem=problem), float(np.ptp(apart.time))
+    share = apart.time / span
+    lacking = _lacking(few, 5.0 * share**2 * apart.direction[:, AXIS])
+    fit = lacking.fit([])
+    sudden = Candidate("wear_drift", AXIS, None, {"start": 0.0, "rate": 4.0 / span, "exponent": 4.0})
+    found = simplest(lacking, fit, refine(lacking, fit, sudden))
+    one = apart.part(np.flatnonzero(apart.direction[:, AXIS] == 1)[:2])
+    ends = replace(one, time=np.array([0.6, 1.0]) * span)
+    growth, end = wear.columns(ends, AXIS, None, found.nonlinear)[:, 0]
+    assert growth / end == pytest.approx(0.36, abs=0.12)
+    growth, end = wear.columns(ends, AXIS, None, sudden.nonlinear)[:, 0]
+    assert growth / end > 0.9
+
+
 def test_a_factor_within_its_own_error_is_none(white):
     trial = _trial(white, "torque_constant_error", {})
     needed = white.problem.settings.mass_sigmas

@@ -113,13 +113,16 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     """Return the candidate with the simplest form that the data do not contradict.
 
     A form that the data leave open says more than they do where there are none: between recordings, or beyond the
-    travel. Where an effect has a plain form it is taken, of waves over time the slowest, of forms that look alike that
-    of the smallest coefficients.
+    travel. Where an effect has courses over time the one in the middle of all is taken, else its plain form if it has
+    one, of waves over time the slowest, of forms that look alike that of the smallest coefficients.
     """
     if candidate.axis is None or not free_parameters(candidate):
         return candidate
     effect = get_effect(candidate.effect)
     undecided = 0.5 * white.problem.settings.accept
+    courses = effect.courses(white.problem.train_state, candidate.axis)
+    if courses:
+        return central(white, fit, candidate, [replace(candidate, nonlinear=dict(p)) for p in courses])
     best = evidence_at(white, fit, candidate)
     for nonlinear in effect.plain(white.problem.train_state, candidate.axis):
         trial = replace(candidate, nonlinear=dict(nonlinear))
@@ -143,3 +146,34 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
         found.append((gain(b, gram, std), size, trial))
     best = max(value for value, _, _ in found)
     return min((f for f in found if f[0] > best - undecided), key=lambda f: f[1])[2]
+
+
+def central(white: White, fit: Fit, candidate: Candidate, others: list[Candidate]) -> Candidate:
+    """Return the form over time that is nearest to the average of all, each weighed by how likely it is.
+
+    Many forms go through the few points in time that recordings show. Between them the likeliest may lie far from all
+    others that are as good. No form is exact, so that evidence is weighed against what `form_error` costs.
+    """
+    settings, state = white.problem.settings, white.problem.train_state
+    effect, axis, forms = get_effect(candidate.effect), candidate.axis, [candidate, *others]
+    # The same motion at times spread evenly: those between the recordings too.
+    spread = replace(state, time=np.linspace(np.min(state.time), np.max(state.time), len(state.time)))
+    used = white.problem.usable[:, axis]
+    nats, courses = [], []
+    for form in forms:
+        torques = raw_torques(white, form)
+        b, gram = fit.gram(whitened(white, torques))
+        std = prior_std(white, form, torques[axis])
+        size = posterior_mean(b, gram, std)
+        nats.append(gain(b, gram, std))
+        carrier, _ = effect.shape(state, axis, form.nonlinear)
+        # A constant is a correction of what is beside it.
+        level = carrier[used] @ torques[axis][used] @ size / max(carrier[used] @ carrier[used], 1e-300)
+        courses.append(effect.columns(spread, axis, form.source, form.nonlinear) @ size - level * carrier)
+    behind = np.max(nats) - np.array(nats)
+    unsure = max(1.0, settings.form_error**2 * float(np.max(nats)))
+    off = np.mean((courses - np.average(courses, axis=0, weights=np.exp(-behind / unsure))) ** 2, axis=1)
+    undecided = 0.5 * settings.accept
+    near = forms[int(np.argmin(np.where(behind < undecided * unsure, off, np.inf)))]
+    moved = refine(white, fit, near, other_form=True)
+    return moved if evidence_at(white, fit, moved) > evidence_at(white, fit, near) + undecided else near

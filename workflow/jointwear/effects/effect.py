@@ -77,6 +77,8 @@ class Effect:
     plain : nonlinear parameters of the simplest forms, simplest first, taken where the data do not decide.
     slower : nonlinear parameters from which forms of the same kind are searched that change less between recordings,
         the slowest first; of those that are as good the first is taken.
+    courses : nonlinear parameters of forms over time of which none is likelier than another before the data speak; of
+        those that are as good the one is taken that is nearest to the average of all.
     alternatives : other nonlinear parameters of the same size that the search of a continuous one cannot reach.
     begins : the same with the other states in which records may begin, which is no part of the form.
     alike : nonlinear parameters that look alike on a short travel; the one of the smallest coefficients is taken
@@ -134,6 +136,7 @@ class Effect:
     bend: Bend | None = None
     plain: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
     slower: Callable[[State, int, Parameters], Sequence[Parameters]] = lambda state, axis, p: []
+    courses: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
     alternatives: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     begins: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     alike: Callable[[Parameters], Sequence[Parameters]] = lambda p: []

@@ -30,6 +30,13 @@ def _plain(state, axis):
     return [{"start": start, "rate": 0.3 / span, "exponent": 1.0}] if span > 0 else []
 
 
+def _courses(state, axis):
+    # From a power of time, far from its end, to a growth that ends early.
+    start, span = float(np.min(state.time)), float(np.ptp(state.time))
+    rates, exponents = (0.03, 0.5, 0.8, 1.2, 1.8, 2.7, 4.0), np.geomspace(0.5, 6.0, 12)
+    return [{"start": start, "rate": x / span, "exponent": float(m)} for x in rates for m in exponents]
+
+
 def _shape(state, axis, p):
     return state.direction[..., axis], state.time
 
@@ -41,7 +48,7 @@ EFFECT = Effect(
     parameters=(
         Parameter("level", "N m", 0.0, 1e9, "c1, twice the growth in the end"),
         Parameter("rate", "1/s", 0.0, 1e6, "c2", 1e-6),
-        Parameter("exponent", "1", 0.5, 6.0, "m", 4.0, fixed=True),
+        Parameter("exponent", "1", 0.5, 6.0, "m", 4.0),
         Parameter("start", "s", -1e10, 1e10, "time at which wear starts", 0.0, fixed=True),
     ),
     confused_with=("temperature_dependent_coulomb_friction", "torque_offset_drift"),
@@ -54,6 +61,7 @@ EFFECT = Effect(
     parameters_of=lambda p, c: {**p, "level": float(c[0])},
     grid=_grid,
     plain=_plain,
+    courses=_courses,
     shape=_shape,
     bend=table_bend(_shape, 5),
     needs=("time", "friction"),
