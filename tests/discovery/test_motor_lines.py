@@ -10,6 +10,7 @@ from jointwear.discovery.motor_lines import loud_waves, waves_in_band
 from jointwear.discovery.noise import estimate
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.problem import build_problem
+from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.saturated import axis_noise
 from jointwear.discovery.settings import Settings
 from jointwear.effects import get_effect, make_state
@@ -53,7 +54,8 @@ def test_a_wave_is_held_by_how_quiet_the_residual_is_without_it(robot):
         label = problem.measured.trajectory[problem.train]
         white = estimate(noise[problem.train, AXIS], problem.usable[:, AXIS], label, 6)
         waves = waves_in_band(problem, AXIS, state)
-        return loud_waves(replace(problem, discrepancy=noise), AXIS, waves, white, lambda series: series, 6)
+        offset = RidgeFit(np.ones((len(label), 1)), problem.usable[:, AXIS], None)
+        return loud_waves(replace(problem, discrepancy=noise), AXIS, waves, white, offset, 6)
 
     assert found(0.0).shape[1] == 0
     loud = found(0.4)

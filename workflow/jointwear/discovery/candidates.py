@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -57,6 +57,21 @@ class Group:
         """Return those of the candidates that are `chosen`, a mask over all of the axis."""
         kept = chosen[self.members]
         return Group(self.members[kept], self.places[kept], self.std[kept], self.squares[kept])
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The whitened columns (m, k) of a basis of structure, those that hold anything, beside a fit.
+
+    `good` (K,) says which of its columns they are; `b` (k,) and `gram` (k, k) are of :meth:`Fit.gram`, `full` (k, k)
+    the sums of products of the columns themselves.
+    """
+
+    columns: np.ndarray
+    good: np.ndarray
+    b: np.ndarray
+    gram: np.ndarray
+    full: np.ndarray
 
 
 def _grouped(matrix: np.ndarray, entries: list[tuple[Candidate, slice, np.ndarray]]) -> list[Group]:
@@ -190,8 +205,8 @@ def prior_std(white: White, candidate: Candidate, columns: np.ndarray) -> np.nda
 
 def _rms(white: White, axis: int, columns: np.ndarray) -> np.ndarray:
     """Return the RMS (k,) of columns (N_train, k) over the samples of an axis that can be judged."""
-    used = columns.take(white.problem.rows_used[axis], axis=0)
-    return np.sqrt(np.einsum("ij,ij->j", used, used) / max(len(used), 1))
+    rows = white.problem.rows_used[axis]
+    return np.sqrt(np.array([(used := series.take(rows)) @ used for series in columns.T]) / max(len(rows), 1))
 
 
 def _std_of_size(white: White, candidate: Candidate, size: np.ndarray) -> np.ndarray:
@@ -212,11 +227,25 @@ def resolved_bases(white: White, axis: int) -> list[Basis]:
     return [basis for basis in white.bases(axis) if known or basis.argument != "motor angle"]
 
 
-def columns_of(white: White, axis: int, basis: Basis) -> tuple[np.ndarray, np.ndarray]:
-    """Return the whitened columns (m, k) of a basis that hold anything, and which of its columns (K,) they are."""
-    columns = white.columns(axis, basis.columns)
-    good = np.sum(columns**2, axis=0) > 1e-9
-    return columns[:, good], good
+def of_bases(white: White, fit: Fit, axis: int, bases: Sequence[Basis]) -> Iterator[tuple[Basis, Seen]]:
+    """Yield those of the bases of structure on an axis that hold anything, with what a fit leaves of their columns."""
+    series, held, total = np.empty((sum(b.columns.shape[1] for b in bases), len(white.targets[axis]))), [], 0
+    for basis in bases:
+        own = white.columns(axis, basis.columns).T
+        held.append(np.einsum("ij,ij->i", own, own) > 1e-9)
+        count = int(held[-1].sum())
+        series[total : total + count] = own if count == len(own) else own[held[-1]]
+        total += count
+    # The products with the columns of the fit are those of all bases at once.
+    every = series[:total].T
+    b, cross = fit.projected({axis: every})
+    taken, start = cross @ fit.covariance, 0
+    for basis, good in zip(bases, held, strict=True):
+        own = slice(start, start := start + int(good.sum()))
+        if good.any():
+            columns = every[:, own]
+            full = columns.T @ columns
+            yield basis, Seen(columns, good, b[own], full - taken[own] @ cross[own].T, full)
 
 
 def sources_of(axis: int, joints: int) -> list[int]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, columns_of, resolved_bases
-from jointwear.discovery.linear import Fit, gain
+from jointwear.discovery.candidates import LINK_MASS, Seen, of_bases, resolved_bases
+from jointwear.discovery.linear import gain
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.structure import Basis
 from jointwear.discovery.tolerance import with_tolerances
@@ -39,10 +39,9 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     own = max(white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation]).evidence - fit.evidence, 0.0)
     best = None
     for axis in asked_of(one):
-        for basis in resolved_bases(white, axis):
-            if of_its_form(one, basis.argument):
-                continue
-            lead = _nats(outcome, fit, axis, basis) - own
+        rivals = [basis for basis in resolved_bases(white, axis) if not of_its_form(one, basis.argument)]
+        for basis, seen in of_bases(white, fit, axis, rivals):
+            lead = _nats(outcome, axis, seen) - own
             if best is None or lead > best[2]:
                 best = basis, axis, lead
     settings = outcome.problem.settings
@@ -62,11 +61,7 @@ def of_its_form(one: Named, argument: str) -> bool:
     return own.split(" x ")[0] == argument.split(" x ")[0] and " of joint " not in argument
 
 
-def _nats(outcome: Outcome, fit: Fit, axis: int, basis: Basis) -> float:
+def _nats(outcome: Outcome, axis: int, seen: Seen) -> float:
     """Return the evidence [nats] that structure over an argument adds to a fit, averaged over :data:`SIZES`."""
-    problem, (columns, good) = outcome.problem, columns_of(outcome.white, axis, basis)
-    if not good.any():
-        return -np.inf
-    b, gram = fit.gram({axis: columns})
-    size = problem.settings.usual * problem.scale[axis] * np.ones(columns.shape[1])
-    return float(np.logaddexp.reduce([gain(b, gram, share * size) for share in SIZES]) - np.log(len(SIZES)))
+    size = outcome.problem.settings.usual * outcome.problem.scale[axis] * np.ones(len(seen.b))
+    return float(np.logaddexp.reduce([gain(seen.b, seen.gram, share * size) for share in SIZES]) - np.log(len(SIZES)))

@@ -11,7 +11,7 @@ from scipy.stats import median_abs_deviation
 
 from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import of_timing, predictive
-from jointwear.discovery.candidates import LINK_MASS, columns_of, raw_columns, resolved_bases
+from jointwear.discovery.candidates import LINK_MASS, of_bases, raw_columns, resolved_bases
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.in_its_place import better_in_its_place
@@ -57,14 +57,10 @@ def unexplained(
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
         least = _least_square(outcome, axis)
-        for basis in resolved_bases(white, axis):
-            if asked is not None and (axis, basis.argument) not in asked:
-                continue
-            columns, good = columns_of(white, axis, basis)
-            if not good.any():
-                continue
-            b, gram = fit.gram({axis: columns})
-            statistic, freedom = chi_square(b, gram, columns.T @ columns)
+        bases = [x for x in resolved_bases(white, axis) if asked is None or (axis, x.argument) in asked]
+        for basis, seen in of_bases(white, fit, axis, bases):
+            b, gram = seen.b, seen.gram
+            statistic, freedom = chi_square(b, gram, seen.full)
             if not freedom:
                 continue
             p, nats = _chance(white, axis, statistic, freedom)
@@ -72,10 +68,10 @@ def unexplained(
             entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats)
             profile.append(entry)
             if p < settings.unexplained_p and nats > settings.accept:
-                theta = least_squares(b, gram, columns.T @ columns)
-                if robust and not _elsewhere(white, fit, axis, columns, theta):
+                theta = least_squares(b, gram, seen.full)
+                if robust and not _elsewhere(white, fit, axis, seen.columns, theta):
                     continue
-                torque = _beside(fit, axis, columns, white.raw(axis, basis.columns[:, good]), theta)
+                torque = _beside(fit, axis, seen.columns, white.raw(axis, basis.columns[:, seen.good]), theta)
                 if (1.0 - freedom / statistic) * float(np.mean(torque**2)) > least:
                     found.append(entry)
         if asked is not None and (axis, LINE) not in asked:
@@ -235,8 +231,8 @@ def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> t
     """Return the range of the argument that the strongest columns of a basis cover."""
     size = np.abs(b) / np.sqrt(np.maximum(np.diag(gram), 1e-12))
     strong = np.flatnonzero(size > 0.7 * size.max())
-    height = np.abs(basis.columns[:, strong[strong < basis.columns.shape[1]]].take(rows, axis=0))
-    chosen = np.any(height > 0.5 * height.max(), axis=1)
+    height = np.abs(basis.columns.T[strong[strong < basis.columns.shape[1]]].take(rows, axis=1))
+    chosen = height.max(axis=0) > 0.5 * height.max()
     values = basis.values[rows][chosen]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 

@@ -10,6 +10,7 @@ import numpy as np
 from jointwear.discovery.linear import chi_square, least_squares
 from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.effects import State, library
 
 
@@ -47,7 +48,7 @@ def loud_waves(
     axis: int,
     waves: Sequence[np.ndarray],
     noise: Whitener,
-    take_off: Callable[[np.ndarray], np.ndarray],
+    take_off: RidgeFit,
     highest: int,
 ) -> np.ndarray:
     """Return the columns (N_train, k) of the waves that are louder than the noise, k = 0 for none, the loudest first.
@@ -58,34 +59,31 @@ def loud_waves(
 
     Parameters
     ----------
-    waves : of :func:`waves_in_band`. noise : the noise model of what the fit leaves. take_off : what a fit that knows
-        no noise leaves of series (N_train, k). highest : order that a noise model may have.
+    waves : of :func:`waves_in_band`. noise : the noise model of what the fit leaves. take_off : a fit that knows no
+        noise. highest : order that a noise model may have.
     """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     waves, shown = list(waves), [np.zeros((len(used), 0))]
     left = take_off(problem.discrepancy[problem.train, axis])
-    beside = np.split(take_off(np.concatenate(waves, axis=1)), len(waves), axis=1) if waves else []
+    squares = take_off.squares(waves)
     while waves:
-        fits = [fitted(columns[used], left[used]) for columns in beside]
+        # What the fit leaves of columns has the products with a residual that these have with what it leaves of that.
+        again = np.where(used, take_off(left), 0.0)
+        products = [columns.T @ again for columns in waves]
+        gained = [chi_square(b, gram, gram)[0] for b, gram in zip(products, squares, strict=True)]
         # The loudest by what it takes off the squares; how much better the noise is then, decides.
-        best = int(np.argmax([gained for gained, _ in fits]))
+        best = int(np.argmax(gained))
         needed = problem.settings.accept + np.log(len(waves))
-        if 0.5 * fits[best][0] <= needed * np.mean(left[used] ** 2):
+        if 0.5 * gained[best] <= needed * np.mean(left[used] ** 2):
             break
-        without = left - beside[best] @ fits[best][1]
+        without = left - take_off(waves[best]) @ least_squares(products[best], squares[best], squares[best])
         quieter = estimate(without, used, label, highest)
         if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= needed:
             break
         shown.append(waves.pop(best))
-        beside.pop(best)
+        squares.pop(best)
         left, noise = without, quieter
     return np.concatenate(shown, axis=1)
-
-
-def fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return what columns (m, k) take off the squares of a target (m,), and their coefficients (k,)."""
-    gram, b = columns.T @ columns, columns.T @ target
-    return chi_square(b, gram, gram)[0], least_squares(b, gram, gram)
 
 
 def waves_in_band(problem: Problem, axis: int, state: State) -> list[np.ndarray]:

@@ -14,6 +14,8 @@ HIGHEST_ORDER_DERIVED = 16
 #: Columns from which on they are whitened sample by sample: all of them at once, lag by lag, no cache holds. Where each
 #: column lies in one piece, so many are whitened at a time.
 WIDE = 32
+#: Samples after which noise that is drawn has settled.
+SETTLE = 200
 
 
 @dataclass(frozen=True)
@@ -99,13 +101,17 @@ def estimate(
     while highest and len(rows) < max(200, 30 * highest):
         highest -= 1
         rows = whitenable(usable, trajectory, highest)
-    best = (np.inf, np.zeros(0), 1.0)
+    # One triangle holds the squares that are left at every order: what its last column holds from there on.
+    past = np.stack([residual[rows - lag] for lag in (*range(1, highest + 1), 0)], axis=1)
+    squares = np.linalg.qr(past, mode="r")[:, -1] ** 2
+    variance = np.cumsum(squares[::-1])[::-1] / max(len(rows), 1) + 1e-300
+    best = (np.inf, 0)
     for order in range(highest + 1):
-        lags, variance = regress(residual, rows, order)
-        score = len(rows) * np.log(variance) + (order + 1) * np.log(max(len(rows), 2))
+        score = len(rows) * np.log(variance[order]) + (order + 1) * np.log(max(len(rows), 2))
         if score < best[0] - 2.0:
-            best = (score, lags, variance)
-    return Whitener(whitenable(usable, trajectory, len(best[1])), best[1], float(np.sqrt(best[2])))
+            best = (score, order)
+    lags, left = regress(residual, rows, best[1])
+    return Whitener(whitenable(usable, trajectory, best[1]), lags, float(np.sqrt(left)))
 
 
 def regress(series: np.ndarray, rows: np.ndarray, order: int) -> tuple[np.ndarray, float]:
@@ -120,13 +126,20 @@ def regress(series: np.ndarray, rows: np.ndarray, order: int) -> tuple[np.ndarra
 
 def simulate(white: Whitener, trajectory: np.ndarray, draws: int, rng: np.random.Generator) -> np.ndarray:
     """Draw noise of the model, (N, draws), independent between trajectories."""
-    settle = 200
+    return coloured(white, drawn(trajectory, draws, rng))
+
+
+def drawn(trajectory: np.ndarray, draws: int, rng: np.random.Generator) -> list[np.ndarray]:
+    """Draw what noise is made of, (:data:`SETTLE` + n, draws) standard normal numbers for each trajectory (n,)."""
     edges = np.flatnonzero(np.diff(trajectory)) + 1
-    pieces = []
-    for length in np.diff([0, *edges, len(trajectory)]):
-        drive = rng.standard_normal((length + settle, draws)) * white.sigma
-        pieces.append(lfilter([1.0], [1.0, *(-white.lags)], drive, axis=0)[settle:])
-    return np.concatenate(pieces)
+    return [rng.standard_normal((n + SETTLE, draws)) for n in np.diff([0, *edges, len(trajectory)])]
+
+
+def coloured(white: Whitener, drive: list[np.ndarray]) -> np.ndarray:
+    """Return the noise (N, draws) of the model that is made of :func:`drawn` numbers; whitened it is these again."""
+    return np.concatenate(
+        [lfilter([1.0], [1.0, *(-white.lags)], piece * white.sigma, axis=0)[SETTLE:] for piece in drive]
+    )
 
 
 def stable(lags: np.ndarray, largest: float) -> np.ndarray:

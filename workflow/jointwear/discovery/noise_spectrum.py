@@ -8,12 +8,24 @@ learns that notch, and whatever moves slowly then looks like structure without a
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.discovery.noise import HIGHEST_ORDER, Whitener, estimate, regress, simulate, stable, whitenable
+from jointwear.discovery.noise import (
+    HIGHEST_ORDER,
+    SETTLE,
+    Whitener,
+    coloured,
+    drawn,
+    estimate,
+    regress,
+    simulate,
+    stable,
+    whitenable,
+)
 
 #: Rounds in which the model is moved, and drawings of its noise in each.
 ROUNDS, DRAWS = 5, 8
@@ -59,13 +71,19 @@ def corrected(
     radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
     frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     centres = 0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS
+
+    @cache
+    def trial_of(order: int) -> tuple[list[np.ndarray], np.ndarray]:
+        drive = drawn(trajectory, DRAWS, np.random.default_rng(np.random.SeedSequence([8, order])))
+        return drive, band_power(np.concatenate([piece[SETTLE:] for piece in drive])[rows], rows, trajectory)
+
     model = white
     for _ in range(ROUNDS):
-        rng = np.random.default_rng(np.random.SeedSequence([8, len(model.lags)]))
-        noise = simulate(model, trajectory, DRAWS, rng)
+        # Whitened by its own model noise is what it was made of.
+        drive, whole = trial_of(len(model.lags))
         trial = Whitener(rows, model.lags, model.sigma)
-        whole, left, seen = (
-            band_power(trial(x), rows, trajectory) for x in (noise, take_off(noise), residual[:, None])
+        left, seen = (
+            band_power(trial(x), rows, trajectory) for x in (take_off(coloured(model, drive)), residual[:, None])
         )
         known = left > assumed.NOISE_LEFT * whole
         if not known.any():

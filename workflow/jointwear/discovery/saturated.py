@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery import assumed
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, limited_inertial, limited_state, velocities
 from jointwear.discovery.motor_lines import loud_waves, shown_waves, waves_in_band
-from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, Whitener, estimate, whitenable
+from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, WIDE, Whitener, estimate, whitenable
 from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.problem import Problem
+from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.structure import axis_bases
 from jointwear.discovery.time_lines import loud_lines
 from jointwear.effects import State, library
@@ -49,7 +48,7 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     y = problem.discrepancy[problem.train, axis]
     columns = _columns(problem, axis, extra, Cutoffs())
-    plain = _remover(columns, used, None)
+    plain = RidgeFit(columns, used, None)
     white = estimate(plain(y), used, label)
     cutoffs = axis_cutoffs(problem, axis, white)
     highest = HIGHEST_ORDER
@@ -57,7 +56,7 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         highest = HIGHEST_ORDER_DERIVED
         # Columns that share the noise have taken a part of it: what they left says too little.
         columns = _columns(problem, axis, extra, cutoffs)
-        plain = _remover(columns, used, None)
+        plain = RidgeFit(columns, used, None)
         white = estimate(plain(y), used, label, highest)
     of_motor = waves_in_band(problem, axis, limited_state(problem, axis, cutoffs.torque))
     loud = loud_waves(problem, axis, of_motor, white, plain, highest)
@@ -66,13 +65,13 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         loud = loud_lines(problem, axis, white, plain, highest)
     if loud.shape[1]:
         columns = np.concatenate([columns.T, _scaled(loud, used).T]).T
-        white = estimate(_remover(columns, used, None)(y), used, label, highest)
-    take_off = _remover(columns, used, white)
+        white = estimate(RidgeFit(columns, used, None)(y), used, label, highest)
+    take_off = RidgeFit(columns, used, white)
     waves = shown_waves(problem, axis, of_motor, white, take_off)
     if waves.shape[1]:
         columns = np.concatenate([columns.T, _scaled(waves, used).T]).T
-        white = estimate(_remover(columns, used, white)(y), used, label, highest)
-        take_off = _remover(columns, used, white)
+        white = estimate(RidgeFit(columns, used, white)(y), used, label, highest)
+        take_off = RidgeFit(columns, used, white)
     left = take_off(y)
     white = estimate(left, used, label, START)
     white = corrected(white, left, take_off, used, label, problem.measured.rate, highest)
@@ -101,7 +100,9 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     whole[0, used] = 1.0
     # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
     whole[1, whitenable(used, label, HIGHEST_ORDER)] = 1.0
-    held, seen = whole @ (series**2).T
+    # A few at a time: squares of all columns take as much memory as they do.
+    squares = [whole @ (series[first : first + WIDE] ** 2).T for first in range(0, len(series), WIDE)]
+    held, seen = np.concatenate(squares, axis=1)
     scale = np.sqrt(held / used.sum())
     keep = (scale > 1e-9) & (seen > SEEN * scale**2 * used.sum())
     if not keep.all():
@@ -151,18 +152,3 @@ def _columns_of_neighbours(state: State, axis: int) -> list[np.ndarray]:
         for nonlinear in effect.grid(state, axis)
         if all(nonlinear.values())
     ]
-
-
-def _remover(columns: np.ndarray, used: np.ndarray, white: Whitener | None) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the function that takes a ridge fit of `columns` off series (N,) or (N, k)."""
-    x = columns.T.compress(used, axis=1).T if white is None else white(columns)
-    gram = x.T @ x
-    ridge = 1e-4 * np.trace(gram) / len(gram)
-    factor = cho_factor(gram + ridge * np.eye(len(gram)))
-
-    def take_off(series: np.ndarray) -> np.ndarray:
-        target = series[used] if white is None else white(series)
-        # Few rows times many, not many times few columns: twice as fast.
-        return series - (cho_solve(factor, (target.T @ x).T).T @ columns.T).T
-
-    return take_off

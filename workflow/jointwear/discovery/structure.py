@@ -46,9 +46,9 @@ def time_bins(state: State, width: float) -> np.ndarray:
     np.minimum.at(start, record, state.time)
     bin_of = np.floor((state.time - start[record]) / width).astype(int)
     _, index = np.unique(record * (bin_of.max() + 1) + bin_of, return_inverse=True)
-    columns = np.zeros((len(index), index.max() + 1))
-    columns[np.arange(len(index)), index] = 1.0
-    return columns
+    series = np.zeros((index.max() + 1, len(index)))
+    series[index, np.arange(len(index))] = 1.0
+    return series.T
 
 
 def axis_bases(
@@ -102,15 +102,10 @@ def axis_bases(
             found.append(Basis(f"position x position of joint {other + 1}", "rad", pair, p))
     if not coarse:
         angle = state.drive.gear_ratio[axis] * q
-        orders = np.arange(1, ORDERS + 1)
-        found.append(
-            Basis(
-                "motor angle",
-                "rad",
-                np.concatenate([np.sin(np.outer(angle, orders)), np.cos(np.outer(angle, orders))], axis=1),
-                np.mod(angle, 2 * np.pi),
-            )
-        )
+        # Waves of higher orders are powers of the first.
+        waves = np.multiply.accumulate(np.broadcast_to(np.exp(1j * angle), (ORDERS, len(angle))), axis=0)
+        columns = np.concatenate([waves.imag, waves.real]).T
+        found.append(Basis("motor angle", "rad", columns, np.mod(angle, 2 * np.pi)))
     return found
 
 

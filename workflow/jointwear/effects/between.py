@@ -35,25 +35,37 @@ class Between:
         self, time: np.ndarray, values: np.ndarray, records: Sequence[slice], turned: Sequence[int] = ()
     ) -> None:
         self._time, self._values, self._turned = time, values, list(turned)
-        self._records = [(part, _spline(time, values, part)) for part in records]
+        splines = [_spline(time, values, part) for part in records]
+        begins, knots, powers = 0.0, [], []
+        # Records lie one after the other on one axis, so that all are asked at once.
+        self._first, self._last, self._shift = (np.zeros(len(time)) for _ in range(3))
+        for part, spline in zip(records, splines, strict=True):
+            first, last = time[part][0], time[part][-1]
+            self._first[part], self._last[part], self._shift[part] = first, last, begins - first
+            # At its end and beyond a record keeps its last value.
+            own = np.zeros((DEGREE + 1, len(spline.x), *np.shape(values)[1:]))
+            own[-len(spline.c) :, :-1], own[-1, -1] = spline.c, values[part][-1]
+            knots.append(spline.x + (begins - first))
+            powers.append(own)
+            begins += last - first + 1.0
+        if splines:
+            knots.append([begins])
+            self._spline = PPoly.construct_fast(np.concatenate(powers, axis=1), np.concatenate(knots))
 
     def earlier(self, delay: float) -> np.ndarray:
         """Return the values as they were `delay` [s] earlier; negative: as they will be."""
-        if delay == 0:
+        if delay == 0 or not len(self._time):
             return np.array(self._values, dtype=float)
-        result = np.empty(np.shape(self._values))
-        for part, spline in self._records:
-            time = self._time[part]
-            asked = time - delay
-            inside = np.clip(asked, time[0], time[-1])
-            found = spline(inside)
-            beyond = np.flatnonzero(asked != inside)
-            if len(beyond) and self._turned:
-                mirror = np.clip(2.0 * inside[beyond] - asked[beyond], time[0], time[-1])
-                where = np.ix_(beyond, self._turned)
-                found[where] = 2.0 * found[where] - spline(mirror)[:, self._turned]
-            result[part] = found
-        return result
+        asked = self._time - delay
+        inside = np.clip(asked, self._first, self._last)
+        found = self._spline(inside + self._shift)
+        beyond = np.flatnonzero(asked != inside)
+        if len(beyond) and self._turned:
+            first, last = self._first[beyond], self._last[beyond]
+            mirror = np.clip(2.0 * inside[beyond] - asked[beyond], first, last)
+            where = np.ix_(beyond, self._turned)
+            found[where] = 2.0 * found[where] - self._spline(mirror + self._shift[beyond])[:, self._turned]
+        return found
 
 
 def _spline(time: np.ndarray, values: np.ndarray, part: slice) -> PPoly:

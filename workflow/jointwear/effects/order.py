@@ -111,8 +111,9 @@ def continued(values: np.ndarray) -> tuple[np.ndarray, slice]:
     Turned about the ends: what begins with a step would ring when its spectrum is changed.
     """
     more = min(len(values) - 1, CONTINUED)
-    along = [(more, more), *[(0, 0)] * (values.ndim - 1)]
-    return np.pad(values, along, mode="reflect", reflect_type="odd"), slice(more, more + len(values))
+    before, after = values[more:0:-1], values[-2 : -2 - more : -1]
+    longer = np.concatenate([2 * values[0] - before, values, 2 * values[-1] - after])
+    return longer, slice(more, more + len(values))
 
 
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:

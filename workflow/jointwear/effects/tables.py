@@ -23,8 +23,9 @@ def hats(values: np.ndarray, knots: np.ndarray) -> np.ndarray:
     x = np.clip(values, knots[0], knots[-1])
     right = np.clip(np.searchsorted(knots, x, side="right"), 1, len(knots) - 1)
     share = (x - knots[right - 1]) / (knots[right] - knots[right - 1])
-    columns = np.zeros((len(values), len(knots)))
+    # Each column in one piece: they are whitened one by one.
+    series = np.zeros((len(knots), len(values)))
     row = np.arange(len(values))
-    columns[row, right] = share
-    columns[row, right - 1] = 1 - share
-    return columns
+    series[right, row] = share
+    series[right - 1, row] = 1 - share
+    return series.T
