@@ -1,9 +1,11 @@
 """A scan with kept sums of products says what every candidate says by itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from jointwear.discovery.candidates import build_dictionary, term_of
+from jointwear.discovery.candidates import build_dictionary, of_bases, term_of
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
 from jointwear.discovery.products import Products
 from jointwear.discovery.scan import gain_about_one, possible, scan
@@ -109,3 +111,17 @@ def test_a_fit_that_takes_over_sums_of_products_is_the_whole_fit(rng):
     taken = Fit(targets, whole.terms, Fit(targets, whole.terms[:2]))
     for name in ("normal", "right", "theta", "covariance", "evidence"):
         np.testing.assert_allclose(getattr(taken, name), getattr(whole, name), rtol=1e-10, atol=1e-12)
+
+
+def test_bases_asked_together_say_what_each_says_alone(white):
+    fit = white.fit()
+    bases = white.bases(1)
+    empty = replace(bases[0], columns=np.zeros_like(bases[0].columns))
+    found = list(of_bases(white, fit, 1, [empty, *bases]))
+    assert [basis.argument for basis, _ in found] == [basis.argument for basis in bases]
+    for basis, seen in found:
+        columns = white.columns(1, basis.columns)[:, seen.good]
+        b, gram = fit.gram({1: columns})
+        np.testing.assert_allclose(seen.b, b, rtol=1e-9, atol=1e-9 * np.abs(b).max())
+        np.testing.assert_allclose(seen.gram, gram, rtol=1e-9, atol=1e-9 * np.abs(gram).max())
+        np.testing.assert_allclose(seen.full, columns.T @ columns, rtol=1e-12, atol=1e-9)

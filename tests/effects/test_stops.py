@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from jointwear import effects
 from jointwear.effects.order import late_torque, smoothed_torque
-from jointwear.effects.rests import SLOW, rests, sense_of
+from jointwear.effects.rests import SLOW, rests, runs, sense_of
 from jointwear.robots.robot import load_robot
 
 RATE = 100.0
@@ -120,3 +120,11 @@ def test_a_part_of_a_motion_has_waves_and_a_torque_of_its_own(robot):
     moved = replace(state, position=state.position + 1.0)
     np.testing.assert_allclose(moved.waves_of(0, 3.0)[:, 0], np.sin(3.0 * moved.position[:, 0]))
     assert not np.allclose(late_torque(replace(state, torque=2.0 * state.torque), 0, 0.0), now)
+
+
+def test_runs_are_told_by_how_long_they_are():
+    values = np.array([1, 1, 0, 2, 2, 2])
+    assert list(runs(values, 10)) == [slice(10, 12), slice(12, 13), slice(13, 16)]
+    assert list(runs(values, shortest=2)) == [slice(0, 2), slice(3, 6)]
+    assert list(runs(values, longest=2)) == [slice(0, 2), slice(2, 3)]
+    assert not list(runs(values[:0]))

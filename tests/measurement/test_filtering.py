@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from jointwear.measurement.filtering import FORGOTTEN, low_pass, zero_phase_gain
+from jointwear.measurement.filtering import FORGOTTEN, limit, low_pass, zero_phase_gain
 from jointwear.measurement.motion import TRANSIENT
 
 
@@ -40,3 +40,18 @@ def test_gain_is_that_of_the_filter():
         passed = low_pass(wave, 7.0, 100.0)[inside]
         share = float(passed @ wave[inside]) / float(wave[inside] @ wave[inside])
         assert share == pytest.approx(float(zero_phase_gain(np.array(frequency), 7.0, 100.0)), abs=1e-3)
+
+
+def test_gains_of_several_cut_offs_are_those_of_each():
+    frequency, cutoffs = np.linspace(0.5, 50.0, 100), np.array([2.0, 7.0, 44.0, 60.0])
+    together = zero_phase_gain(frequency, cutoffs[:, None], 100.0)
+    np.testing.assert_array_equal(together, [zero_phase_gain(frequency, cutoff, 100.0) for cutoff in cutoffs])
+
+
+@pytest.mark.parametrize("lengths", [(60, 60), (60, 31, 80)])
+def test_records_are_filtered_each_for_itself(lengths):
+    record = np.repeat(np.arange(len(lengths)), lengths)
+    columns = np.random.default_rng(2).standard_normal((len(record), 2)).cumsum(axis=0)
+    wanted = np.concatenate([low_pass(columns[record == one], 7.0, 100.0) for one in range(len(lengths))])
+    np.testing.assert_array_equal(limit(columns, record, 7.0, 100.0), wanted)
+    assert limit(columns, record, np.inf, 100.0) is columns

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.discovery.instruments import held_at_ends, limit
+from jointwear.discovery.instruments import held_at_ends
 from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.motor_lines import in_band
 from jointwear.discovery.products import Products
 from jointwear.discovery.structure import Basis
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import get_effect, library
+from jointwear.measurement.filtering import limit
 
 LINK_MASS = "link_mass"
 #: A joint that moves less than this [rad] acts on no other.

@@ -48,12 +48,11 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
     found = []
     for axis, matrix in dictionary.matrix.items():
         families: dict[tuple, tuple[float, np.ndarray]] = {}
-        _, cross = dictionary.products(axis, matrix).projected(fit)
-        turned = cross @ np.linalg.cholesky(fit.covariance)
+        products = dictionary.products(axis, matrix)
+        turned = products.projected(fit)[1] @ np.linalg.cholesky(fit.covariance)
+        alone = products.squares - np.sum(turned**2, axis=1)
         for candidate, where, std in dictionary.entries[axis]:
-            x = matrix[:, where]
-            gram = (x.T @ x - turned[where] @ turned[where].T) * std[:, None] * std
-            energy = float(np.trace(gram)) / len(std)
+            energy = float(alone[where] @ std**2) / len(std)
             if candidate.key not in families or energy > families[candidate.key][0]:
                 families[candidate.key] = (energy, np.arange(where.start, where.stop))
         keys = list(families)

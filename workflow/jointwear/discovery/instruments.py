@@ -22,7 +22,7 @@ from jointwear.discovery.problem import Problem
 from jointwear.effects import State
 from jointwear.effects.order import change_by_delay, first_derivative, second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise
-from jointwear.measurement.filtering import HIGHEST, low_pass, zero_phase_gain
+from jointwear.measurement.filtering import HIGHEST, limit, zero_phase_gain
 from jointwear.statistics.runs import runs
 
 #: Evidence [nats] that noise which column and residual share may feign at most: what a parameter gains by chance on
@@ -247,12 +247,12 @@ def _highest(white: Whitener, shared: np.ndarray, frequency: np.ndarray, rate: f
         that of the residual, at `frequency` (k,) [Hz]: the part along the noise of the residual, and the square of all
         of it. rate : [Hz] of the samples. energy : mean square of the whitened column without noise.
     """
-    for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
-        gain = zero_phase_gain(frequency, cutoff, rate)
-        product, total = np.mean(shared[0] * gain), energy + np.mean(shared[1] * gain**2)
-        if 0.5 * len(white.rows) * product**2 <= FEIGNED * total or total == 0:
-            return float(cutoff) if cutoff < HIGHEST * rate else np.inf
-    return float(cutoff)
+    cutoffs = np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS)
+    gain = zero_phase_gain(frequency, cutoffs[:, None], rate)
+    product, total = gain @ shared[0] / len(frequency), energy + gain**2 @ shared[1] / len(frequency)
+    harmless = (0.5 * len(white.rows) * product**2 <= FEIGNED * total) | (total == 0)
+    first = int(np.argmax(harmless)) if harmless.any() else len(cutoffs) - 1
+    return np.inf if first == 0 and harmless[0] else float(cutoffs[first])
 
 
 def limited_state(problem: Problem, axis: int, cutoff: float) -> State:
@@ -323,20 +323,6 @@ def velocities(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
         return state.velocity
     limited = limit(state.velocity, np.asarray(state.record), cutoffs.torque, problem.measured.rate)
     return np.where(limited * state.velocity > 0, limited, state.velocity)
-
-
-def limit(columns: np.ndarray, record: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
-    """Return columns (m, k) filtered with zero phase at `cutoff` [Hz] within each record, as they are for infinity."""
-    if not np.isfinite(cutoff):
-        return columns
-    pieces = runs(record)
-    length, count = (pieces[0].stop, len(pieces)) if pieces else (0, 0)
-    if count < 2 or any(piece.stop - piece.start != length for piece in pieces):
-        return np.concatenate([low_pass(columns[piece], cutoff, rate) for piece in pieces])
-    # Records of one length side by side are filtered in one go.
-    beside = columns.reshape(count, length, -1).transpose(1, 0, 2).reshape(length, -1)
-    limited = low_pass(beside, cutoff, rate).reshape(length, count, -1)
-    return limited.transpose(1, 0, 2).reshape(columns.shape)
 
 
 def clock_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:

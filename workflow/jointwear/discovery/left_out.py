@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -123,6 +124,8 @@ class _EveryFold:
         self._places = [np.arange(*edge) for edge in pairwise(edges)]
         self._total = int(edges[-1])
         self._rows: dict[int, dict[int, _Rows]] = {}
+        #: Sums over all axes of all terms in a fold: those of a part of them are a part of these.
+        self._whole: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         targets = white.raw_targets
         for axis, y in enumerate(white.targets):
             if not len(y):
@@ -193,17 +196,27 @@ class _EveryFold:
         self, fold: int, kept: list[Term], of_term: list[int], chosen: np.ndarray, turn: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return sums of products (k, k) and with the targets (k,) of the terms that are kept, over all axes."""
+        if all(t.blocks.keys() == self._terms[i].blocks.keys() for t, i in zip(kept, of_term, strict=True)):
+            if fold not in self._whole:
+                self._whole[fold] = self._over_axes(fold, self._terms, range(len(self._terms)))
+            gram, right = self._whole[fold]
+        else:
+            gram, right = self._over_axes(fold, kept, of_term)
+        gram, right = gram[np.ix_(chosen, chosen)], right[chosen]
+        return (gram, right) if turn is None else (turn.T @ gram @ turn, turn.T @ right)
+
+    def _over_axes(self, fold: int, terms: Sequence[Term], of_term: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+        """Return :meth:`_sums` of some terms at the places (p,) of all of them, 0 elsewhere."""
         gram, right = np.zeros((self._total, self._total)), np.zeros(self._total)
         for axis, rows in self._rows[fold].items():
             says = np.zeros(self._total, bool)
-            for term, i in zip(kept, of_term, strict=True):
+            for term, i in zip(terms, of_term, strict=True):
                 says[self._places[i]] = axis in term.blocks
             own = says[rows.places]
             places = rows.places[own]
             gram[np.ix_(places, places)] += rows.gram[np.ix_(own, own)]
             right[places] += rows.right[own]
-        gram, right = gram[np.ix_(chosen, chosen)], right[chosen]
-        return (gram, right) if turn is None else (turn.T @ gram @ turn, turn.T @ right)
+        return gram, right
 
     def _record(self, rows: _Rows, left: np.ndarray) -> _Record:
         """Return the errors of one axis on one fold of which the model leaves torque (m,) [N m]."""

@@ -22,7 +22,6 @@ from jointwear.discovery.noise import (
     drawn,
     estimate,
     regress,
-    simulate,
     stable,
     whitenable,
 )
@@ -45,6 +44,7 @@ def corrected(
     trajectory: np.ndarray,
     rate: float,
     highest: int = HIGHEST_ORDER,
+    drive_of: Callable[[int], list[np.ndarray]] | None = None,
 ) -> Whitener:
     """Correct a noise model for what a fit took off the noise (indirect inference).
 
@@ -60,11 +60,13 @@ def corrected(
     ----------
     white : the first trial model, of a low order: a high one has learnt what the fit took off. residual : (N,) [N m]
         after the fit. take_off : series (N, k) -> what the fit leaves of them. usable : (N,) samples that are judged.
-    trajectory : (N,) labels. rate : [Hz]. highest : order that the model may have.
+    trajectory : (N,) labels. rate : [Hz]. highest : order that the model may have. drive_of : of :func:`drives`, which
+        axes share.
     """
+    drive_of = drive_of or drives(trajectory)
     ends = white.density(np.array([0.0, 0.5]) * rate, rate)
     if ends[0] > assumed.REDDEST * ends[1]:
-        return _by_lags(estimate(residual, usable, trajectory, highest), take_off, trajectory, rate)
+        return _by_lags(estimate(residual, usable, trajectory, highest), take_off, drive_of, rate)
     rows = whitenable(usable, trajectory, highest)
     if len(rows) < FEWEST_ROWS:
         return white
@@ -73,14 +75,13 @@ def corrected(
     centres = 0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS
 
     @cache
-    def trial_of(order: int) -> tuple[list[np.ndarray], np.ndarray]:
-        drive = drawn(trajectory, DRAWS, np.random.default_rng(np.random.SeedSequence([8, order])))
-        return drive, band_power(np.concatenate([piece[SETTLE:] for piece in drive])[rows], rows, trajectory)
+    def drawn_power(order: int) -> np.ndarray:
+        # Whitened by its own model noise is what it was made of.
+        return band_power(np.concatenate([piece[SETTLE:] for piece in drive_of(order)])[rows], rows, trajectory)
 
     model = white
     for _ in range(ROUNDS):
-        # Whitened by its own model noise is what it was made of.
-        drive, whole = trial_of(len(model.lags))
+        drive, whole = drive_of(len(model.lags)), drawn_power(len(model.lags))
         trial = Whitener(rows, model.lags, model.sigma)
         left, seen = (
             band_power(trial(x), rows, trajectory) for x in (take_off(coloured(model, drive)), residual[:, None])
@@ -95,6 +96,11 @@ def corrected(
         density = np.minimum(density, most_of_noise(density, frequency))
         model = of_density(density, rate, highest, len(rows), radius)
     return Whitener(whitenable(usable, trajectory, len(model.lags)), model.lags, model.sigma)
+
+
+def drives(trajectory: np.ndarray) -> Callable[[int], list[np.ndarray]]:
+    """Return the function order of a model -> what its noise is made of, drawn once; see :func:`drawn`."""
+    return cache(lambda order: drawn(trajectory, DRAWS, np.random.default_rng(np.random.SeedSequence([8, order]))))
 
 
 def most_of_noise(density: np.ndarray, frequency: np.ndarray) -> np.ndarray:
@@ -137,7 +143,10 @@ def without_slow_torque(
 
 
 def _by_lags(
-    white: Whitener, take_off: Callable[[np.ndarray], np.ndarray], trajectory: np.ndarray, rate: float
+    white: Whitener,
+    take_off: Callable[[np.ndarray], np.ndarray],
+    drive_of: Callable[[int], list[np.ndarray]],
+    rate: float,
 ) -> Whitener:
     """Return the model whose drawn noise has, after the fit, the coefficients and the variance of `white`."""
     radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
@@ -145,9 +154,8 @@ def _by_lags(
     wanted = np.array([*white.lags, np.log(white.sigma)])
     trial = wanted.copy()
     for step in range(3):
-        rng = np.random.default_rng(np.random.SeedSequence([8, order]))
         model = Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
-        left = take_off(simulate(model, trajectory, DRAWS, rng))
+        left = take_off(coloured(model, drive_of(order)))
         fits = [regress(left[:, k], rows, order) for k in range(left.shape[1])]
         came_out = np.mean([[*lags, 0.5 * np.log(variance)] for lags, variance in fits], axis=0)
         trial = np.array([*model.lags, trial[-1]]) + (wanted - came_out) * (1.0 if step == 0 else 0.7)
@@ -166,7 +174,8 @@ def band_power(white: np.ndarray, rows: np.ndarray, trajectory: np.ndarray) -> n
             continue
         series = np.zeros((high - low, white.shape[1]))
         series[rows[first:last] - low] = white[first:last]
-        power = np.mean(np.abs(np.fft.rfft(series, axis=0)) ** 2, axis=1)[1:] / (last - first)
+        spectrum = np.fft.rfft(series, axis=0)
+        power = np.mean(spectrum.real**2 + spectrum.imag**2, axis=1)[1:] / (last - first)
         centre = (np.arange(len(power)) + 0.5) * CELLS / len(power)
         found.append(np.interp(np.arange(CELLS) + 0.5, centre, _smooth(power, len(power) // CELLS)))
     if not found:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 
@@ -12,13 +12,14 @@ from jointwear.discovery import assumed
 from jointwear.discovery.encoder_step import encoder_step
 from jointwear.discovery.linear import least_squares, posterior_mean
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
+from jointwear.discovery.noise_spectrum import drives
 from jointwear.discovery.reversals import leave_out_reversals
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shaken import shaken_shares
 from jointwear.discovery.shared_drives import sticking
 from jointwear.discovery.spectra import frequencies
 from jointwear.effects import State, effect_torque, make_state
-from jointwear.measurement.filtering import low_pass, zero_phase_gain
+from jointwear.measurement.filtering import limit, zero_phase_gain
 from jointwear.measurement.motion import Measured, measure
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
@@ -31,7 +32,6 @@ from jointwear.robots.inertia import (
     wind_up_regressor,
 )
 from jointwear.robots.robot import Link, Robot
-from jointwear.statistics.runs import runs
 
 #: Fewest usable samples of an axis that a verdict is based on.
 FEWEST_SAMPLES = 60
@@ -117,6 +117,11 @@ class Problem:
             noise = max(float(np.mean((lacking - rounding @ least_squares(b, gram, gram)) ** 2)), 1e-300)
             found[axis] = posterior_mean(b / noise, gram / noise, np.full(len(SMEAR), assumed.FILTER))
         return found
+
+    @cached_property
+    def noise_drives(self) -> Callable[[int], list[np.ndarray]]:
+        """Order of a noise model -> what its drawn noise is made of, the same for all axes."""
+        return drives(self.measured.trajectory[self.train])
 
     @cached_property
     def felt(self) -> list[np.ndarray]:
@@ -381,8 +386,8 @@ def _smear(measured: Measured, state: State) -> np.ndarray:
         return result
     for axis, cutoff in enumerate(measured.cutoff):
         if np.isfinite(cutoff):
-            for piece in runs(measured.trajectory):
-                for k, share in enumerate(SMEAR):
-                    rounded = low_pass(rigid[piece, axis], share * cutoff, measured.rate)
-                    result[piece, axis, k] = rounded - rigid[piece, axis]
+            column = rigid[:, [axis]]
+            for k, share in enumerate(SMEAR):
+                rounded = limit(column, measured.trajectory, share * cutoff, measured.rate)
+                result[:, [axis], k] = rounded - column
     return result

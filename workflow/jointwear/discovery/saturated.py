@@ -16,8 +16,7 @@ from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.structure import axis_bases
 from jointwear.discovery.time_lines import loud_lines
 from jointwear.effects import State, library
-from jointwear.measurement.filtering import low_pass
-from jointwear.statistics.runs import runs
+from jointwear.measurement.filtering import limit
 
 #: Share of a column, by its square, that has to lie on samples whose predecessors are usable too.
 SEEN = 0.5
@@ -74,7 +73,7 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         take_off = RidgeFit(columns, used, white)
     left = take_off(y)
     white = estimate(left, used, label, START)
-    white = corrected(white, left, take_off, used, label, problem.measured.rate, highest)
+    white = corrected(white, left, take_off, used, label, problem.measured.rate, highest, problem.noise_drives)
     torque = problem.measured.torque[problem.train, axis][used]
     return replace(white, sigma=max(white.sigma, LEAST_NOISE * float(np.sqrt(np.mean(torque**2)))))
 
@@ -120,12 +119,8 @@ def _beside_reversals(state: State, axis: int, label: np.ndarray, rate: float) -
     """Return what is sharp in the sign of the velocity, (N, 3): misfits beside reversals are not noise."""
 
     def sharp() -> np.ndarray:
-        sense = state.direction[:, axis]
-        result = np.zeros((len(sense), len(SHARP)))
-        for piece in runs(label):
-            for k, frequency in enumerate(SHARP):
-                result[piece, k] = sense[piece] - low_pass(sense[piece], frequency, rate)
-        return result
+        sense = state.direction[:, [axis]]
+        return np.concatenate([sense - limit(sense, label, frequency, rate) for frequency in SHARP], axis=1)
 
     return state.of_motion(("sharp", axis, rate), sharp, state.velocity, state.record)
 

@@ -65,25 +65,24 @@ def axis_bases(
     fine = assumed.COARSE if coarse else 1.0
     found: list[Basis] = []
 
-    def add(argument, unit, values, count, carrier=None):
-        knots = knots_of(values[usable], max(FEWEST_KNOTS, round(fine * count)))
-        columns = hats(values, knots)
-        if columns.shape[1]:
-            found.append(Basis(argument, unit, columns if carrier is None else columns * carrier[:, None], values))
+    def add(argument, unit, values, count, carriers=(("", None),)):
+        columns = hats(values, knots_of(values[usable], max(FEWEST_KNOTS, round(fine * count))))
+        for words, carrier in carriers if columns.shape[1] else ():
+            carried = columns if carrier is None else columns * carrier[:, None]
+            found.append(Basis(argument + words, unit, carried, values))
 
     q, v, a = state.position[:, axis], velocity[:, axis], state.acceleration[:, axis]
     s, torque, load = state.direction[:, axis], state.torque[:, axis], state.load[:, axis]
-    add("position", "rad", q, KNOTS["position"])
-    add("position x direction", "rad", q, KNOTS["position"], s)
+    alone, by_direction = ("", None), (" x direction", s)
+    add("position", "rad", q, KNOTS["position"], (alone, by_direction))
     add("velocity", "rad/s", v, KNOTS["velocity"])
     add("acceleration", "rad/s2", a, KNOTS["acceleration"])
     add("torque", "N m", torque, KNOTS["torque"])
-    add("load x direction", "N m", load, KNOTS["load"], s)
+    add("load", "N m", load, KNOTS["load"], (by_direction,))
     warm = state.temperature[:, axis]
     if np.isfinite(warm).any() and np.ptp(warm[np.isfinite(warm)]) > SMALLEST_SPREAD:
         warm = np.nan_to_num(warm, nan=float(np.nanmean(warm)))
-        for argument, carrier in (("temperature", None), ("temperature x direction", s), ("temperature x velocity", v)):
-            add(argument, "degC", warm, KNOTS["temperature"], carrier)
+        add("temperature", "degC", warm, KNOTS["temperature"], (alone, by_direction, (" x velocity", v)))
     found.append(Basis("time", "s", time_bins(state, TIME_BIN), state.time))
     slow = time_bins(state, FRICTION_BIN)
     found.append(Basis("time x direction", "s", slow * s[:, None], state.time))
@@ -93,8 +92,7 @@ def axis_bases(
         p = state.position[:, other]
         if np.ptp(p) < STILL:
             continue
-        add(f"position of joint {other + 1}", "rad", p, KNOTS_OF_OTHERS["position"])
-        add(f"position of joint {other + 1} x direction", "rad", p, KNOTS_OF_OTHERS["position"], s)
+        add(f"position of joint {other + 1}", "rad", p, KNOTS_OF_OTHERS["position"], (alone, by_direction))
         add(f"velocity of joint {other + 1}", "rad/s", velocity[:, other], KNOTS_OF_OTHERS["velocity"])
         if not coarse or abs(other - axis) <= 1:
             x, y = _unit(q), _unit(p)

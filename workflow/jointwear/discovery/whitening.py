@@ -16,7 +16,6 @@ from jointwear.discovery.instruments import (
     axis_cutoffs,
     clock_of,
     held_at_ends,
-    limit,
     limited_inertial,
     limited_state,
     nominal_noise,
@@ -28,6 +27,7 @@ from jointwear.discovery.noise import Whitener
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.structure import Basis, axis_bases
 from jointwear.effects import Effect, State
+from jointwear.measurement.filtering import limit
 from jointwear.statistics.runs import runs
 
 #: Label of the term of the corrections of the links, which all axes share.

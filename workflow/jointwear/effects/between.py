@@ -85,5 +85,24 @@ def _spline(time: np.ndarray, values: np.ndarray, part: slice) -> PPoly:
     spline = make_interp_spline(t, x, k=DEGREE if len(t) > DEGREE else min(1, len(t) - 1))
     # A polynomial takes a quarter of the time of the sum over splines; powers from the highest down.
     knots = spline.t[spline.k : len(spline.t) - spline.k]
+    if spline.k == DEGREE:
+        return PPoly.construct_fast(_quintic(np.diff(knots), *(spline(knots, order) for order in range(3))), knots)
     powers = [spline(knots[:-1], order) / factorial(order) for order in range(spline.k, -1, -1)]
-    return PPoly.construct_fast(np.array(powers), knots, extrapolate=True)
+    return PPoly.construct_fast(np.array(powers), knots)
+
+
+def _quintic(step: np.ndarray, value: np.ndarray, slope: np.ndarray, bend: np.ndarray) -> np.ndarray:
+    """Return the coefficients (6, m - 1, ...) of polynomials with values, first and second derivatives (m, ...) at the
+    ends of steps (m - 1,), from the highest power down: half of the derivatives need not be asked for."""
+    h = step.reshape(-1, *[1] * (value.ndim - 1))
+    rise, v0, v1, a0, a1 = (
+        np.diff(value, axis=0),
+        slope[:-1] * h,
+        slope[1:] * h,
+        0.5 * bend[:-1] * h**2,
+        0.5 * bend[1:] * h**2,
+    )
+    third = 10.0 * rise - 6.0 * v0 - 4.0 * v1 - 3.0 * a0 + a1
+    fourth = -15.0 * rise + 8.0 * v0 + 7.0 * v1 + 3.0 * a0 - 2.0 * a1
+    fifth = 6.0 * rise - 3.0 * (v0 + v1) - a0 + a1
+    return np.stack([fifth / h**5, fourth / h**4, third / h**3, 0.5 * bend[:-1], slope[:-1], value[:-1]])

@@ -21,16 +21,17 @@ def bristle(position, direction, distance, spring=0, start=1):
     beyond = np.flatnonzero(np.abs(position - position[0]) > distance)
     value = start * (np.sign(position[beyond[0]] - position[0]) if len(beyond) else sense[0])
     starts = np.concatenate([[0], edges])
-    stops = np.concatenate([edges, [len(moving)]])
-    for a, b in zip(starts, stops, strict=True):
-        run = moving[a:b]
-        origin = position[run[0] - 1] if run[0] > 0 else position[run[0]]
-        travel = np.abs(position[run] - origin)
-        if spring:
-            z[run] = np.clip(value + sense[a] * travel / distance, -1.0, 1.0)
-        else:
-            z[run] = sense[a] + (value - sense[a]) * np.exp(-travel / distance)
-        value = z[run[-1]]
+    lengths = np.diff(np.append(starts, len(moving)))
+    origin = position[np.maximum(moving[starts] - 1, 0)]
+    travel = np.abs(position[moving] - np.repeat(origin, lengths)) / distance
+    left = None if spring else np.exp(-travel)
+    # From one reversal to the next only the state at the last sample before it is handed on.
+    before = np.empty(len(starts))
+    for k, (first, length) in enumerate(zip(starts.tolist(), lengths.tolist(), strict=True)):
+        before[k], way, last = value, sense[first], first + length - 1
+        value = min(max(value + way * travel[last], -1.0), 1.0) if spring else way + (value - way) * left[last]
+    before = np.repeat(before, lengths)
+    z[moving] = np.clip(before + sense * travel, -1.0, 1.0) if spring else sense + (before - sense) * left
     still = np.flatnonzero(direction == 0)
     if len(still):
         last = np.searchsorted(moving, still) - 1

@@ -190,8 +190,10 @@ class Effect:
 
     def possible(self, parameters: Parameters) -> bool:
         """Return whether every parameter lies within its bounds, and all agree: no friction that drives."""
-        within = all(p.lower <= parameters.get(p.name, p.default) <= p.upper for p in self.parameters)
-        return within and self.agree(parameters)
+        for p in self.parameters:
+            if not p.lower <= parameters.get(p.name, p.default) <= p.upper:
+                return False
+        return self.agree(parameters)
 
     def bounded(self, parameters: Parameters) -> dict[str, Any]:
         """Return `parameters` moved to the nearest values that a robot file takes; tables are left alone."""

@@ -69,8 +69,8 @@ def sense_of(velocity: np.ndarray, records: list[slice]) -> np.ndarray:
     sense = np.sign(velocity)
     result, slow = sense.copy(), np.abs(velocity) < SLOW
     for record in records:
-        for way in runs(sense[record], record.start):
-            if way.stop - way.start < FEWEST and slow[way].all():
+        for way in runs(sense[record], record.start, longest=FEWEST - 1):
+            if slow[way].all():
                 result[way] = 0.0
     for _, stop in _stops(velocity, records):
         result[stop] = 0.0
@@ -81,8 +81,8 @@ def _stops(velocity: np.ndarray, records: list[slice]) -> Iterator[tuple[slice, 
     """Yield the record and the samples of every stop, those with which a record begins or ends among them."""
     slow = np.abs(velocity) < SLOW
     for record in records:
-        for part in runs(slow[record], record.start):
-            if part.stop - part.start < FEWEST or not slow[part.start]:
+        for part in runs(slow[record], record.start, shortest=FEWEST):
+            if not slow[part.start]:
                 continue
             speeds = np.sort(np.abs(velocity[part]))
             if speeds[len(speeds) // 2] < STILL * SLOW:

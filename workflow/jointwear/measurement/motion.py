@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.even_steps import evenly, pieces_of
@@ -107,14 +108,13 @@ def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float
     power, weight = np.zeros(len(frequencies)), 0
     for x in signals:
         second = np.diff(x, 2)
-        for start in range(0, max(len(second) - 255, 1), 128):
-            piece = second[start : start + 256]
-            if len(piece) < 64:
-                continue
-            window = np.hanning(len(piece))
-            spectrum = np.fft.rfft((piece - piece.mean()) * window, 256)[1:]
-            power += np.abs(spectrum) ** 2 * 2 / (rate * np.sum(window**2))
-            weight += 1
+        if len(second) < 64:
+            continue
+        size = min(len(second), 256)
+        pieces, window = sliding_window_view(second, size)[::128], np.hanning(size)
+        spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window, 256)[:, 1:]
+        power += np.sum(np.abs(spectra) ** 2, axis=0) * 2 / (rate * np.sum(window**2))
+        weight += len(pieces)
     if not weight:
         return 0.0, 0.4 * rate
     power /= weight * (2 * np.sin(np.pi * frequencies / rate)) ** 4

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 
-def runs(values: np.ndarray, start: int = 0) -> list[slice]:
-    """Return one slice for each run of equal `values` (m,), as places that begin at `start`; none of no values."""
+def runs(values: np.ndarray, start: int = 0, shortest: int = 1, longest: int | None = None) -> list[slice]:
+    """Return one slice for each run of equal `values` (m,), as places that begin at `start`; none of no values.
+
+    Only runs of `shortest` to `longest` places.
+    """
     edges = start + np.concatenate([[0], np.flatnonzero(values[1:] != values[:-1]) + 1, [len(values)]])
-    return [slice(int(i), int(k)) for i, k in pairwise(edges) if i < k]
+    length = np.diff(edges)
+    chosen = (length >= max(shortest, 1)) & (length <= (len(values) if longest is None else longest))
+    return [slice(i, k) for i, k in zip(edges[:-1][chosen].tolist(), edges[1:][chosen].tolist(), strict=True)]

@@ -20,7 +20,8 @@ def _wave(state, p):
 
 def _columns(state, axis, source, p):
     if "period" in p:
-        return np.stack([np.sin(_wave(state, p)), np.cos(_wave(state, p))], axis=-1)
+        wave = _wave(state, p)
+        return np.stack([np.sin(wave), np.cos(wave)], axis=-1)
     return _rise(state, p)[..., None]
 
 
