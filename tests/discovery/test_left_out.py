@@ -1,12 +1,15 @@
 """Errors on records left out: the margin of a record to come, and what is worse by chance."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from jointwear.discovery import Settings
-from jointwear.discovery.left_out import margin, mean_squares, surely_worse
+from jointwear.discovery.left_out import Asked, margin, mean_squares, surely_worse
+from jointwear.discovery.whitening import INERTIAL
 
 
 @given(st.lists(st.floats(0.01, 0.9), min_size=2, max_size=6), st.floats(0.1, 10.0))
@@ -46,3 +49,16 @@ def test_mean_squares_of_blocks_make_up_the_whole(labels, factor):
     (one, other), count = mean_squares(labels, error, factor * error)
     assert np.sum(one * count) == pytest.approx(np.sum(error**2))
     assert other == pytest.approx(factor**2 * one)
+
+
+@pytest.mark.parametrize("deaf", [False, True])
+def test_a_part_of_a_model_is_asked_as_if_it_were_all(white, deaf):
+    """Of an axis that says nothing of the links too: then the sums over all axes are others."""
+    part = [t for t in white.base if t.label != "friction 1"]
+    if deaf:
+        part = [
+            replace(t, blocks={a: x for a, x in t.blocks.items() if a != 1}) if t.label == INERTIAL else t for t in part
+        ]
+    found, wanted = Asked(white, white.base)(part), Asked(white, part)(part)
+    for one in ("ratio", "surely", "gained", "steady"):
+        np.testing.assert_allclose(getattr(found, one), getattr(wanted, one), rtol=1e-9)
