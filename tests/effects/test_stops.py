@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from jointwear import effects
 from jointwear.effects.order import late_torque, smoothed_torque
-from jointwear.effects.rests import SLOW, rests, runs, sense_of
+from jointwear.effects.rests import SLOW, rests, sense_of
 from jointwear.robots.robot import load_robot
+from jointwear.statistics.runs import runs
 
 RATE = 100.0
 

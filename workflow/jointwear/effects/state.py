@@ -276,4 +276,4 @@ def make_state(
 
 def record_slices(state: State) -> list[slice]:
     """Return the slices of the records of an ordered state; a record is a run of one label."""
-    return list(runs(np.asarray(state.record)))
+    return runs(np.asarray(state.record))

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfilt, sosfilt_zi
 
-from jointwear.measurement.even_steps import runs
+from jointwear.statistics.runs import runs
 
 #: Fewest samples that are filtered.
 SHORTEST = 24
