@@ -88,6 +88,18 @@ def test_fast_cogging_under_a_stiff_controller_has_its_name(robot):
     assert found.effects[0]["parameters"]["amplitude"]["value"] == pytest.approx(0.3, rel=0.05)
 
 
+def test_a_wave_of_a_gear_has_its_order_and_its_name(robot):
+    """Forty waves in a turn of the joint are 0.7 in one of the motor; whole orders are tried anyway."""
+    of_gear, of_motor = (make_case(robot, 5, cogging(robot, 0.3, order)) for order in (0.7, 2))
+    shown = [build_problem(split(case), robot, Settings()).train_state.gear_orders for case in (of_gear, of_motor)]
+    assert [len(orders) for orders in shown[0]] == [axis == AXIS for axis in range(robot.joints)]
+    assert shown[0][AXIS][0] == pytest.approx(0.7, rel=0.01)
+    assert not any(shown[1])
+    found = discover(of_gear, robot)
+    assert [(e["effect"], e["axis"]) for e in found.effects] == [("cogging_torque", AXIS + 1)]
+    assert found.effects[0]["parameters"]["amplitude"]["value"] == pytest.approx(0.3, rel=0.1)
+
+
 def test_a_held_wave_is_tried_where_filters_made_the_accelerations(robot):
     state = make_state(robot, *np.zeros((4, 5, robot.joints)))
     effect = get_effect("cogging_torque")

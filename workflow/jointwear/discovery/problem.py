@@ -10,6 +10,7 @@ import numpy as np
 
 from jointwear.discovery import assumed
 from jointwear.discovery.encoder_step import encoder_step
+from jointwear.discovery.gear_waves import gear_orders, orthonormal
 from jointwear.discovery.linear import least_squares, posterior_mean
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.noise_spectrum import drives
@@ -18,6 +19,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.shaken import shaken_shares
 from jointwear.discovery.shared_drives import sticking
 from jointwear.discovery.spectra import frequencies
+from jointwear.discovery.structure import axis_bases
 from jointwear.effects import State, effect_torque, make_state
 from jointwear.measurement.filtering import limit, zero_phase_gain
 from jointwear.measurement.motion import Measured, measure
@@ -85,11 +87,42 @@ class Problem:
     @cached_property
     def train_state(self) -> State:
         """The training samples, ordered within their records."""
-        state = self.state.part(self.train)
+        state = replace(self.state.part(self.train), gear_orders=self._gear_orders)
         if state.derives is None or not self.smear.any():
             return state
         # What the base regression takes off accelerations it takes off a shaking of the joint too.
         return replace(state, derives=lambda axis, f: state.derives(axis, f) * self._left_of_shaking(axis, f))
+
+    @cached_property
+    def _gear_orders(self) -> tuple[tuple[float, ...], ...]:
+        """Waves in one turn of each motor that the discrepancy shows and that are no whole numbers."""
+        state, label = self.state.part(self.train), self.measured.trajectory[self.train]
+        result: list[tuple[float, ...]] = [()] * self.robot.joints
+        for axis in self.judged:
+            used, torque = self.usable[:, axis], state.torque[:, axis]
+            columns = [
+                self.friction_columns(state, axis),
+                self.inertial[self.train, axis],
+                self.smear[self.train, axis],
+            ]
+            columns += [basis.columns for basis in axis_bases(state, axis, used, coarse=True)]
+            beside = orthonormal(np.concatenate(columns, axis=1), used)
+            residual = self.discrepancy[self.train, axis]
+            left = residual - beside @ (beside[used].T @ residual[used])
+            speed = float(np.median(np.abs(state.velocity[used, axis])))
+            fastest = 2 * np.pi * self.measured.band / max(speed, 1e-9)
+            result[axis] = gear_orders(
+                left,
+                beside,
+                state.position[:, axis],
+                torque,
+                used,
+                label,
+                self.robot.gear_ratio[axis],
+                fastest,
+                self.settings.accept,
+            )
+        return tuple(result)
 
     def _left_of_shaking(self, axis: int, frequency: np.ndarray) -> np.ndarray:
         """Return the share (...,) of a wave in the acceleration of an axis that the base regression leaves there."""

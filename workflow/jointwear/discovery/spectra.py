@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.discovery.structure import SURROUNDINGS
+
 #: Longest and shortest piece, in samples, of which spectra are taken, and its length [s] between: runs of samples that
 #: can be judged end at reversals, and at a low rate are short. Pieces overlap by half.
 LONGEST, SHORTEST, SPAN = 128, 16, 0.64
@@ -51,3 +53,12 @@ def density_of(pieces: np.ndarray, rate: float) -> np.ndarray:
 def scale_of(length: int, rate: float) -> float:
     """Return the factor [1/Hz] that makes one-sided densities of squares of :func:`spectra` of pieces of a length."""
     return 2.0 / (rate * float(np.sum(np.hanning(length) ** 2)))
+
+
+def around(power: np.ndarray) -> np.ndarray:
+    """Return the mean power around each cell of a spectrum (k,), from medians that no line moves."""
+    if len(power) < 3 * SURROUNDINGS:
+        return np.full(len(power), max(float(np.median(power)) / np.log(2.0), 1e-300))
+    middle = np.median(power.reshape(-1, SURROUNDINGS), axis=1) / np.log(2.0)
+    centre = (np.arange(len(middle)) + 0.5) * SURROUNDINGS
+    return np.exp(np.interp(np.arange(len(power)), centre, np.log(np.maximum(middle, 1e-300))))

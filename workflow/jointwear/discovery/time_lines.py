@@ -16,7 +16,7 @@ from jointwear.discovery.linear import least_squares
 from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.noise_spectrum import FEWEST_OF_RECORD
 from jointwear.discovery.problem import Problem
-from jointwear.discovery.structure import SURROUNDINGS
+from jointwear.discovery.spectra import around
 from jointwear.statistics.runs import runs
 
 #: Lines of one axis at most, a bound on time: what beats has two, and each has neighbours in short records.
@@ -70,7 +70,7 @@ def loudest(series: np.ndarray, used: np.ndarray, label: np.ndarray, rate: float
         held = np.where(used[piece], series[piece], 0.0)
         size = 2 ** int(np.ceil(np.log2(len(held))))
         power = np.abs(np.fft.rfft(held, size)[: size // 2]) ** 2
-        together.setdefault(size, []).append(power / _around(power))
+        together.setdefault(size, []).append(power / around(power))
     best = (0.0, 1.0, 1)
     for size, records in together.items():
         frequency = np.arange(size // 2) * rate / size
@@ -80,15 +80,6 @@ def loudest(series: np.ndarray, used: np.ndarray, label: np.ndarray, rate: float
         if chance < best[1]:
             best = (float(frequency[where]), chance, len(power))
     return best
-
-
-def _around(power: np.ndarray) -> np.ndarray:
-    """Return the mean power around each cell of a spectrum (k,), from medians that no line moves."""
-    if len(power) < 3 * SURROUNDINGS:
-        return np.full(len(power), max(float(np.median(power)) / np.log(2.0), 1e-300))
-    middle = np.median(power.reshape(-1, SURROUNDINGS), axis=1) / np.log(2.0)
-    centre = (np.arange(len(middle)) + 0.5) * SURROUNDINGS
-    return np.exp(np.interp(np.arange(len(power)), centre, np.log(np.maximum(middle, 1e-300))))
 
 
 def _waves(frequency: float, label: np.ndarray, rate: float) -> np.ndarray:

@@ -63,6 +63,7 @@ class State:
     encoder_side : whether positions are those of the "motor" (or unknown), or of the "link".
     above : torque (..., n) [N m] of higher frequencies beside `torque`, of which noise hides the size of a wave: a lag
         turns it, and what it takes off does not count; None where there is none.
+    gear_orders : of each axis, waves in one turn of its motor that are tried besides whole numbers.
     """
 
     position: np.ndarray
@@ -82,6 +83,7 @@ class State:
     passes: Callable[[np.ndarray], np.ndarray] | None = None
     derives: Callable[[int, np.ndarray], np.ndarray] | None = None
     above: np.ndarray | None = None
+    gear_orders: tuple[tuple[float, ...], ...] = ()
     #: Direction of motion, -1, 0 or 1; worked out once because nearly every effect needs it.
     direction: np.ndarray = field(init=False, repr=False)
     _between: dict[int, Between] = field(init=False, repr=False, default_factory=dict)
