@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear import effects
-from jointwear.effects.entries.presliding_hysteresis import bristle
+from jointwear.effects.entries.presliding_hysteresis import bristle, relaxing_bristle
 from jointwear.effects.swing import wind_up
 from jointwear.files.errors import InputError
 from jointwear.robots.dynamics import Dynamics
@@ -269,6 +269,20 @@ def test_a_record_may_begin_at_ease_or_moved_back(spring):
     assert np.all(np.diff(back[:20]) >= 0)
     assert np.allclose(settled[50:], ease[50:], atol=1e-5)
     assert np.allclose(settled[50:], back[50:], atol=1e-5)
+
+
+def test_friction_that_relaxes_falls_at_rest_and_else_builds_up_as_before():
+    """Within its time it falls to 1/e at rest; motion that is too slow to let it slip holds it where both are even."""
+    position = np.concatenate([np.linspace(0, 0.3, 60), np.full(200, 0.3), np.linspace(0.298, 0, 60)])
+    time = 0.01 * np.arange(len(position))
+    direction = np.sign(np.diff(position, prepend=-0.01))
+    never = relaxing_bristle(position, time, 0.02, 1e9)
+    assert np.allclose(never[1:], bristle(position, direction, 0.02, spring=1)[1:], atol=1e-6)
+    z = relaxing_bristle(position, time, 0.02, 0.5)
+    assert (z[59], z[-1]) == (1.0, -1.0)
+    assert z[59 + 50] == pytest.approx(np.exp(-1))
+    slow = relaxing_bristle(0.02 * time, time, 0.02, 0.5, start=0)
+    assert slow[-1] == pytest.approx(0.5, rel=0.01)
 
 
 def test_noise_of_a_joint_at_rest_does_not_say_how_a_record_begins():

@@ -59,8 +59,8 @@ def loud_waves(
 
     Parameters
     ----------
-    waves : of :func:`waves_in_band`. noise : the noise model of what the fit leaves. take_off : a fit that knows no
-        noise. highest : order that a noise model may have.
+    waves : of :func:`waves_in_band`, or other groups of columns. noise : the noise model of what the fit leaves.
+    take_off : a fit that knows no noise. highest : order that a noise model may have.
     """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     waves, shown = list(waves), [np.zeros((len(used), 0))]

@@ -114,7 +114,8 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
 
     A form that the data leave open says more than they do where there are none: between recordings, or beyond the
     travel. Where an effect has courses over time the one in the middle of all is taken, else its plain form if it has
-    one, of waves over time the slowest, of forms that look alike that of the smallest coefficients.
+    one, of waves over time the slowest, of friction that builds up that which does not relax, of forms that look alike
+    that of the smallest coefficients.
     """
     if candidate.axis is None or not free_parameters(candidate):
         return candidate

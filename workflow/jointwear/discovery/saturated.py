@@ -57,6 +57,12 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         columns = _columns(problem, axis, extra, cutoffs)
         plain = RidgeFit(columns, used, None)
         white = estimate(plain(y), used, label, highest)
+    further = _further_columns(limited_state(problem, axis, cutoffs.timing), axis)
+    further = loud_waves(problem, axis, further, white, plain, highest)
+    if further.shape[1]:
+        columns = np.concatenate([columns.T, _scaled(further, used).T]).T
+        plain = RidgeFit(columns, used, None)
+        white = estimate(plain(y), used, label, highest)
     of_motor = waves_in_band(problem, axis, limited_state(problem, axis, cutoffs.torque))
     loud = loud_waves(problem, axis, of_motor, white, plain, highest)
     if not loud.shape[1]:
@@ -132,6 +138,16 @@ def _sequential_columns(state: State, axis: int) -> list[np.ndarray]:
         for effect in library().values()
         if effect.identifiable and effect.sequential
         for nonlinear in effect.grid(state, axis)
+    ]
+
+
+def _further_columns(state: State, axis: int) -> list[np.ndarray]:
+    """Return the columns of forms that no point of a grid is like: they are held where they are loud."""
+    return [
+        effect.columns(state, axis, None, nonlinear)
+        for effect in library().values()
+        if not effect.unmet(state, axis)
+        for nonlinear in effect.further(state, axis)
     ]
 
 

@@ -37,3 +37,24 @@ def bristle(position, direction, distance, spring=0, start=1):
         last = np.searchsorted(moving, still) - 1
         z[still] = np.where(last >= 0, z[moving[np.maximum(last, 0)]], z[moving[0]])
     return z
+
+
+def relaxing_bristle(position, time, distance, relaxation, start=1):
+    """Return the state z in [-1, 1] of friction along one record whose spring creeps too, as seals do, shape (m,).
+
+    Maxwell's spring and damper that slips: dz/dt = v/x0 - z/`relaxation` [s] until abs(z) = 1, so that z falls to 1/e
+    within that time at rest. Position and `time` (m,) [s] go evenly from sample to sample; `start` is that of
+    :func:`bristle`.
+    """
+    passed = np.diff(time, prepend=time[0]) / relaxation
+    kept = np.exp(-passed)
+    held = np.divide(1 - kept, passed, out=np.ones_like(passed), where=passed > 0)
+    gained = held * np.diff(position, prepend=position[0]) / distance
+    away = position - position[0]
+    beyond = np.flatnonzero(np.abs(away) > distance)
+    value = start * np.sign(away[beyond[0]] if len(beyond) else away[np.argmax(np.abs(away))])
+    z = []
+    for keep, gain in zip(kept.tolist(), gained.tolist(), strict=True):
+        value = min(max(keep * value + gain, -1.0), 1.0)
+        z.append(value)
+    return np.array(z)

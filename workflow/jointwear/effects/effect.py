@@ -75,12 +75,14 @@ class Effect:
         function be corrected by a table over the argument.
     bend : how the form may differ from the textbook's, or None where it is exact.
     plain : nonlinear parameters of the simplest forms, simplest first, taken where the data do not decide.
-    slower : nonlinear parameters from which forms of the same kind are searched that change less between recordings,
-        the slowest first; of those that are as good the first is taken.
+    slower : nonlinear parameters from which forms of the same kind are searched that say less, as of waves over time
+        slower ones, those that say least first; of those that are as good the first is taken.
     courses : nonlinear parameters of forms over time of which none is likelier than another before the data speak; of
         those that are as good the one is taken that is nearest to the average of all.
     alternatives : other nonlinear parameters of the same size that the search of a continuous one cannot reach.
-    begins : the same with the other states in which records may begin, which is no part of the form.
+    begins : the same with the other states in which records may begin, which is no part of the form, and with what a
+        rest does to them.
+    further : nonlinear parameters of forms that no point of the grid is like, for the fit behind the noise.
     alike : nonlinear parameters that look alike on a short travel; the one of the smallest coefficients is taken
         where the data do not decide.
     scaled : the one parameter in which the torque is nearly, not quite, linear: it is searched like a nonlinear one,
@@ -139,6 +141,7 @@ class Effect:
     courses: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
     alternatives: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     begins: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
+    further: Callable[[State, int], Sequence[Parameters]] = lambda state, axis: []
     alike: Callable[[Parameters], Sequence[Parameters]] = lambda p: []
     scaled: str = ""
     timing: bool = False
