@@ -70,7 +70,7 @@ def corrected(
     rows = whitenable(usable, trajectory, highest)
     if len(rows) < FEWEST_ROWS:
         return white
-    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
+    radius = slowest_pole(rate)
     frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     centres = 0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS
 
@@ -116,6 +116,19 @@ def most_of_noise(density: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     return most
 
 
+def reddest_noise(density: np.ndarray, frequency: np.ndarray, rate: float) -> np.ndarray:
+    """Return the density (k,) of noise that forgets as slowly as any and is as dense in the quick band as `density`."""
+    shape = 1.0 / np.abs(1.0 - slowest_pole(rate) * np.exp(-2j * np.pi * frequency / rate)) ** 2
+    high = min(assumed.QUICK * assumed.SLOW, frequency[-1])
+    quick = (frequency >= 0.5 * high) & (frequency <= high)
+    return shape * float(np.exp(np.mean(np.log(density[quick] / shape[quick]))))
+
+
+def slowest_pole(rate: float) -> float:
+    """Return the coefficient of noise that forgets to 37 % within `assumed.LONGEST_MEMORY`."""
+    return float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
+
+
 def without_slow_torque(
     whites: Sequence[Whitener | None], usable: np.ndarray, trajectory: np.ndarray, rate: float, highest: int
 ) -> list[Whitener | None]:
@@ -134,7 +147,7 @@ def without_slow_torque(
     result = list(whites)
     if 2 * len(slow) > len(densities):
         return result
-    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
+    radius = slowest_pole(rate)
     for axis in slow:
         model = of_density(limited[axis], rate, highest, len(whites[axis].rows), radius)
         rows = whitenable(usable[:, axis], trajectory, len(model.lags))
@@ -149,7 +162,7 @@ def _by_lags(
     rate: float,
 ) -> Whitener:
     """Return the model whose drawn noise has, after the fit, the coefficients and the variance of `white`."""
-    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
+    radius = slowest_pole(rate)
     order, rows = len(white.lags), white.rows
     wanted = np.array([*white.lags, np.log(white.sigma)])
     trial = wanted.copy()

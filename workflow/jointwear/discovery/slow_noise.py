@@ -4,7 +4,7 @@ A fit with 240 columns leaves a fifth of the noise below 1 Hz, of records of 15 
 noise is beside white noise they do not tell. Where structure without a name or a weak name rests on that, the noise is
 looked at beside a small fit: the base regression, what was named, and the basis that describes an axis best. If what is
 left is denser below 2 Hz than the noise was taken to be, it is noise, up to what a sensor's may be, and the search is
-run again.
+run again. Where most joints have more than that nothing pushes them all alike: the noise of that log forgets slowly.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from jointwear.discovery.noise_spectrum import (
     band_power,
     most_of_noise,
     of_density,
+    reddest_noise,
+    slowest_pole,
     steadied,
 )
 from jointwear.discovery.outcome import Outcome
@@ -63,7 +65,8 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     """Return the noise models with more slow noise on the axes where it may stand for what was found, or None for none.
 
     Asked are axes with structure and those of names of less than `weak_nats`. What swings at one frequency is no
-    sensor's noise: an axis on which a line over time is nearly all of the structure is left as it is.
+    sensor's noise: an axis on which a line over time is nearly all of the structure is left as it is, but in a log
+    whose noise is slow: what is slow swings at some frequency in every record.
     """
     white, settings = outcome.white, outcome.problem.settings
     weak = [n for n in outcome.named if n.evidence < settings.weak_nats]
@@ -71,15 +74,17 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     strongest = {u.axis: u for u in sorted(outcome.unexplained, key=lambda u: u.nats)}
     lines = [u for u in outcome.unexplained if u.argument == LINE]
     asked = strongest.keys() | {axis for n in weak for axis in n.term.blocks}
-    asked -= {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
     if not asked:
         return None
     beside = replace(outcome, unexplained=list(strongest.values()))
     terms = [*with_tolerances(white, outcome.named), *white.attenuation]
     fit = white.fit(terms + [t for axis in sorted(strongest) for t in structure_terms(beside, axis)])
+    dense, of_log = _densities(white, fit)
+    if not of_log:
+        asked -= {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
     whiteners = list(white.whiteners)
     for axis in sorted(asked):
-        found, times = _slower(white, fit, axis)
+        found, times = _slower(white, axis, dense[axis])
         # A chi-square of that much more noise is that much smaller, and so is the logarithm of its p-value. What
         # `accept` asks for is half of `visible` before the price of complexity and search.
         surest = min((u.p_value for u in outcome.unexplained if u.axis == axis), default=1.0)
@@ -91,10 +96,32 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     return whiteners if any(a is not b for a, b in zip(whiteners, white.whiteners, strict=True)) else None
 
 
-def _slower(white: White, fit: Fit, axis: int) -> tuple[Whitener, float]:
-    """Return the noise model of one axis with the slow noise that a fit leaves, and how many times as dense it is."""
+def _densities(white: White, fit: Fit) -> tuple[dict[int, np.ndarray], bool]:
+    """Return the density (k,) of the noise of every axis with the slow noise that a fit leaves, up to a sensor's.
+
+    And whether most axes have more of it than that. Then noise may forget as slowly as any, and as the axes have it in
+    the middle each has it at least: beside the structure that is held on an axis little of it is left there.
+    """
+    rate = white.problem.measured.rate
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    models = {axis: white.whiteners[axis].density(frequency, rate) for axis in white.problem.judged}
+    dense = {axis: model * _louder(white, fit, axis) for axis, model in models.items()}
+    most = {axis: most_of_noise(model, frequency) for axis, model in models.items()}
+    if 2 * sum(np.any(dense[axis] > most[axis]) for axis in models) <= len(models):
+        return {axis: np.minimum(dense[axis], most[axis]) for axis in models}, False
+    slow = frequency < 0.5 * assumed.QUICK * assumed.SLOW
+    reddest = {axis: reddest_noise(model, frequency, rate) for axis, model in models.items()}
+    alike = np.median([dense[axis] / reddest[axis] for axis in models], axis=0)
+    for axis, model in reddest.items():
+        dense[axis][slow] = np.minimum(np.maximum(dense[axis], alike * model), model)[slow]
+    return dense, True
+
+
+def _louder(white: White, fit: Fit, axis: int) -> np.ndarray:
+    """Return how many times as dense as in the noise model of one axis the slow noise is that a fit leaves (k,)."""
     problem, model = white.problem, white.whiteners[axis]
     rate, label, rows = problem.measured.rate, problem.measured.trajectory[problem.train], model.rows
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     rng = np.random.default_rng(np.random.SeedSequence([9, len(model.lags)]))
     drawn = model(simulate(model, label, DRAWS, rng))
     design, index = fit.design[axis], fit.columns[axis]
@@ -103,18 +130,23 @@ def _slower(white: White, fit: Fit, axis: int) -> tuple[Whitener, float]:
     freedom = band_freedom(rows, label) * np.minimum(kept / whole, 1.0)
     known = (kept > assumed.NOISE_LEFT * whole) & (freedom > 0.0)
     if not known.any():
-        return model, 1.0
+        return np.ones(len(frequency))
     centres, freedom = (0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS)[known], freedom[known]
     ratio = np.log(np.maximum(seen, 1e-9) / kept)[known]
     ratio = steadied(ratio, 2.0 / freedom, assumed.SLOPE**2 * np.diff(np.log2(centres)))
-    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     # Above, the saturated fit leaves enough of the noise to tell.
     quick = 0.5 * assumed.QUICK * assumed.SLOW
     slow = np.clip((quick - frequency) / (quick - assumed.SLOW), 0.0, 1.0)
+    return np.exp(slow * np.interp(frequency, centres, ratio))
+
+
+def _slower(white: White, axis: int, dense: np.ndarray) -> tuple[Whitener, float]:
+    """Return the noise model of one axis of a density (k,), and how many times as dense as before slow noise is."""
+    problem, model = white.problem, white.whiteners[axis]
+    rate, label = problem.measured.rate, problem.measured.trajectory[problem.train]
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     density = model.density(frequency, rate)
-    more = density * np.exp(slow * np.interp(frequency, centres, ratio))
-    more = np.maximum(density, np.minimum(more, most_of_noise(density, frequency)))
-    radius = float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
-    found = of_density(more, rate, HIGHEST_ORDER_DERIVED, len(rows), radius, PRICE)
+    radius = slowest_pole(rate)
+    found = of_density(np.maximum(density, dense), rate, HIGHEST_ORDER_DERIVED, len(model.rows), radius, PRICE)
     times = float(np.max((found.density(frequency, rate) / density)[frequency < assumed.SLOW]))
     return Whitener(whitenable(problem.usable[:, axis], label, len(found.lags)), found.lags, found.sigma), times
