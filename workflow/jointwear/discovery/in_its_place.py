@@ -24,7 +24,8 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     the torque follows that argument and the name has only come close to it: a name is taken back for as much evidence
     as it is given for. Its torque may be off by `form_error`, which costs the square of that of its own nats; an effect
     of the whole arm is asked on every joint that it moves. Structure over the argument of the effect itself is no
-    rival: what it does better is the form.
+    rival: what it does better is the form. Nor is structure that explains as much beside the name: that is something
+    else, which does not take its place.
 
     Returns
     -------
@@ -36,16 +37,20 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     fit = white.fit(before)
     # What noise takes off fitted inertias may stand for all of a torque constant, and what is left of the name is the
     # price of its tolerance: then there is nothing that structure could explain in its place.
-    own = max(white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation]).evidence - fit.evidence, 0.0)
+    beside = white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation])
+    own, settings = max(beside.evidence - fit.evidence, 0.0), outcome.problem.settings
+    needed = settings.accept + settings.form_error**2 * own
     best = None
     for axis in asked_of(one):
         rivals = [basis for basis in resolved_bases(white, axis) if not of_its_form(one, basis.argument)]
         for basis, seen in of_bases(white, fit, axis, rivals):
-            lead = _nats(outcome, axis, seen) - own
-            if best is None or lead > best[2]:
-                best = basis, axis, lead
-    settings = outcome.problem.settings
-    return best if best is not None and best[2] > settings.accept + settings.form_error**2 * own else None
+            nats = _nats(outcome, axis, seen)
+            if nats - own <= (needed if best is None else best[2]):
+                continue
+            left = next((_nats(outcome, axis, also) for _, also in of_bases(white, beside, axis, [basis])), 0.0)
+            if nats - left > settings.accept:
+                best = basis, axis, nats - own
+    return best
 
 
 def asked_of(one: Named) -> list[int]:
