@@ -342,7 +342,7 @@ def test_what_a_record_may_cost_follows_what_an_effect_is_worth():
     settings = Settings()
     weak, strong = (CrossValidated(nats=n, share=0.5, worst=-0.04 * n) for n in (50.0, 5000.0))
     assert missed(weak, 60.0, settings) == missed(strong, 6000.0, settings) == []
-    least = settings.predicted * settings.accept
+    least = settings.form_error * settings.accept
     assert not missed(CrossValidated(nats=1.01 * least, share=0.5), 0.0, settings)
     assert missed(CrossValidated(nats=0.99 * least, share=0.5), 0.0, settings)[0][2] == pytest.approx(least)
 

@@ -76,9 +76,9 @@ def missed(found: CrossValidated, evidence: float, settings: Settings) -> list[t
     """
     # Where the base could take an effect over at the price of unlikely parameters, that price is in the evidence but
     # not in the prediction of one more record: beyond twice what any effect needs the share is no longer asked for.
-    nats = min(settings.predicted * max(evidence, settings.accept), 2.0 * settings.accept)
+    nats = min(settings.form_error * max(evidence, settings.accept), 2.0 * settings.accept)
     # A form that is a little off in one record costs it that share of what the effect is worth.
-    worst = min(settings.worst_record, -settings.form_error * found.nats)
+    worst = min(-0.5 * settings.accept, -settings.form_error * found.nats)
     gates = (
         ("nats gained on records left out", found.nats, nats),
         (ONE_RECORD, found.worst, worst),
@@ -156,7 +156,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
     gates = [("its parameters within their bounds", float(within_bounds(white, beside, trial)), 1.0)]
     if trial.candidate.axis is not None:
         if follows_time(trial.candidate):
-            gates.append(("nats gained on the last record left out", found.last, settings.worst_record))
+            gates.append(("nats gained on the last record left out", found.last, -half))
             gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
             lead = _levels_lead(white, beside, trial)
             gates.append(("nats by which a level of its own in each record does better", -lead, -half))

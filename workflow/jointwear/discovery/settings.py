@@ -35,7 +35,8 @@ class Settings:
         the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. By as much
         structure without a name has to explain more in the place of a name that is taken back for it. Half of it is
         enough for what only has to hold beside what has been found: a name beside the others or with inertial
-        parameters known less, a bend of a form, a form that is less plain, a parameter set free.
+        parameters known less, a bend of a form, a form that is less plain, a parameter set free. As many nats an effect
+        may cost one record left out: it belongs to the robot, not to a recording.
     certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
     block : length of such a block [s]; the noise forgets within a third of a second. A step within a record, which
         must not do better than an effect that follows time, is tried as often.
@@ -44,12 +45,10 @@ class Settings:
         left out, over the noise variance of the axis, and the RMS torque of anything, named or not, over that of its
         axis, to which any rigid-body model with its clock and its kinematics is exact. Of a torque constant only what
         friction and motor inertia cannot take over counts.
-    predicted : share of the evidence of an effect that must show as nats gained on records left out, of at least
-        `accept` and up to twice as many nats as `accept`.
-    worst_record : nats that an effect may cost one record left out: it belongs to the robot, not to a recording.
     form_error : relative standard deviation of the torque of a named effect, in each record and over position, speed
         and direction, because no form is known exactly (its square is the share of the nats of an effect that this
-        costs); and the share of the nats of an effect that it may cost one record.
+        costs); and the share of the nats of an effect that it may cost one record, and that must show as nats gained on
+        records left out, of at least `accept` and up to twice as many nats as `accept`.
     parameter_error : relative standard deviation of a stated parameter beside that of the fit: sample times, kinematics
         and forms are never exact.
     filter_error : the same of the share of a fast wave that filters take: how much of it is in the acceleration, and
@@ -93,8 +92,6 @@ class Settings:
     certainty: float = 0.99
     block: float = 0.5
     smallest_share: float = 0.001
-    predicted: float = 0.15
-    worst_record: float = -4.0
     form_error: float = 0.05
     parameter_error: float = 0.01
     filter_error: float = 0.3

@@ -67,8 +67,6 @@ def variants(settings: Settings) -> dict[tuple[str, float], Settings]:
 GATES = {
     "certainty": ("probability of a smaller error on records left out", 0.7),
     "smallest_share": ("drop of the squared error over the noise variance", 0.7),
-    "predicted": ("nats gained on records left out", 0.7),
-    "worst_record": ("nats gained on the", 1.3),
     "cancelled": ("its square over that of the discrepancy of its axis", 1.3),
     "off_scale": ("its parameters within their bounds", 1.3),
     "mass_sigmas": ("standard deviations of the inertial prior by which the mass is off", 0.7),
