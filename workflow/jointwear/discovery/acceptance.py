@@ -180,7 +180,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         share = _share_of_torque(white, beside, trial)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     if is_body(trial.candidate):
-        gates.append(("nats over links that are known less", lead_over_links(white, before, trial), half))
+        gates.append(("nats over links that are known less", lead_over_links(white, before, trial), 0.0))
         gates.append(("nats of its mass", nats_of_its_mass(white, beside, trial), 0.0))
         spare = max(settings.accept, settings.form_error * trial.evidence)
         gates.append(("nats that no body that may exist would have", -impossible_nats(white, beside, trial), -spare))
