@@ -38,7 +38,8 @@ OTHERS = {
     "rounding, of numbers and of their digits in a log": """
         base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL
         encoder_step.CLOSE encoder_step.FLOATS encoder_step.FINEST fast_waves.LEAST instruments.RIDGE peak_torque.STILL
-        problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE sound_links.ENOUGH sound_links.NOTHING structure.STILL
+        problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE ridge_fit.RIDGE ridge_fit.FEW_DIGITS noise.SETTLE
+        sound_links.ENOUGH sound_links.NOTHING structure.STILL
     """,
     "half, which is most of something, or no price at all": """
         left_out.UNTOLD leftovers.MOST saturated.SEEN slow_noise.PRICE instruments.FEIGNED

@@ -6,6 +6,7 @@ import numpy as np
 
 from jointwear.discovery.linear import chi_square, least_squares
 from jointwear.discovery.noise import estimate
+from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.spectra import around
 from jointwear.discovery.structure import KNOTS, STILL
 from jointwear.effects.motor_waves import ORDER, ORDERS
@@ -21,8 +22,8 @@ NEARER = np.array([0.2, 0.05, 0.0125])
 
 
 def gear_orders(
-    left: np.ndarray,
-    beside: np.ndarray,
+    residual: np.ndarray,
+    take_off: RidgeFit,
     position: np.ndarray,
     torque: np.ndarray,
     used: np.ndarray,
@@ -39,8 +40,8 @@ def gear_orders(
 
     Parameters
     ----------
-    left : (N,) [N m] what a fit with columns `beside` (N, k), orthonormal on the samples `used`, leaves of a residual.
-    position, torque : (N,) of the axis. fastest : waves in a turn of the joint that the log holds. label : (N,) record.
+    residual : (N,) [N m]. take_off : a fit to the samples `used` (N,) that holds no waves. position, torque : (N,) of
+    the axis. label : (N,) record. fastest : waves in a radian of the joint that the log holds.
     """
     angle = position[used]
     travel = float(np.ptp(angle))
@@ -52,8 +53,8 @@ def gear_orders(
     place = np.floor((angle - angle.min()) / (CELLS * travel) * size).astype(int)
     waves = 2 * np.pi * np.arange(size // 2) / (CELLS * travel)
     asked = (waves >= 2 * np.pi * FEWEST / travel) & (waves <= fastest)
-    heights = (np.ones(len(left)), torque / max(float(np.sqrt(np.mean(torque[used] ** 2))), 1e-300))
-    noise = estimate(left, used, label)
+    heights = (np.ones(len(residual)), torque / max(float(np.sqrt(np.mean(torque[used] ** 2))), 1e-300))
+    left, noise = take_off(residual), None
     found: list[float] = []
     line = 2 * np.pi / travel
     needed = accept + np.log(2 * asked.sum())
@@ -62,14 +63,15 @@ def gear_orders(
         for height in heights:
             power = np.abs(np.fft.rfft(np.bincount(place, (left * height)[used], size))[: size // 2]) ** 2
             many = float(waves[np.argmax(np.where(asked, power / around(power), 0.0))])
-            starts.append((_without(left, beside, position, height, used, many)[0], many, height))
+            starts.append((_without(left, take_off, position, height, used, many)[0], many, height))
         gained, many, height = max(starts, key=lambda start: start[0])
         if 0.5 * gained <= needed * np.mean(left[used] ** 2):
             break
         for step in line * NEARER:
-            tried = [_without(left, beside, position, height, used, many + k * step)[0] for k in range(-4, 5)]
+            tried = [_without(left, take_off, position, height, used, many + k * step)[0] for k in range(-4, 5)]
             many += (int(np.argmax(tried)) - 4) * step
-        without = _without(left, beside, position, height, used, many)[1]
+        without = _without(left, take_off, position, height, used, many)[1]
+        noise = noise or estimate(left, used, label)
         quieter = estimate(without, used, label)
         if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= needed:
             break
@@ -81,18 +83,9 @@ def gear_orders(
 
 
 def _without(
-    left: np.ndarray, beside: np.ndarray, position: np.ndarray, height: np.ndarray, used: np.ndarray, many: float
+    left: np.ndarray, take_off: RidgeFit, position: np.ndarray, height: np.ndarray, used: np.ndarray, many: float
 ) -> tuple[float, np.ndarray]:
     """Return what a wave takes off the squares of a residual (N,), and what it leaves of it."""
-    columns = np.stack([np.sin(many * position), np.cos(many * position)], axis=1) * height[:, None]
-    columns = columns - beside @ (beside[used].T @ columns[used])
+    columns = take_off(np.stack([np.sin(many * position), np.cos(many * position)], axis=1) * height[:, None])
     gram, b = columns[used].T @ columns[used], columns[used].T @ left[used]
     return chi_square(b, gram, gram)[0], left - columns @ least_squares(b, gram, gram)
-
-
-def orthonormal(columns: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """Return columns (N, r) of the same span as `columns` (N, k), orthonormal on the samples `used`."""
-    columns = columns / np.maximum(np.sqrt(np.sum(columns[used] ** 2, axis=0)), 1e-300)
-    values, vectors = np.linalg.eigh(columns[used].T @ columns[used])
-    good = values > 1e-8 * values[-1]
-    return columns @ (vectors[:, good] / np.sqrt(values[good]))

@@ -10,11 +10,12 @@ import numpy as np
 
 from jointwear.discovery import assumed
 from jointwear.discovery.encoder_step import encoder_step
-from jointwear.discovery.gear_waves import gear_orders, orthonormal
+from jointwear.discovery.gear_waves import gear_orders
 from jointwear.discovery.linear import least_squares, posterior_mean
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.noise_spectrum import drives
 from jointwear.discovery.reversals import leave_out_reversals
+from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shaken import shaken_shares
 from jointwear.discovery.shared_drives import sticking
@@ -106,14 +107,14 @@ class Problem:
                 self.smear[self.train, axis],
             ]
             columns += [basis.columns for basis in axis_bases(state, axis, used, coarse=True)]
-            beside = orthonormal(np.concatenate(columns, axis=1), used)
-            residual = self.discrepancy[self.train, axis]
-            left = residual - beside @ (beside[used].T @ residual[used])
+            columns = np.concatenate(columns, axis=1)
+            held = np.sqrt(np.sum(columns[used] ** 2, axis=0))
+            columns = columns[:, held > 1e-9] / held[held > 1e-9]
             speed = float(np.median(np.abs(state.velocity[used, axis])))
             fastest = 2 * np.pi * self.measured.band / max(speed, 1e-9)
             result[axis] = gear_orders(
-                left,
-                beside,
+                self.discrepancy[self.train, axis],
+                RidgeFit(columns, used, None),
                 state.position[:, axis],
                 torque,
                 used,
