@@ -254,7 +254,7 @@ def test_a_loop_that_is_tuned_too_high_is_tuned_down(robot, monkeypatch):
     error = moved.position - paths[0].at(np.arange(len(moved.position)) * moved.step)[0]
     assert np.abs(error).max() < 0.1
     monkeypatch.setattr("jointwear.studies.challenge.tracking._TRIES", 1)
-    with pytest.raises(InputError, match="the controller loses 'puma560' even at 160 Hz"):
+    with pytest.raises(ArithmeticError, match="the controller loses 'puma560' even at 160 Hz"):
         tuned_down(drive, paths, 160.0, "puma560")
 
 
@@ -391,3 +391,17 @@ def test_warm_task_hides_the_temperature_in_one_axis(robot):
     growth = (rest[:, 1] / level)[last & moving]
     assert 0.05 < growth.mean() < 0.21
     assert set(data.train).isdisjoint(data.test)
+
+
+def test_a_case_whose_arm_no_controller_holds_is_left_out_and_told(tmp_path, monkeypatch, capsys):
+    def held_or_lost(case, nominal, seed):
+        if case.index == 1:
+            raise ArithmeticError("the controller loses 'panda' even at 0.5 Hz")
+        return generate(case, nominal, seed)
+
+    monkeypatch.setattr("jointwear.studies.challenge.batch.generate", held_or_lost)
+    held, lost = (Case("choose", "dirty", "nothing", index) for index in (0, 1))
+    generate_batch([held, lost], SEED, tmp_path / "data", tmp_path / "truth.json", tmp_path / "truth.nc")
+    for listed in (tmp_path / "data/cases.json", tmp_path / "truth.json"):
+        assert [case["case"] for case in json.loads(listed.read_text())["cases"]] == [held.name]
+    assert f"{lost.name} is no case: the controller loses 'panda'" in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ def generate_batch(
 ) -> None:
     """Write the data sets of a batch into `folder`, their list into `cases.json` there, and the truth elsewhere.
 
+    A case whose arm no controller keeps on its paths is left out, and said so.
+
     Raises
     ------
     InputError : if the robot file of an arm is missing or broken.
@@ -31,7 +34,11 @@ def generate_batch(
     listed, truths = [], []
     for case in cases:
         arm = arm_of(case, seed)
-        data, truth = generate(case, load_robot(arm_path(arm)), seed)
+        try:
+            data, truth = generate(case, load_robot(arm_path(arm)), seed)
+        except ArithmeticError as lost:
+            print(f"{case.name} is no case: {lost}", file=sys.stderr)
+            continue
         settings: dict[str, Any] = {"seed": seed, "robot": ARMS[arm][0], **data.told}
         write_case_data(folder / f"{case.name}.nc", data, "Data set of the hidden-effect test", settings)
         listed.append(

@@ -113,6 +113,10 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
     ----------
     nominal : the robot that discovery will be given, by DH table; behind the gears where torque is sensed there.
     seed : of the whole test; the case's words are the spawn key.
+
+    Raises
+    ------
+    ArithmeticError : if no controller keeps the arm on its paths.
     """
     rng = generator(seed, *case.key, replicate=case.index)
     tier = TIERS[case.tier]

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from jointwear.files.errors import InputError
 from jointwear.studies.challenge.arm import Arm
 from jointwear.studies.challenge.motion import Path, SampledPath
 from jointwear.studies.challenge.surroundings import Temperatures
@@ -91,14 +90,14 @@ def tuned_down(
 
     Raises
     ------
-    InputError : if no bandwidth down to an eighth keeps the arm on its paths.
+    ArithmeticError : if no bandwidth down to an eighth keeps the arm on its paths.
     """
     for halving in range(_TRIES):
         with np.errstate(over="ignore", invalid="ignore"):
             moved = drive(bandwidth / 2**halving)
         if all(_on_path(m, p) for m, p in zip(moved, paths, strict=True)):
             return moved
-    raise InputError(f"the controller loses '{arm}' even at {bandwidth / 2 ** (_TRIES - 1):.3g} Hz")
+    raise ArithmeticError(f"the controller loses '{arm}' even at {bandwidth / 2 ** (_TRIES - 1):.3g} Hz")
 
 
 def _on_path(moved: SampledPath, wanted: Path) -> bool:
