@@ -4,7 +4,8 @@ A fit with 240 columns leaves a fifth of the noise below 1 Hz, of records of 15 
 noise is beside white noise they do not tell. Where structure without a name or a weak name rests on that, the noise is
 looked at beside a small fit: the base regression, what was named, and the basis that describes an axis best. If what is
 left is denser below 2 Hz than the noise was taken to be, it is noise, up to what a sensor's may be, and the search is
-run again. Where most joints have more than that nothing pushes them all alike: the noise of that log forgets slowly.
+run again. Where most joints have more than that, in a log whose rate is so low that a noise model looks back as far as
+any noise remembers, it is the noise of that log. In others a wind has it on all joints too.
 """
 
 from __future__ import annotations
@@ -107,7 +108,9 @@ def _densities(white: White, fit: Fit) -> tuple[dict[int, np.ndarray], bool]:
     models = {axis: white.whiteners[axis].density(frequency, rate) for axis in white.problem.judged}
     dense = {axis: model * _louder(white, fit, axis) for axis, model in models.items()}
     most = {axis: most_of_noise(model, frequency) for axis, model in models.items()}
-    if 2 * sum(np.any(dense[axis] > most[axis]) for axis in models) <= len(models):
+    # Further back than its order no noise model looks: in a log of a higher rate what forgets so slowly may be a wind.
+    told = rate * assumed.LONGEST_MEMORY <= HIGHEST_ORDER_DERIVED
+    if not told or 2 * sum(np.any(dense[axis] > most[axis]) for axis in models) <= len(models):
         return {axis: np.minimum(dense[axis], most[axis]) for axis in models}, False
     slow = frequency < 0.5 * assumed.QUICK * assumed.SLOW
     reddest = {axis: reddest_noise(model, frequency, rate) for axis, model in models.items()}
