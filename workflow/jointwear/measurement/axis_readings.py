@@ -206,7 +206,11 @@ class Likelihood:
         left = np.ones(len(sums))
         for _ in range(ROUNDS):
             total = np.tensordot(1 / left, sums, 1)
-            theta = np.linalg.solve(total[:-1, :-1] + np.eye(len(total) - 1), total[:-1, -1])
+            try:
+                theta = np.linalg.solve(total[:-1, :-1] + np.eye(len(total) - 1), total[:-1, -1])
+            except np.linalg.LinAlgError:
+                # Torques so large that a prior of one is lost beside them: columns that are none.
+                return -np.inf
             error = np.append(-theta, 1.0)
             left = np.maximum(sums @ error @ error, 0.0) / count + MODEL_ERROR
         return -float(0.5 * count @ np.log(left)) - 0.5 * float(theta @ theta)
