@@ -15,7 +15,7 @@ from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement import checks
-from jointwear.measurement.axis_readings import Reading, other_scale, readings
+from jointwear.measurement.axis_readings import Reading, _solved, other_scale, readings
 from jointwear.measurement.checks import FAVOURS, Refused, check_axes, explained, explained_otherwise, favours
 from jointwear.measurement.motion import measure
 from jointwear.robots.dynamics import Dynamics
@@ -257,3 +257,10 @@ def test_the_interval_knows_that_the_zero_of_a_spring_is_open(puma):
     peak = effect["peak_torque"]
     assert peak["low"] <= true <= peak["high"]
     assert peak["high"] - peak["low"] < 1.5 * true
+
+
+def test_equations_that_rounding_makes_singular_have_the_solution_that_comes_nearest():
+    matrix = np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
+    np.testing.assert_allclose(_solved(matrix, np.array([2.0, 2.0, 4.0])), [1.0, 1.0, 2.0])
+    regular = matrix + np.eye(3)
+    np.testing.assert_array_equal(_solved(regular, matrix[0]), np.linalg.solve(regular, matrix[0]))

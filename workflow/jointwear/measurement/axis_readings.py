@@ -206,11 +206,7 @@ class Likelihood:
         left = np.ones(len(sums))
         for _ in range(ROUNDS):
             total = np.tensordot(1 / left, sums, 1)
-            try:
-                theta = np.linalg.solve(total[:-1, :-1] + np.eye(len(total) - 1), total[:-1, -1])
-            except np.linalg.LinAlgError:
-                # Torques so large that a prior of one is lost beside them: columns that are none.
-                return -np.inf
+            theta = _solved(total[:-1, :-1] + np.eye(len(total) - 1), total[:-1, -1])
             error = np.append(-theta, 1.0)
             left = np.maximum(sums @ error @ error, 0.0) / count + MODEL_ERROR
         return -float(0.5 * count @ np.log(left)) - 0.5 * float(theta @ theta)
@@ -229,3 +225,15 @@ class Likelihood:
         scale = np.sqrt(np.mean(columns.astype(float) ** 2, axis=0))
         free = np.where(scale > 0, DRIVE_UNKNOWN * size / np.where(scale > 0, scale, 1.0), 0.0)
         return np.where(unknown, free, DRIVE_ERROR * drives)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the solution (k,) of equations (k, k), the smallest of those that come nearest where they have none.
+
+    Where positions that are none make torques many decades beyond the measured ones, rounding takes the prior's one
+    off the diagonal.
+    """
+    try:
+        return np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        return np.linalg.lstsq(matrix, right, rcond=None)[0]
