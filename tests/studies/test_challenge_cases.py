@@ -32,7 +32,7 @@ from jointwear.studies.challenge.sensors import felt_noise, torque_noise
 from jointwear.studies.challenge.separability import sieve_world
 from jointwear.studies.challenge.surroundings import Temperatures, start_times, temperatures
 from jointwear.studies.challenge.tiers import BATCH, COUNTS, EFFECTS, FULL, OUTSIDE, SEED, TIERS
-from jointwear.studies.challenge.tracking import track, tuned_down
+from jointwear.studies.challenge.tracking import ArmLost, track, tuned_down
 from jointwear.studies.challenge.world import build_world
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -396,7 +396,7 @@ def test_warm_task_hides_the_temperature_in_one_axis(robot):
 def test_a_case_whose_arm_no_controller_holds_is_left_out_and_told(tmp_path, monkeypatch, capsys):
     def held_or_lost(case, nominal, seed):
         if case.index == 1:
-            raise ArithmeticError("the controller loses 'panda' even at 0.5 Hz")
+            raise ArmLost("the controller loses 'panda' even at 0.5 Hz")
         return generate(case, nominal, seed)
 
     monkeypatch.setattr("jointwear.studies.challenge.batch.generate", held_or_lost)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.linear import chi_square, least_squares
+from jointwear.discovery.linear import fitted
 from jointwear.discovery.noise import estimate
 from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.spectra import around
@@ -87,5 +87,5 @@ def _without(
 ) -> tuple[float, np.ndarray]:
     """Return what a wave takes off the squares of a residual (N,), and what it leaves of it."""
     columns = take_off(np.stack([np.sin(many * position), np.cos(many * position)], axis=1) * height[:, None])
-    gram, b = columns[used].T @ columns[used], columns[used].T @ left[used]
-    return chi_square(b, gram, gram)[0], left - columns @ least_squares(b, gram, gram)
+    gained, size = fitted(columns[used], left[used])
+    return gained, left - columns @ size

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Seen, of_bases, resolved_bases
+from jointwear.discovery.candidates import LINK_MASS, of_bases, resolved_bases
 from jointwear.discovery.linear import gain
 from jointwear.discovery.outcome import Named, Outcome
 from jointwear.discovery.structure import Basis
@@ -44,11 +44,10 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     for axis in asked_of(one):
         rivals = [basis for basis in resolved_bases(white, axis) if not of_its_form(one, basis.argument)]
         for basis, seen in of_bases(white, fit, axis, rivals):
-            nats = _nats(outcome, axis, seen)
+            nats = _nats(outcome, axis, seen.b, seen.gram)
             if nats - own <= (needed if best is None else best[2]):
                 continue
-            left = next((_nats(outcome, axis, also) for _, also in of_bases(white, beside, axis, [basis])), 0.0)
-            if nats - left > settings.accept:
+            if nats - _nats(outcome, axis, *beside.gram({axis: seen.columns})) > settings.accept:
                 best = basis, axis, nats - own
     return best
 
@@ -66,7 +65,10 @@ def of_its_form(one: Named, argument: str) -> bool:
     return own.split(" x ")[0] == argument.split(" x ")[0] and " of joint " not in argument
 
 
-def _nats(outcome: Outcome, axis: int, seen: Seen) -> float:
-    """Return the evidence [nats] that structure over an argument adds to a fit, averaged over :data:`SIZES`."""
-    size = outcome.problem.settings.usual * outcome.problem.scale[axis] * np.ones(len(seen.b))
-    return float(np.logaddexp.reduce([gain(seen.b, seen.gram, share * size) for share in SIZES]) - np.log(len(SIZES)))
+def _nats(outcome: Outcome, axis: int, b: np.ndarray, gram: np.ndarray) -> float:
+    """Return the evidence [nats] that structure over an argument adds to a fit, averaged over :data:`SIZES`.
+
+    `b` (k,) and `gram` (k, k) are of :meth:`Fit.gram`.
+    """
+    size = outcome.problem.settings.usual * outcome.problem.scale[axis] * np.ones(len(b))
+    return float(np.logaddexp.reduce([gain(b, gram, share * size) for share in SIZES]) - np.log(len(SIZES)))

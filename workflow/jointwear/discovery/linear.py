@@ -159,6 +159,12 @@ def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float
     return float(np.sum(turned**2 / values)), len(values)
 
 
+def fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return what columns (m, k) take off the squares of a target (m,), and their coefficients (k,)."""
+    gram, b = columns.T @ columns, columns.T @ target
+    return chi_square(b, gram, gram)[0], least_squares(b, gram, gram)
+
+
 def least_squares(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> np.ndarray:
     """Return the coefficients (k,) H^-1 b over the directions that the terms leave free."""
     values, turned, vectors = _free(b, gram, full)

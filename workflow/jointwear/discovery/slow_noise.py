@@ -10,7 +10,7 @@ any noise remembers, it is the noise of that log. In others a wind has it on all
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -75,14 +75,19 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     strongest = {u.axis: u for u in sorted(outcome.unexplained, key=lambda u: u.nats)}
     lines = [u for u in outcome.unexplained if u.argument == LINE]
     asked = strongest.keys() | {axis for n in weak for axis in n.term.blocks}
+    # Further back than its order no noise model looks: in a log of a higher rate what forgets so slowly may be a wind.
+    told = white.problem.measured.rate * assumed.LONGEST_MEMORY <= HIGHEST_ORDER_DERIVED
+    swings = {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
+    if not told:
+        asked -= swings
     if not asked:
         return None
     beside = replace(outcome, unexplained=list(strongest.values()))
     terms = [*with_tolerances(white, outcome.named), *white.attenuation]
     fit = white.fit(terms + [t for axis in sorted(strongest) for t in structure_terms(beside, axis)])
-    dense, of_log = _densities(white, fit)
+    dense, of_log = _densities(white, fit, white.problem.judged if told else sorted(asked), told)
     if not of_log:
-        asked -= {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
+        asked -= swings
     whiteners = list(white.whiteners)
     for axis in sorted(asked):
         found, times = _slower(white, axis, dense[axis])
@@ -97,19 +102,18 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     return whiteners if any(a is not b for a, b in zip(whiteners, white.whiteners, strict=True)) else None
 
 
-def _densities(white: White, fit: Fit) -> tuple[dict[int, np.ndarray], bool]:
-    """Return the density (k,) of the noise of every axis with the slow noise that a fit leaves, up to a sensor's.
+def _densities(white: White, fit: Fit, axes: Sequence[int], told: bool) -> tuple[dict[int, np.ndarray], bool]:
+    """Return the density (k,) of the noise of axes with the slow noise that a fit leaves, up to a sensor's.
 
-    And whether most axes have more of it than that. Then noise may forget as slowly as any, and as the axes have it in
-    the middle each has it at least: beside the structure that is held on an axis little of it is left there.
+    And whether most of them have more of it than that, where that is `told` by a log. Then noise may forget as slowly
+    as any, and as the axes have it in the middle each has it at least: beside the structure that is held on an axis
+    little of it is left there.
     """
     rate = white.problem.measured.rate
     frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
-    models = {axis: white.whiteners[axis].density(frequency, rate) for axis in white.problem.judged}
+    models = {axis: white.whiteners[axis].density(frequency, rate) for axis in axes}
     dense = {axis: model * _louder(white, fit, axis) for axis, model in models.items()}
     most = {axis: most_of_noise(model, frequency) for axis, model in models.items()}
-    # Further back than its order no noise model looks: in a log of a higher rate what forgets so slowly may be a wind.
-    told = rate * assumed.LONGEST_MEMORY <= HIGHEST_ORDER_DERIVED
     if not told or 2 * sum(np.any(dense[axis] > most[axis]) for axis in models) <= len(models):
         return {axis: np.minimum(dense[axis], most[axis]) for axis in models}, False
     slow = frequency < 0.5 * assumed.QUICK * assumed.SLOW

@@ -102,7 +102,7 @@ def axis_bases(
         angle = state.drive.gear_ratio[axis] * q
         # Waves of higher orders are powers of the first.
         waves = np.multiply.accumulate(np.broadcast_to(np.exp(1j * angle), (ORDERS, len(angle))), axis=0)
-        further = [np.exp(1j * order * angle) for order in (state.gear_orders[axis] if state.gear_orders else ())]
+        further = [np.exp(1j * order * angle) for order in state.orders_of_gears(axis)]
         waves = np.concatenate([waves, further]) if further else waves
         columns = np.concatenate([waves.imag, waves.real]).T
         found.append(Basis("motor angle", "rad", columns, np.mod(angle, 2 * np.pi)))

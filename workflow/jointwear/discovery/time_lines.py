@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from jointwear.discovery import assumed
-from jointwear.discovery.linear import least_squares
+from jointwear.discovery.linear import fitted
 from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.noise_spectrum import FEWEST_OF_RECORD
 from jointwear.discovery.problem import Problem
@@ -46,8 +46,7 @@ def loud_lines(
             break
         columns = _waves(frequency, label, rate)
         beside = take_off(columns)
-        gram = beside[used].T @ beside[used]
-        without = left - beside @ least_squares(beside[used].T @ left[used], gram, gram)
+        without = left - beside @ fitted(beside[used], left[used])[1]
         quieter = estimate(without, used, label, highest)
         if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= settings.accept + np.log(cells):
             break

@@ -59,8 +59,7 @@ def motor_wave(
         return wave(state, axis, p, height(state, axis) * (state.passed(axis, waves) - left(state, axis, waves)))
 
     def grid(state: State, axis: int) -> list[dict[str, float]]:
-        of_gears = state.gear_orders[axis] if state.gear_orders else ()
-        shaken = [{"order": float(k)} for k in (*ORDERS, *of_gears)]
+        shaken = [{"order": float(k)} for k in (*ORDERS, *state.orders_of_gears(axis))]
         # Where no filter has made the accelerations, what shakes the joint is in them, and the two are one.
         two = may_be_held and state.derives is not None
         return [*shaken, *({**p, "held": 1.0} for p in shaken)] if two else shaken

@@ -7,6 +7,7 @@ from scipy.signal import lfilter
 
 from jointwear.effects.rests import SLOW
 from jointwear.effects.state import State, record_slices
+from jointwear.statistics.ends import turned_about_ends
 
 #: Samples by which a record is continued before its waves are changed.
 CONTINUED = 64
@@ -111,9 +112,7 @@ def continued(values: np.ndarray) -> tuple[np.ndarray, slice]:
     Turned about the ends: what begins with a step would ring when its spectrum is changed.
     """
     more = min(len(values) - 1, CONTINUED)
-    before, after = values[more:0:-1], values[-2 : -2 - more : -1]
-    longer = np.concatenate([2 * values[0] - before, values, 2 * values[-1] - after])
-    return longer, slice(more, more + len(values))
+    return turned_about_ends(values, more), slice(more, more + len(values))
 
 
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:

@@ -183,6 +183,10 @@ class State:
             self._known[key] = made
         return made
 
+    def orders_of_gears(self, axis: int) -> tuple[float, ...]:
+        """Return the waves in one turn of the motor of an axis that are tried besides whole numbers."""
+        return self.gear_orders[axis] if self.gear_orders else ()
+
     def part(self, chosen: np.ndarray) -> State:
         """Return the samples `chosen` (a mask or index over the leading dimension), order kept."""
         return replace(

@@ -16,9 +16,9 @@ import numpy as np
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.series import LOUDEST, loud_windows
+from jointwear.monitor.spells import spell_finding, spells
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.statistics.known import known_median
-from jointwear.statistics.runs import runs
 
 #: Kinds of the findings, of one axis and of most.
 LOUD, UNEVEN, SMOOTH = "loud", "uneven", "smooth"
@@ -49,8 +49,7 @@ def loud_findings(
     moved = (statistics.count > 0) & statistics.judgeable
     names = np.unique(shift[~baseline])
     rows = [np.flatnonzero((shift == name) & ~baseline) for name in names]
-    share = np.array([(loud & moved)[r].sum(axis=0) / np.maximum(moved[r].sum(axis=0), 1) for r in rows])
-    many = np.array([(loud & moved)[r].sum(axis=0) >= FEWEST_WINDOWS for r in rows])
+    share, many = _of_shifts(loud & moved, moved, rows)
     noise = np.sqrt(statistics.noise_variance)
     usual = known_median(np.where(baseline[:, None], noise, np.nan), axis=0)
     result = []
@@ -82,10 +81,8 @@ def loud_findings(
     smooth &= statistics.flags & int(Flag.LATER) == 0
     for kind, times, odd, words in ((UNEVEN, LOUDEST, loud, _UNEVEN), (SMOOTH, SMOOTHER, smooth, _SMOOTH)):
         for own, axes in _spells(odd & moved, moved, rows):
-            found = {"time": float(statistics.start[own[0]]), "end": float(statistics.end[own[-1]]), "axes": axes}
-            answered = {"answered": True} if all(any(window >= own[0] for window in e) for e in events) else {}
             told = words.format(axes=name_axes(axes), times=f"{times:.0f}")
-            result.append({**found, "kind": kind, "words": told, **answered})
+            result.append(spell_finding(statistics, own, axes, kind, told, events))
     return result
 
 
@@ -109,11 +106,17 @@ def _spells(odd: np.ndarray, moved: np.ndarray, rows: list[np.ndarray]) -> list[
     odd, moved : (w, n) bool; only axes that moved are odd. rows : windows of each shift after the baseline.
     """
     rows = [r for r in rows if moved[r].any()]
-    share = np.array([odd[r].sum(axis=0) / np.maximum(moved[r].sum(axis=0), 1) for r in rows])
-    many = np.array([odd[r].sum(axis=0) >= FEWEST_WINDOWS for r in rows])
-    most = np.array([np.mean((s >= LOUD_SHARE) & m) >= MOST_AXES for s, m in zip(share, many, strict=True)], dtype=bool)
+    share, many = _of_shifts(odd, moved, rows)
+    most = ((share >= LOUD_SHARE) & many).mean(axis=1) >= MOST_AXES
     result = []
-    for part in (p for p in runs(most) if most[p.start] and p.stop - p.start >= SHIFTS):
+    for part in spells(most, SHIFTS):
         axes = (np.flatnonzero((share[part] >= LOUD_SHARE).mean(axis=0) >= MOST_AXES) + 1).tolist()
         result.append((np.concatenate(rows[part]), axes))
     return result
+
+
+def _of_shifts(odd: np.ndarray, moved: np.ndarray, rows: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the share (s, n) of the windows of each shift in which an axis moved that are odd, and if enough are."""
+    count = np.array([odd[r].sum(axis=0) for r in rows]).reshape(len(rows), odd.shape[1])
+    of = np.array([moved[r].sum(axis=0) for r in rows]).reshape(len(rows), odd.shape[1])
+    return count / np.maximum(of, 1), count >= FEWEST_WINDOWS

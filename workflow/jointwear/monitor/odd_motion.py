@@ -16,11 +16,11 @@ import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.regimes import UNSEEN, differences, signatures
+from jointwear.monitor.regimes import UNSEEN, beyond_usual, differences, signatures
+from jointwear.monitor.spells import spell_finding, spells
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
 from jointwear.statistics.known import known_median
-from jointwear.statistics.runs import runs
 
 #: Kinds of the findings.
 CLOCK_SPEED, STOPPED = "clock_speed", "stopped"
@@ -53,13 +53,11 @@ def odd_motion_findings(
     found = []
 
     def tell(odd: list[bool], kind: str, words: Any) -> None:
-        for part in (p for p in runs(np.array(odd, dtype=bool)) if odd[p.start] and p.stop - p.start >= SHIFTS):
+        for part in spells(odd, SHIFTS):
             own = np.concatenate(rows[part])
             axes, text = words(own)
-            since = [any(k >= own[0] for k in e) for e in events]
-            answered = {"answered": True} if all(since[a - 1] for a in axes or range(1, len(events) + 1)) else {}
-            time, end = float(statistics.start[own[0]]), float(statistics.end[own[-1]])
-            found.append({"time": time, "end": end, "axes": axes, "kind": kind, "words": text, **answered})
+            asked = [events[a - 1] for a in axes] or events
+            found.append(spell_finding(statistics, own, axes, kind, text, asked))
 
     tell([_of_clock(step[r], speed[r]) for r in rows], CLOCK_SPEED, lambda own: ([], _clock_words(step[own])))
     for j in range(statistics.axes):
@@ -102,13 +100,8 @@ def _changes(statistics: WindowStatistics, program: np.ndarray, baseline: np.nda
             np.log(statistics.travel / (gram[..., 0, 2] + gram[..., 1, 2])),
             0.5 * np.log(gram[..., 2, 2] / moved),
         ]
-    changes = [np.full(len(program), np.nan) for _ in values]
-    for name in np.unique(program[baseline & (program >= 0)]):
-        there, normal = program == name, (program == name) & baseline
-        if normal.sum() >= USUAL:
-            for change, value in zip(changes, values, strict=True):
-                change[there] = known_median(value[there] - known_median(value[normal], axis=0), axis=1)
-    return changes[0], changes[1]
+    step, speed = (known_median(beyond_usual(value, program, baseline, USUAL), axis=1) for value in values)
+    return step, speed
 
 
 def _stopped(statistics: WindowStatistics, program: np.ndarray, baseline: np.ndarray) -> np.ndarray:

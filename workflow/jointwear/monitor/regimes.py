@@ -16,6 +16,7 @@ import numpy as np
 
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.windows import WindowStatistics
+from jointwear.statistics.known import known_median
 
 #: Largest difference of signatures (logs) that still is one program, and beyond which a window is unseen.
 ALIKE, UNSEEN = 0.15, 0.3
@@ -120,6 +121,21 @@ def _split(
         alike = alike[[float(differences(signature[a], [middle])[0]) <= usual for a in alike]]
         regime[alike] = regime.max() + 1
         apart[alike] = False
+
+
+def beyond_usual(values: np.ndarray, program: np.ndarray, normal: np.ndarray, fewest: int) -> np.ndarray:
+    """Return values (w, n) less what is usual in the program of each window, NaN where that is not known.
+
+    Parameters
+    ----------
+    program : (w,) of each window, -1 unknown. normal : (w,) bool, the windows whose median is usual, `fewest` of them.
+    """
+    result = np.full(values.shape, np.nan)
+    for name in np.unique(program[normal & (program >= 0)]):
+        there = program == name
+        if (there & normal).sum() >= fewest:
+            result[there] = values[there] - known_median(values[there & normal], axis=0)
+    return result
 
 
 def differences(one: np.ndarray, centres: list[np.ndarray], hidden: np.ndarray | None = None) -> np.ndarray:

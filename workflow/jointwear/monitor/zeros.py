@@ -21,6 +21,7 @@ import numpy as np
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.carried import UnitTorques
 from jointwear.monitor.model import ModelTorque
+from jointwear.monitor.regimes import beyond_usual
 from jointwear.monitor.torque_lag import nuisances
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
@@ -126,11 +127,7 @@ def changed_zero(
     known = (shown > KNOWN**-2) & ~cut[:, None]
     angle = np.divide(statistics.turned, shown, out=np.full((w, n), np.nan), where=known)
     angle[np.abs(np.nan_to_num(angle)) > LARGEST] = np.nan
-    change = np.full((w, n), np.nan)
-    for name in np.unique(program[baseline & (program >= 0)]):
-        there, normal = program == name, (program == name) & baseline & known.any(axis=1)
-        if normal.sum() >= USUAL:
-            change[there] = angle[there] - known_median(angle[normal], axis=0)
+    change = beyond_usual(angle, program, baseline & known.any(axis=1), USUAL)
     shifts = [(s, np.flatnonzero((shift == s) & np.isfinite(change).any(axis=1))) for s in np.unique(shift)]
     shifts = [(s, rows) for s, rows in shifts if len(rows) >= WINDOWS]
     if not shifts:

@@ -12,6 +12,7 @@ from jointwear.studies.challenge.arms import ARMS, arm_of, arm_path
 from jointwear.studies.challenge.case_files import write_case_data, write_truth
 from jointwear.studies.challenge.generate import INERTIAL_PRIOR, generate
 from jointwear.studies.challenge.plan import Case
+from jointwear.studies.challenge.tracking import ArmLost
 
 
 def generate_batch(
@@ -36,7 +37,7 @@ def generate_batch(
         arm = arm_of(case, seed)
         try:
             data, truth = generate(case, load_robot(arm_path(arm)), seed)
-        except ArithmeticError as lost:
+        except ArmLost as lost:
             print(f"{case.name} is no case: {lost}", file=sys.stderr)
             continue
         settings: dict[str, Any] = {"seed": seed, "robot": ARMS[arm][0], **data.told}

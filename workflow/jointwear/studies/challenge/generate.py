@@ -116,7 +116,7 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
 
     Raises
     ------
-    ArithmeticError : if no controller keeps the arm on its paths.
+    ArmLost : if no controller keeps the arm on its paths.
     """
     rng = generator(seed, *case.key, replicate=case.index)
     tier = TIERS[case.tier]

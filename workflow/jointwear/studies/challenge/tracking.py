@@ -81,6 +81,10 @@ def track(
     return [SampledPath(step, *kept[:, r]) for r in range(rows)]
 
 
+class ArmLost(ArithmeticError):
+    """No controller keeps an arm on its paths."""
+
+
 def tuned_down(
     drive: Callable[[float], list[SampledPath]], paths: Sequence[Path], bandwidth: float, arm: str
 ) -> list[SampledPath]:
@@ -90,14 +94,14 @@ def tuned_down(
 
     Raises
     ------
-    ArithmeticError : if no bandwidth down to an eighth keeps the arm on its paths.
+    ArmLost : if no bandwidth down to an eighth keeps the arm on its paths.
     """
     for halving in range(_TRIES):
         with np.errstate(over="ignore", invalid="ignore"):
             moved = drive(bandwidth / 2**halving)
         if all(_on_path(m, p) for m, p in zip(moved, paths, strict=True)):
             return moved
-    raise ArithmeticError(f"the controller loses '{arm}' even at {bandwidth / 2 ** (_TRIES - 1):.3g} Hz")
+    raise ArmLost(f"the controller loses '{arm}' even at {bandwidth / 2 ** (_TRIES - 1):.3g} Hz")
 
 
 def _on_path(moved: SampledPath, wanted: Path) -> bool:
