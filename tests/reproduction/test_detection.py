@@ -108,6 +108,26 @@ def test_a_series_without_variation_does_not_break_the_model(default_reading):
     assert np.isfinite(t2).all()
 
 
+@given(st.integers(0, 2**32 - 1), st.floats(0, 9))
+def test_rounding_raises_no_alarm(seed, decades):
+    """Three axes move and three components are kept: nothing is left, however far a run is from normal."""
+    random = np.random.default_rng(seed)
+    series = random.normal(size=(2, 60, 6)) * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+    reading = {name: a.default for name, a in readings.ambiguities().items()} | {"components": "three"}
+    model = fit_normal_model(series, 0.95, 0.75, reading)
+    q, t2 = score(series * 10**decades, model)
+    assert (q == 0).all()
+    assert (t2 > 0).all()
+
+
+def test_what_an_axis_at_rest_adds_is_no_rounding(default_reading):
+    series = np.random.default_rng(6).normal(size=(1, 60, 6)) * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+    model = fit_normal_model(series, 0.95, 0.75, {**default_reading, "components": "three"})
+    run = 1e5 * series + [0.0, 0.0, 0.0, 0.0, 1e-3, 0.0]
+    q, _ = score(run, model)
+    np.testing.assert_allclose(q, 1e-6, rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [(n, v) for n in readings.of_stage("detection") for v in readings.ambiguities()[n].alternatives],

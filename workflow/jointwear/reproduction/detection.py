@@ -17,6 +17,10 @@ from jointwear.files.storage import Variable, open_dataset, read_variable, write
 from jointwear.reproduction.grid import run_attributes
 from jointwear.reproduction.readings import onset_rule, pca_input, select
 
+#: Share of a scaled hour up to which what the kept components leave of it is rounding, some 1e-15 of it. Where they
+#: leave nothing, as where a task holds still all axes but three, the order of a sum would raise alarms otherwise.
+ROUNDING = 1e-12
+
 
 @dataclass(frozen=True)
 class NormalModel:
@@ -37,7 +41,7 @@ class NormalModel:
 
 
 def score(series: np.ndarray, model: NormalModel) -> tuple[np.ndarray, np.ndarray]:
-    """Return the Q-statistic, equation (4), and Hotelling's T2 of every hour, each (r, hours).
+    """Return the Q-statistic, equation (4), zero where it is rounding, and Hotelling's T2 of every hour, (r, hours).
 
     Parameters
     ----------
@@ -46,11 +50,12 @@ def score(series: np.ndarray, model: NormalModel) -> tuple[np.ndarray, np.ndarra
     """
     z = (series - model.mean[:, None]) / model.spread[:, None]
     scores = z @ model.loadings.swapaxes(1, 2)
-    residual = z - scores @ model.loadings
+    q = ((z - scores @ model.loadings) ** 2).sum(axis=2)
+    q[q <= ROUNDING**2 * (z**2).sum(axis=2)] = 0.0
     variance = model.eigenvalues[:, None, : scores.shape[2]]
     kept = np.arange(scores.shape[2]) < model.kept[:, None, None]
     t2 = np.divide(scores**2, variance, out=np.zeros_like(scores), where=kept & (variance > 0)).sum(axis=2)
-    return (residual**2).sum(axis=2), t2
+    return q, t2
 
 
 def onset(above: np.ndarray, rule: str, consecutive: int) -> np.ndarray:

@@ -4,8 +4,8 @@ STAGE = "detection"
 PAPER = "We use 95% confidence level to set threshold on the Q-statistic [31]"
 DEFAULT = "jackson_mudholkar"
 
-# Where the kept components explain everything, Q is rounding, (1e-16 x 100)^2 at most, and its limit zero:
-# without a floor chance would alarm.
+# Where the kept components explain everything, the limit is the rounding of eigenvalues; a limit of zero could not
+# be divided by.
 _ROUNDING = 1e-20
 
 
