@@ -19,7 +19,7 @@ from jointwear.monitor.dispersion import (
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.regimes import find_regimes
-from jointwear.monitor.shared_error import shared_error
+from jointwear.monitor.shared_error import shared_error, units_of_levels
 from jointwear.monitor.shift_forecast import TOLD, forecast_shifts
 from jointwear.monitor.shift_scale import shift_scale
 from jointwear.monitor.shifts import shift_labels
@@ -273,6 +273,22 @@ def test_one_worn_axis_is_no_shared_error():
     result = shared_error(worn, np.full((100, 6), 1e-4), np.arange(100) < 40, np.arange(100) // 10)
     assert np.abs(result.value[:, 2]).max() < 1e-3
     assert np.abs(result.value).max() < 0.01
+
+
+def test_thicker_oil_moves_the_level_of_an_axis_with_much_viscous_friction_further():
+    coulomb = np.array([0.85, 0.8, 0.75, 0.8, 0.7, 0.55])
+    alone = np.array([False, False, True, True, False, True])
+    unit = units_of_levels(coulomb, alone)
+    assert np.median(unit) == pytest.approx(1.0)
+    # Viscous friction that is held goes into a Coulomb level that is smaller than all friction.
+    assert unit[3] == pytest.approx(unit[1] / 0.8)
+    drift = np.zeros((100, 6))
+    drift[50:] = 0.02 * unit + np.random.default_rng(3).normal(0, 5e-4, (50, 6))
+    args = drift, np.full((100, 6), 1e-5), np.arange(100) < 40, np.arange(100) // 10
+    mended, plain = (drift - shared_error(*args, unit=u).value for u in (unit, 1.0))
+    assert np.abs(mended[50:60]).max() < 0.006
+    # Held to one size for all axes, this one would look worn.
+    assert plain[50:60, 5].min() > 0.014
 
 
 def test_axes_that_leave_the_temperatures_of_the_baseline_together_are_moved_by_the_weather():

@@ -38,6 +38,7 @@ from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Tel
 from jointwear.monitor.scale import ScaleStep, scale_steps
 from jointwear.monitor.seen_growth import coarse_findings, loose_findings
 from jointwear.monitor.series import Series, usual_speed
+from jointwear.monitor.shared_error import units_of_levels
 from jointwear.monitor.watching import Watch, before_events, watch
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.monitor.zeros import changed_zero, zero_finding
@@ -193,8 +194,10 @@ def _watch_level(
     scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
     allowed = level_share(SCALE_RATE) * scale_rate
     alone = {"services": False, "common": False}
+    by_itself = np.array([axis is not None and axis.source == "coulomb" for axis in normal["level"]])
+    unit = units_of_levels(seen.series["friction"].share, by_itself)
     for _ in range(MOST_STEPS):
-        level = _watched(normal["level"], seen, allowed, found, recall)
+        level = _watched(normal["level"], seen, allowed, found, recall, unit=unit)
         scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
         plain = _watched(normal["level"], seen, allowed, found, recall, **alone)
         changed = gain_of_all(plain, scaled, seen.shift, seen.baseline)
@@ -208,7 +211,7 @@ def _watch_level(
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(len(found))]
     if not settled or stated != SCALE_RATE:
         rate = stated / 1000 * seen.conditions.hours
-        level = _watched(normal["level"], seen, level_share(stated) * rate, found, recall)
+        level = _watched(normal["level"], seen, level_share(stated) * rate, found, recall, unit=unit)
     return level, steps, found
 
 

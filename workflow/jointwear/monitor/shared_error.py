@@ -26,6 +26,9 @@ LEAST = 0.0005
 ALIKE = 0.7
 #: A priori slope of an axis over the common part of the others, and its standard deviation.
 SLOPE, SLOPE_SPREAD = 1.0, 0.35
+#: What moves all axes (oil, weather) moves viscous friction so many times as much, in percent of itself, as Coulomb
+#: friction: nearly all of what temperature does to friction is viscous (Bittencourt and Gunnarsson 2012).
+VISCOUS_TIMES = 2.0
 #: Common part above which all axes together are a finding of its own.
 FINDING = 0.03
 #: Fewest other axes.
@@ -77,6 +80,18 @@ def shared_error(
     usual = _usual(location[baseline], error[baseline])
     common = _shrunk(location, error, usual + np.median(alike, axis=1))[0]
     return SharedError(unit * value, np.square(unit) * spread, common)
+
+
+def units_of_levels(coulomb: np.ndarray, alone: np.ndarray) -> np.ndarray:
+    """Return what all axes have in common comes to in the level of each (n,), over the usual axis.
+
+    Parameters
+    ----------
+    coulomb : (n,) share of Coulomb friction in the friction of each axis. alone : (n,) bool, whether the level is that
+    of Coulomb friction: it takes what viscous friction, held at its value in the baseline, does, over a smaller level.
+    """
+    unit = (coulomb + VISCOUS_TIMES * (1 - coulomb)) / np.where(alone, coulomb, 1.0)
+    return unit / np.median(unit)
 
 
 def _location(residual: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
