@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear import effects
+from jointwear.effects.effect import correction_torque
 from jointwear.effects.entries.presliding_hysteresis import EFFECT as HYSTERESIS
 from jointwear.effects.needs import ALL as NEEDS
 from jointwear.effects.order import lagged, late_torque
@@ -186,6 +187,20 @@ def test_a_spring_carries_its_preload(state):
     found = effect.parameters_of(nonlinear, fit)
     assert found["preload"] - 3 * found["centre"] == pytest.approx(10.7, abs=1e-9)
     assert len(effect.widths) == columns.shape[1]
+
+
+def test_a_spring_goes_on_straight_beyond_its_travel_and_so_does_its_correction(state):
+    effect = effects.get_effect("joint_spring")
+    found = {"centre": 0.0, "low": -1.0, "high": 1.0, "stiffness": 2.0, "quadratic": 0.5, "cubic": 0.1, "preload": -3.0}
+    (bent,) = effect.bend.written(found, np.array([-1.0, 0.0, 0.5, 1.0]), np.array([0.1, 0.0, 0.0, -0.2]))
+
+    def torque(places, parameters):
+        one = replace(state, position=np.repeat(np.array(places)[:, None], state.position.shape[1], axis=1))
+        return effect.torque(one, 1, None, parameters) + correction_torque(effect, one, 1, parameters)
+
+    for parameters, slope in ((found, 3.3), (bent, 2.9)):
+        edge, near, last, beyond = torque([1.0, 1.5, 3.0, 9.0], parameters)
+        np.testing.assert_allclose([near - edge, last - edge, beyond], [0.5 * slope, 2.0 * slope, last], rtol=1e-12)
 
 
 def test_friction_under_load_may_differ_with_the_direction(state):

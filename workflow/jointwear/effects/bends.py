@@ -16,13 +16,14 @@ Shape = Callable[[State, int, Parameters], tuple[np.ndarray, np.ndarray]]
 BendColumns = Callable[[State, int, int | None, Parameters, Any], np.ndarray]
 
 
-def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "order") -> Bend:
+def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "order", straight: bool = False) -> Bend:
     """Return the bend of an effect carrier x f(argument): f is corrected by a table of `count` knots.
 
     Parameters
     ----------
     per_wave : for a wave over the argument, knots in one wave (the parameter `waves` counts waves in 2 pi), enough
         for its second harmonic and a slow change of its amplitude.
+    straight : beyond what was seen the torque goes on straight, as far again: so does its correction in a robot file.
     """
 
     def knots(state, axis, source, p, used):
@@ -37,7 +38,14 @@ def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "or
         carrier, argument = shape(state, axis, p)
         return carrier[:, None] * hats(argument, table)
 
-    return Bend(columns, knots, written_as_table)
+    return Bend(columns, knots, written_straight_on if straight else written_as_table)
+
+
+def written_straight_on(parameters: Parameters, knots: np.ndarray, coefficients: np.ndarray) -> list[dict[str, Any]]:
+    """Return the same with a table whose outer pieces go on as far as the table is wide, at either end."""
+    wide, slope = knots[-1] - knots[0], np.diff(coefficients) / np.diff(knots)
+    values = [coefficients[0] - slope[0] * wide, *coefficients, coefficients[-1] + slope[-1] * wide]
+    return written_as_table(parameters, np.array([knots[0] - wide, *knots, knots[-1] + wide]), np.array(values))
 
 
 def written_as_table(parameters: Parameters, knots: np.ndarray, coefficients: np.ndarray) -> list[dict[str, Any]]:

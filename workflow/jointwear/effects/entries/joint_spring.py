@@ -5,15 +5,14 @@ import numpy as np
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
-#: Share of the travel over which the torque goes on straight beyond either end.
-_BEYOND = 0.15
 _NAMES = ("stiffness", "quadratic", "cubic", "preload")
 
 
 def _columns(state, axis, source, p):
-    # Beyond the travel that it was found on a polynomial says nothing: it goes on straight for a while, then stays.
+    # Beyond the travel that it was found on a polynomial says nothing, but a spring pulls to where it rests: it goes on
+    # straight, as far again as it was seen, and stays then.
     inside = np.clip(state.position[..., axis], p["low"], p["high"])
-    reach = _BEYOND * (p["high"] - p["low"])
+    reach = p["high"] - p["low"]
     beyond = np.clip(state.position[..., axis] - inside, -reach, reach)
     x = inside - p["centre"]
     return np.stack([x + beyond, x**2 + 2 * x * beyond, x**3 + 3 * x**2 * beyond, np.ones(np.shape(x))], axis=-1)
@@ -57,5 +56,5 @@ EFFECT = Effect(
     widths=(1.0, 1.0, 1.0, 10.0),
     shape=_shape,
     as_seen=True,
-    bend=table_bend(_shape, 6),
+    bend=table_bend(_shape, 6, straight=True),
 )
