@@ -15,9 +15,11 @@ from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
 from jointwear.measurement import checks
-from jointwear.measurement.axis_readings import Reading, _solved, other_scale, readings
+from jointwear.measurement.axis_readings import Reading, _solved, other_scale, readings, units_of_one
+from jointwear.measurement.checked import checked
 from jointwear.measurement.checks import FAVOURS, Refused, check_axes, explained, explained_otherwise, favours
 from jointwear.measurement.motion import measure
+from jointwear.measurement.other_zero import zero_in_words
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
@@ -69,6 +71,42 @@ def test_flipped_joints_are_named_by_a_file_without_friction(puma, axis, positio
 def test_flipped_joints_are_named(recording, puma, axis):
     with pytest.raises(Refused, match=f"sign of joint {axis + 1} looks flipped"):
         check(turned(recording, axis, -1.0, -1.0), puma)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_one_joint_in_degrees_is_named(recording, puma, axis):
+    with pytest.raises(Refused, match=f"position of joint {axis + 1} looks like degrees, those of the others do not"):
+        check(turned(recording, axis, 180 / np.pi), puma)
+
+
+def test_readings_that_the_torque_cannot_tell_apart_are_all_told(puma):
+    # Without limits that differ, an upper arm that turns the other way is one that hangs from half a turn of the base.
+    with pytest.raises(Refused) as refused:
+        check(turned(make_case(puma, 3), 1, -1.0, -1.0), puma)
+    believed = refused.value.reason.split("; or ")
+    assert any("joint 2 looks flipped" in words for words in believed)
+    assert len(refused.value.suggestion.split("; or ")) == len(believed)
+
+
+@pytest.mark.parametrize("gravity", [(9.81, 0.0, 0.0), (0.0, 0.0, 9.81)])
+def test_a_file_of_another_mounting_is_told_with_its_gravity(puma, gravity):
+    with pytest.raises(Refused, match=r"gravity along \[0, 0, -9.81\]"):
+        checked(make_case(puma, 3), replace(puma, gravity=np.array(gravity)))
+
+
+def test_torques_without_gravity_are_told(puma):
+    plain = make_case(puma, 3)
+    light = plain.torque - Dynamics(puma).gravity_torque(plain.position)
+    with pytest.raises(Refused, match="hold nothing of gravity"):
+        checked(replace(plain, torque=light), puma)
+
+
+def test_a_joint_that_counts_from_a_zero_some_degrees_off_is_told(puma):
+    plain = make_case(puma, 3)
+    assert zero_in_words(measure(plain), puma) == []
+    off = replace(plain, position=plain.position + np.radians([0, 8, 0, 0, 0, 0]))
+    (told,) = zero_in_words(measure(off), puma)
+    assert told.startswith("the position of joint 2 looks counted from another zero, -")
 
 
 @pytest.mark.parametrize("axis", [2, 5])
@@ -180,7 +218,7 @@ def test_what_another_reading_leaves_is_what_is_left_of_the_samples_read_that_wa
     parts, usable = rng.standard_normal((200, 4, 6)), rng.random((200, 6)) > 0.3
     dynamics = Dynamics(puma)
     found = list(explained_otherwise(dynamics, parts, usable))
-    assert [reading for reading, _ in found] == list(readings(puma))
+    assert [reading for reading, _ in found] == [*readings(puma), *units_of_one(puma, parts[:, 0])]
     for reading, left in found:
         np.testing.assert_allclose(left, explained(dynamics, *reading.read(parts, usable, puma)), rtol=1e-9)
 

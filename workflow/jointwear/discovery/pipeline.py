@@ -40,6 +40,7 @@ from jointwear.discovery.whitening import White
 from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
 from jointwear.measurement.checked import checked
+from jointwear.measurement.other_zero import zero_in_words
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.silent_joints import moving_torques
 from jointwear.robots.robot import Robot
@@ -189,6 +190,8 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Dis
     outcome.unexplained = lasting(outcome)
     if outcome.force is not None and outcome.unexplained:
         restrictions = [*restrictions, force_in_words(outcome.force)]
+    elif outcome.unexplained and not outcome.named:
+        restrictions = [*restrictions, *zero_in_words(problem.measured, problem.robot)]
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)

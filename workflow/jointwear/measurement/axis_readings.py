@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from jointwear.files.wording import listed, numbered
+from jointwear.measurement.units import POSITION_WORDS
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import bodies, inertial_regressor, prior_factor, to_joint_frame
 from jointwear.robots.robot import Robot
@@ -38,7 +39,8 @@ ROUNDS = 8
 class Reading:
     """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one, turn its
     "torque" around, take it as of the "motor", add an angle [rad] to its position, that is count it from another
-    "zero", or divide the torques of some by a factor each, that is take them in another "scale".
+    "zero", multiply it by a factor, that is take it in another "unit", or divide the torques of some by a factor each,
+    that is take them in another "scale".
 
     `axes` are 0-based.
     """
@@ -59,6 +61,7 @@ class Reading:
             "torque": f"the sign of the torque of {self._joints} looks flipped",
             "motor": f"the torque of {self._joints} looks like that of the motor, before the gear",
             "zero": f"the position of {self._joints} looks counted from another zero, {self._degrees} deg off",
+            "unit": f"the position of {self._joints} looks like {self._unit}, those of the others do not",
             "scale": f"the torque of {self._joints} is {_figures(self.factors)} times that of the model, friction "
             "included",
         }[self.kind]
@@ -77,6 +80,7 @@ class Reading:
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
             "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
             "'offset' in the robot file",
+            "unit": f"write the position of {self._joints} in the unit of the others: it is {self._unit} as read",
             "scale": f"give 'scale' with {_figures([1 / f for f in self.factors])} for {self._joints}, or "
             "'torque_constant' in N m/A for a current",
         }[self.kind]
@@ -84,6 +88,11 @@ class Reading:
     @property
     def _joints(self) -> str:
         return numbered("joint", [axis + 1 for axis in self.axes])
+
+    @property
+    def _unit(self) -> str:
+        degrees, radians = POSITION_WORDS["deg"], POSITION_WORDS["rad"]
+        return degrees if self.factors and self.factors[0] < 1 else f"{radians} taken for {degrees}"
 
     @property
     def _degrees(self) -> str:
@@ -108,6 +117,8 @@ class Reading:
             turned[:, :, axis] *= -1.0
         elif self.kind == "zero":
             turned[:, 0, axis] += self.angle
+        elif self.kind == "unit":
+            turned[:, :3, axis] *= self.factors[0]
         else:
             turned[:, 3, axis] *= -1.0 if self.kind == "torque" else robot.gear_ratio[axis]
         return turned, usable
@@ -129,6 +140,22 @@ def readings(robot: Robot) -> Iterator[Reading]:
             yield Reading("zero", (axis,), angle)
         if abs(robot.gear_ratio[axis]) > 2:
             yield Reading("motor", (axis,))
+
+
+def units_of_one(robot: Robot, position: np.ndarray) -> Iterator[Reading]:
+    """Yield the readings of single axes in degrees where they leave their limits, and in radians where those do not.
+
+    Parameters
+    ----------
+    position : (m, n) [rad], as read.
+    """
+    reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+    largest = np.abs(position).max(axis=0, initial=0.0)
+    for axis in range(robot.joints):
+        if largest[axis] > reach[axis]:
+            yield Reading("unit", (axis,), factors=(np.pi / 180,))
+        elif 0 < largest[axis] * 180 / np.pi <= reach[axis]:
+            yield Reading("unit", (axis,), factors=(180 / np.pi,))
 
 
 def other_scale(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> Reading | None:

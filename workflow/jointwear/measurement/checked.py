@@ -10,6 +10,7 @@ from jointwear.measurement.jumps import jumps_in_words
 from jointwear.measurement.late_torque import check_delay
 from jointwear.measurement.model_size import check_model_size, unusual_parameters
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.mounting import check_mounting
 from jointwear.measurement.position_unit import check_position_unit
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import moving_torques, silence_in_words
@@ -36,10 +37,12 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     check_rate(recording, name)
     measured = moving_torques(recording)
     restrictions += silence_in_words(measured)
-    check_position_unit(thinned(measured), robot, name, recording.units.get("position", ""))
+    thin = thinned(measured)
+    check_position_unit(thin, robot, name, recording.units.get("position", ""))
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.
     factors = torque_factors(recording, robot, measured)
     restrictions += check_scale(factors)
+    check_mounting(name, robot, thin.parts, thin.usable)
     if not check_axes(name, robot, measured):
         restrictions.append(UNASKED)
     check_scale_of_one(factors)

@@ -8,7 +8,14 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.files.wording import count
-from jointwear.measurement.axis_readings import EXCHANGED, Likelihood, Reading, other_scale, readings
+from jointwear.measurement.axis_readings import (
+    EXCHANGED,
+    Likelihood,
+    Reading,
+    other_scale,
+    readings,
+    units_of_one,
+)
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.turns import turns_on
@@ -34,7 +41,8 @@ WRONG = 0.5
 #: the motion; of 347 flips on 56 simulated arms 289 reach 40, 294 reach 25. A torque of the motor is told from the size
 #: of its friction, which no load changes; see :func:`favours`.
 FAVOURS = {
-    "swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0, "torques": 40.0, "positions": 40.0
+    "swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0, "torques": 40.0, "positions": 40.0,
+    "unit": 40.0,
 }  # fmt: skip
 #: Multiple of that of a flip where the model explains the axis as it is, so that nothing asks for another sign: a zero
 #: of the torque that wanders over a day reached 41 nats for a wrist; of 45 flips 37 reach 100, none lies between.
@@ -45,6 +53,8 @@ SIZE_TOO, BY_FAR = 0.5, 1.8
 #: Readings that another cause resembles, a load, a mounting or a drive that two joints share: they have to fit far
 #: better in size and be far likelier.
 RESEMBLED = ("zero", "torques", "positions")
+#: Readings that have to fit far better in size.
+OF_SIZE = (*RESEMBLED, "unit")
 #: Readings that leave the motion as it is.
 OF_TORQUE = ("torques", "torque", "motor")
 #: Why another reading is believed, as the end of the sentence that says what it is.
@@ -54,6 +64,7 @@ _WHY = {
     "torque": " against its motion",
     "motor": "",
     "zero": "; from there it fits the model",
+    "unit": "; read so it fits the model",
     "scale": ": another unit, a current, or a share of a rating",
 }
 #: Share of the squared torque that wrong parameters leave of the right reading; axes of a wrist resemble each other, so
@@ -168,12 +179,14 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
     for unit, share in _smaller_units(stated):
         if over.any() and np.mean(share * largest <= reach + 0.5) > 0.5 and largest.max() > 10:
             axis = int(np.argmax(largest / reach))
+            alone = f"; where the other joints are right, write joint {axis + 1} in their unit"
+            alone = alone if inside.sum() > over.sum() else ""
             read = "" if stated == "rad" else f" once they are read as {POSITION_WORDS[stated]}"
             raise Refused(
                 f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}{read}, its "
                 f"limits are {robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like "
                 f"{POSITION_WORDS[unit]}",
-                f"state units: {{position: {unit}}}",
+                f"state units: {{position: {unit}}}{alone}",
             )
     warm = None if recording.temperature is None else recording.temperature[np.isfinite(recording.temperature)]
     if warm is not None and len(warm) and np.median(warm) > HOTTEST:
@@ -242,7 +255,7 @@ def explained_otherwise(
     robot, axes = dynamics.robot, range(parts.shape[2])
     rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3)))
     plain: np.ndarray | None = None
-    for reading in readings(robot):
+    for reading in (*readings(robot), *units_of_one(robot, parts[:, 0])):
         if reading.kind not in OF_TORQUE:
             if refuted is None or not refuted(reading, _explained_at_least(dynamics, parts, usable, reading)):
                 yield reading, explained(dynamics, *reading.read(parts, usable, robot))
@@ -296,7 +309,7 @@ def _enough(reading: Reading, gained: float, left: np.ndarray, robot: Robot) -> 
     """
     if gained <= CLEARLY:
         doubt = NOTHING_WRONG if reading.kind == "flip" and np.nanmax(left, initial=0.0) < RIGHT else 1.0
-        return np.inf if reading.kind in RESEMBLED else doubt * favours(reading, robot)
+        return np.inf if reading.kind in OF_SIZE else doubt * favours(reading, robot)
     if reading.kind in RESEMBLED:
         return favours(reading, robot)
     return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * favours(reading, robot)
@@ -348,9 +361,12 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
             believed.append((nats, reading))
     if believed:
         nats, reading = max(believed, key=lambda x: x[0])
+        # A joint that turns the other way does what it does where the two beside it count from half a turn further.
+        also = [r for n, r in believed if r is not reading and n > nats - favours(reading, robot)]
         # Friction of another size may ask for another axis, too.
         scaled = other_scale(dynamics, parts, usable)
         if scaled and likelihood(*scaled.read(parts, usable, robot)) - as_read > nats + favours(reading, robot):
-            reading = scaled
-        raise Refused(f"{name}: {reading.reason}{_WHY[reading.kind]}", reading.remedy)
+            reading, also = scaled, []
+        others, remedies = "".join(f"; or {r.reason}" for r in also), "".join(f"; or {r.remedy}" for r in also)
+        raise Refused(f"{name}: {reading.reason}{_WHY[reading.kind]}{others}", f"{reading.remedy}{remedies}")
     return True

@@ -7,6 +7,7 @@ hangs the same way and turns it little; masses that are wrong change its length.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -40,13 +41,14 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
     seen = _gravity(robot, parts, usable)
     if seen is None or not size > 0:
         return
-    way = seen / np.linalg.norm(seen)
-    if np.arccos(np.clip(way @ robot.gravity / size, -1.0, 1.0)) < ANOTHER:
-        return
 
     def nats(gravity: np.ndarray) -> float:
         return Likelihood(Dynamics(replace(robot, gravity=gravity)), FEWEST)(parts, usable)
 
+    _check_weight(name, robot, parts, usable, seen, nats)
+    way = seen / np.linalg.norm(seen)
+    if np.arccos(np.clip(way @ robot.gravity / size, -1.0, 1.0)) < ANOTHER:
+        return
     # A load that the file lacks turns what is found; the likelihood knows of it.
     along = np.sign(way) * (np.abs(way) == np.abs(way).max())
     found, simpler = nats(size * way), nats(size * along)
@@ -69,6 +71,40 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
         f"{name}: the torques show gravity along [{told}] of the base frame, robot '{robot.name}' has [{given}]: the "
         f"arm may be mounted on a wall, a ceiling or a slope, or its base frame turned{also}",
         f"give 'gravity: [{told}]' in the robot file" + (f"; or {reading.remedy}" if also else ""),
+    )
+
+
+def _check_weight(
+    name: str,
+    robot: Robot,
+    parts: np.ndarray,
+    usable: np.ndarray,
+    seen: np.ndarray,
+    nats: Callable[[np.ndarray], float],
+) -> None:
+    """Check that the torques hold that of gravity: what a controller logs beside its own compensation does not.
+
+    Parameters
+    ----------
+    seen : (3,) the acceleration of gravity that explains the torques best. nats : log likelihood of one.
+
+    Raises
+    ------
+    Refused : where `seen` is nearer to none than to that of the robot file, and none fits far better.
+    """
+    none = np.zeros(3)
+    if np.linalg.norm(seen) > np.linalg.norm(seen - robot.gravity):
+        return
+    as_given, weightless = Dynamics(robot), Dynamics(replace(robot, gravity=none))
+    if _left(as_given, parts, usable) - _left(weightless, parts, usable) < CLEARLY:
+        return
+    # Wrong masses and centres of mass leave some: none has to be most of what the best one is likelier by.
+    given, found = nats(robot.gravity), nats(none)
+    if found - given < max(FAVOURS["zero"], nats(seen) - found):
+        return
+    raise Refused(
+        f"{name}: the torques hold nothing of gravity, as those from which a controller has taken its own compensation",
+        "log the whole torque of the motors; or give 'gravity: [0, 0, 0]' in the robot file",
     )
 
 
