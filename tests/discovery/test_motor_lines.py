@@ -55,7 +55,8 @@ def test_a_wave_is_held_by_how_quiet_the_residual_is_without_it(robot):
         white = estimate(noise[problem.train, AXIS], problem.usable[:, AXIS], label, 6)
         waves = waves_in_band(problem, AXIS, state)
         offset = RidgeFit(np.ones((len(label), 1)), problem.usable[:, AXIS], None)
-        return loud_waves(replace(problem, discrepancy=noise), AXIS, waves, white, offset, 6)
+        left = offset(noise[problem.train, AXIS])
+        return loud_waves(replace(problem, discrepancy=noise), AXIS, waves, white, offset, left, 6)
 
     assert found(0.0).shape[1] == 0
     loud = found(0.4)

@@ -29,6 +29,17 @@ def test_sums_of_products_of_what_is_left_are_those_of_the_columns_left(white):
     assert fit.squares([]) == []
 
 
+def test_what_columns_take_off_is_what_a_regression_on_what_is_left_of_them_takes_off():
+    rng = np.random.default_rng(3)
+    used = rng.random(800) < 0.9
+    fit = RidgeFit(rng.standard_normal((800, 12)), used, None)
+    groups, left = [rng.standard_normal((800, k)) for k in (2, 3)], fit(rng.standard_normal(800))
+    for columns, (gained, size) in zip(groups, fit.gained(groups, fit.squares(groups), left), strict=True):
+        beside, before = fit(columns)[used], left[used]
+        np.testing.assert_allclose(size, np.linalg.lstsq(beside, before, rcond=None)[0], rtol=1e-9)
+        np.testing.assert_allclose(gained, before @ before - np.sum((before - beside @ size) ** 2), rtol=1e-9)
+
+
 def test_the_order_of_a_noise_model_is_that_of_a_regression_for_each():
     rng = np.random.default_rng(1)
     series = coloured(WHITE, drawn(LABEL, 1, rng))[:, 0]

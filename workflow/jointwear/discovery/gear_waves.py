@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.linear import fitted
 from jointwear.discovery.noise import estimate
 from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.spectra import around
-from jointwear.discovery.structure import KNOTS, STILL
+from jointwear.discovery.structure import KNOTS, STILL, SURROUNDINGS
 from jointwear.effects.motor_waves import ORDER, ORDERS
 
 #: Waves in the whole travel from which on one is not structure over the position, which has knots for fewer.
@@ -51,7 +50,8 @@ def gear_orders(
         return ()
     size = 2 ** int(np.ceil(np.log2(SAMPLES * CELLS * fastest * travel / (2 * np.pi))))
     place = np.floor((angle - angle.min()) / (CELLS * travel) * size).astype(int)
-    waves = 2 * np.pi * np.arange(size // 2) / (CELLS * travel)
+    # The fastest wave lies below a quarter of the rate; the cells beyond are those around it.
+    waves = 2 * np.pi * np.arange(min(size // 2, size // SAMPLES + SURROUNDINGS)) / (CELLS * travel)
     asked = (waves >= 2 * np.pi * FEWEST / travel) & (waves <= fastest)
     heights = (np.ones(len(residual)), torque / max(float(np.sqrt(np.mean(torque[used] ** 2))), 1e-300))
     left, noise = take_off(residual), None
@@ -61,16 +61,14 @@ def gear_orders(
     for _ in range(MOST):
         starts = []
         for height in heights:
-            power = np.abs(np.fft.rfft(np.bincount(place, (left * height)[used], size))[: size // 2]) ** 2
-            many = float(waves[np.argmax(np.where(asked, power / around(power), 0.0))])
-            starts.append((_without(left, take_off, position, height, used, many)[0], many, height))
-        gained, many, height = max(starts, key=lambda start: start[0])
+            power = np.abs(np.fft.rfft(np.bincount(place, (left * height)[used], size))[: len(waves)]) ** 2
+            starts.append((float(waves[np.argmax(np.where(asked, power / around(power), 0.0))]), height))
+        gained, many, height, without = _largest(left, take_off, position, starts)
         if 0.5 * gained <= needed * np.mean(left[used] ** 2):
             break
         for step in line * NEARER:
-            tried = [_without(left, take_off, position, height, used, many + k * step)[0] for k in range(-4, 5)]
-            many += (int(np.argmax(tried)) - 4) * step
-        without = _without(left, take_off, position, height, used, many)[1]
+            nearby = [(many + k * step, height) for k in range(-4, 5)]
+            _, many, height, without = _largest(left, take_off, position, nearby)
         noise = noise or estimate(left, used, label)
         quieter = estimate(without, used, label)
         if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= needed:
@@ -82,10 +80,19 @@ def gear_orders(
     return tuple(found)
 
 
-def _without(
-    left: np.ndarray, take_off: RidgeFit, position: np.ndarray, height: np.ndarray, used: np.ndarray, many: float
-) -> tuple[float, np.ndarray]:
-    """Return what a wave takes off the squares of a residual (N,), and what it leaves of it."""
-    columns = take_off(np.stack([np.sin(many * position), np.cos(many * position)], axis=1) * height[:, None])
-    gained, size = fitted(columns[used], left[used])
-    return gained, left - columns @ size
+def _largest(
+    left: np.ndarray, take_off: RidgeFit, position: np.ndarray, asked: list[tuple[float, np.ndarray]]
+) -> tuple[float, float, np.ndarray, np.ndarray]:
+    """Return what the wave takes off the squares of a residual (N,) that takes most, the wave, and what it leaves.
+
+    Parameters
+    ----------
+    asked : waves in a radian, with their height (N,).
+    """
+    columns = [
+        np.stack([np.sin(many * position), np.cos(many * position)], axis=1) * height[:, None] for many, height in asked
+    ]
+    found = take_off.gained(columns, take_off.squares(columns), left)
+    best = max(range(len(asked)), key=lambda k: found[k][0])
+    gained, size = found[best]
+    return gained, *asked[best], left - take_off(columns[best]) @ size

@@ -59,8 +59,13 @@ class Cutoffs:
     late: float = np.inf
 
 
-def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
-    """Return the cut-offs of the instruments of one axis under a noise model of its residual."""
+def axis_cutoffs(problem: Problem, axis: int, white: Whitener, with_late: bool = True) -> Cutoffs:
+    """Return the cut-offs of the instruments of one axis under a noise model of its residual.
+
+    Parameters
+    ----------
+    with_late : whether that of a torque at another time is asked, nearly half of the work; else it is that of rates.
+    """
     measured = problem.measured
     if measured.noise is None:
         return Cutoffs()
@@ -80,8 +85,9 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener) -> Cutoffs:
     timing = cutoff_of(white, density, frequency, rate)
     if np.isfinite(timing):
         timing = cutoff_of(white, density, frequency, rate, 2, _motion(problem, axis, white, timing))
-    share = density / whole
-    late = _late(problem, axis, white, timing, share / max(1.0, float(np.max(share))), frequency)
+    late, share = timing, density / whole
+    if with_late:
+        late = _late(problem, axis, white, timing, share / max(1.0, float(np.max(share))), frequency)
     return Cutoffs(timing, torque, judged, structure, assumed.OCTAVE * timing, late)
 
 

@@ -161,8 +161,13 @@ def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float
 
 def fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:
     """Return what columns (m, k) take off the squares of a target (m,), and their coefficients (k,)."""
-    gram, b = columns.T @ columns, columns.T @ target
-    return chi_square(b, gram, gram)[0], least_squares(b, gram, gram)
+    return solved(columns.T @ target, columns.T @ columns)
+
+
+def solved(b: np.ndarray, gram: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return the same from the products b (k,) of the columns with the target and their own, gram (k, k)."""
+    values, turned, vectors = _free(b, gram, gram)
+    return float(np.sum(turned**2 / values)), vectors @ (turned / values)
 
 
 def least_squares(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.linear import chi_square, least_squares
+from jointwear.discovery.linear import chi_square
 from jointwear.discovery.noise import Whitener, estimate
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.ridge_fit import RidgeFit
@@ -49,6 +49,7 @@ def loud_waves(
     waves: Sequence[np.ndarray],
     noise: Whitener,
     take_off: RidgeFit,
+    left: np.ndarray,
     highest: int,
 ) -> np.ndarray:
     """Return the columns (N_train, k) of the waves that are louder than the noise, k = 0 for none, the loudest first.
@@ -60,23 +61,20 @@ def loud_waves(
     Parameters
     ----------
     waves : of :func:`waves_in_band`, or other groups of columns. noise : the noise model of what the fit leaves.
-    take_off : a fit that knows no noise. highest : order that a noise model may have.
+    take_off : a fit that knows no noise. left : (N_train,) what it leaves [N m]. highest : order that a noise model may
+        have.
     """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     waves, shown = list(waves), [np.zeros((len(used), 0))]
-    left = take_off(problem.discrepancy[problem.train, axis])
     squares = take_off.squares(waves)
     while waves:
-        # What the fit leaves of columns has the products with a residual that these have with what it leaves of that.
-        again = np.where(used, take_off(left), 0.0)
-        products = [columns.T @ again for columns in waves]
-        gained = [chi_square(b, gram, gram)[0] for b, gram in zip(products, squares, strict=True)]
+        gained = take_off.gained(waves, squares, left)
         # The loudest by what it takes off the squares; how much better the noise is then, decides.
-        best = int(np.argmax(gained))
+        best = max(range(len(waves)), key=lambda k: gained[k][0])
         needed = problem.settings.accept + np.log(len(waves))
-        if 0.5 * gained[best] <= needed * np.mean(left[used] ** 2):
+        if 0.5 * gained[best][0] <= needed * np.mean(left[used] ** 2):
             break
-        without = left - take_off(waves[best]) @ least_squares(products[best], squares[best], squares[best])
+        without = left - take_off(waves[best]) @ gained[best][1]
         quieter = estimate(without, used, label, highest)
         if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= needed:
             break

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from jointwear.discovery.linear import solved
 from jointwear.discovery.noise import Whitener
 
 #: Ridge, as a share of the mean square sum of a column.
@@ -56,6 +57,15 @@ class RidgeFit:
                 left = own.T @ own
             result.append(left)
         return result
+
+    def gained(
+        self, groups: Sequence[np.ndarray], squares: Sequence[np.ndarray], left: np.ndarray
+    ) -> list[tuple[float, np.ndarray]]:
+        """Return for each of groups (N, s) what it takes off the squares of what a fit that knows no noise left of a
+        series (N,), and its coefficients (s,); `squares` are those of :meth:`squares`."""
+        # What the fit leaves of columns has the products with a residual that these have with what it leaves of that.
+        again = np.where(self._used, self(left), 0.0)
+        return [solved(columns.T @ again, gram) for columns, gram in zip(groups, squares, strict=True)]
 
     def _seen(self, series: np.ndarray) -> np.ndarray:
         if self._white is not None:

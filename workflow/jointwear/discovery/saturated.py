@@ -46,31 +46,35 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
     """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     y = problem.discrepancy[problem.train, axis]
+
+    def fitted(columns: np.ndarray, highest: int) -> tuple[RidgeFit, np.ndarray, Whitener]:
+        """Return the fit of columns, what it leaves, and the noise model of that."""
+        plain = RidgeFit(columns, used, None)
+        left = plain(y)
+        return plain, left, estimate(left, used, label, highest)
+
     columns = _columns(problem, axis, extra, Cutoffs())
-    plain = RidgeFit(columns, used, None)
-    white = estimate(plain(y), used, label)
-    cutoffs = axis_cutoffs(problem, axis, white)
+    plain, left, white = fitted(columns, HIGHEST_ORDER)
+    cutoffs = axis_cutoffs(problem, axis, white, with_late=False)
     highest = HIGHEST_ORDER
     if cutoffs != Cutoffs():
         highest = HIGHEST_ORDER_DERIVED
         # Columns that share the noise have taken a part of it: what they left says too little.
         columns = _columns(problem, axis, extra, cutoffs)
-        plain = RidgeFit(columns, used, None)
-        white = estimate(plain(y), used, label, highest)
+        plain, left, white = fitted(columns, highest)
     further = _further_columns(limited_state(problem, axis, cutoffs.timing), axis)
-    further = loud_waves(problem, axis, further, white, plain, highest)
+    further = loud_waves(problem, axis, further, white, plain, left, highest)
     if further.shape[1]:
         columns = np.concatenate([columns.T, _scaled(further, used).T]).T
-        plain = RidgeFit(columns, used, None)
-        white = estimate(plain(y), used, label, highest)
+        plain, left, white = fitted(columns, highest)
     of_motor = waves_in_band(problem, axis, limited_state(problem, axis, cutoffs.torque))
-    loud = loud_waves(problem, axis, of_motor, white, plain, highest)
+    loud = loud_waves(problem, axis, of_motor, white, plain, left, highest)
     if not loud.shape[1]:
         # At a constant speed a wave of the motor is a line over time too.
-        loud = loud_lines(problem, axis, white, plain, highest)
+        loud = loud_lines(problem, axis, white, plain, left, highest)
     if loud.shape[1]:
         columns = np.concatenate([columns.T, _scaled(loud, used).T]).T
-        white = estimate(RidgeFit(columns, used, None)(y), used, label, highest)
+        *_, white = fitted(columns, highest)
     take_off = RidgeFit(columns, used, white)
     waves = shown_waves(problem, axis, of_motor, white, take_off)
     if waves.shape[1]:

@@ -24,7 +24,12 @@ MOST = 6
 
 
 def loud_lines(
-    problem: Problem, axis: int, noise: Whitener, take_off: Callable[[np.ndarray], np.ndarray], highest: int
+    problem: Problem,
+    axis: int,
+    noise: Whitener,
+    take_off: Callable[[np.ndarray], np.ndarray],
+    left: np.ndarray,
+    highest: int,
 ) -> np.ndarray:
     """Return the columns (N_train, k) of the lines over time that are louder than the noise, k = 0 for none.
 
@@ -34,11 +39,10 @@ def loud_lines(
     Parameters
     ----------
     noise : the noise model of what the fit leaves. take_off : what a fit that knows no noise leaves of series
-        (N_train, k). highest : order that a noise model may have.
+        (N_train, k). left : (N_train,) what it leaves [N m]. highest : order that a noise model may have.
     """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     rate, settings = problem.measured.rate, problem.settings
-    left = take_off(problem.discrepancy[problem.train, axis])
     shown = [np.zeros((len(used), 0))]
     for _ in range(MOST):
         frequency, chance, cells = loudest(left, used, label, rate)
