@@ -37,6 +37,8 @@ def test_unit_loads_are_the_linear_part_of_a_payload(seed, mass, centre):
     unit = flange.unit(*motion)
     size = np.abs(there).max()
     assert mass * unit[:, :, 0] == pytest.approx(alone - bare, abs=1e-8 * size)
+    pulled = flange.pull(motion[0]) @ ROBOT.gravity
+    assert mass * pulled == pytest.approx(alone[0] - bare[0], abs=1e-8 * size)
     first = np.einsum("smkn,k->smn", unit[:, :, 1:], mass * centre)
     # What is even in the centre is of second order in it.
     assert first == pytest.approx((there - opposite) / 2, abs=1e-8 * size)

@@ -26,6 +26,7 @@ from jointwear.measurement.filtering import limit, zero_phase_gain
 from jointwear.measurement.motion import Measured, measure
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.inertia import (
     gravity_regressor,
     inertial_regressor,
@@ -34,7 +35,7 @@ from jointwear.robots.inertia import (
     to_joint_frame,
     wind_up_regressor,
 )
-from jointwear.robots.robot import Link, Robot
+from jointwear.robots.robot import Robot
 
 #: Fewest usable samples of an axis that a verdict is based on.
 FEWEST_SAMPLES = 60
@@ -107,9 +108,10 @@ class Problem:
                 self.smear[self.train, axis],
             ]
             columns += [basis.columns for basis in axis_bases(state, axis, used, coarse=True)]
-            columns = np.concatenate(columns, axis=1)
-            held = np.sqrt(np.sum(columns[used] ** 2, axis=0))
-            columns = columns[:, held > 1e-9] / held[held > 1e-9]
+            series = np.concatenate([x.T for x in columns])
+            held = np.sqrt(np.square(series) @ used)
+            # Each column in one piece.
+            columns = (series[held > 1e-9] / held[held > 1e-9, None]).T
             speed = float(np.median(np.abs(state.velocity[used, axis])))
             fastest = 2 * np.pi * self.measured.band / max(speed, 1e-9)
             result[axis] = gear_orders(
@@ -130,8 +132,8 @@ class Problem:
         cutoff, rate = self.measured.cutoff[axis], self.measured.rate
         if not np.isfinite(cutoff):
             return np.ones(np.shape(frequency))
-        taken = (1.0 - zero_phase_gain(frequency, share * cutoff, rate) for share in SMEAR)
-        return np.clip(1.0 - sum(c * x for c, x in zip(self._rounded[axis], taken, strict=True)), 0.0, 1.0)
+        taken = 1.0 - zero_phase_gain(frequency, cutoff * np.array(SMEAR)[:, None], rate)
+        return np.clip(1.0 - self._rounded[axis] @ taken, 0.0, 1.0)
 
     @cached_property
     def _rounded(self) -> np.ndarray:
@@ -170,11 +172,7 @@ class Problem:
     @cached_property
     def flange_pull(self) -> np.ndarray:
         """(N_train, n, 3) derivative of the torques by a force at the flange, in the base frame."""
-        robot, position = self.robot, self.train_state.position
-        body = replace(robot, payload=Link(1.0, np.zeros(3), np.zeros((3, 3))))
-        bare = self.train_state.gravity_regressor if robot.payload is None else None
-        without = bare() if bare else gravity_regressor(replace(robot, payload=None), position)
-        return gravity_regressor(body, position) - without
+        return FlangeLoad(self.robot).pull(self.train_state.position)
 
     @cached_property
     def flange_path(self) -> np.ndarray:

@@ -21,7 +21,7 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.recorded_in_time import Steps, bridged, put_forward, whitened_change
 from jointwear.discovery.whitening import White
-from jointwear.effects import get_effect
+from jointwear.effects import State, get_effect
 from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import Recording
 
@@ -158,9 +158,7 @@ def _of_joints(
         if recorded:
             late = np.stack([whitened_change(white, fit, axis, share * period) for share in asked], axis=1)
         else:
-            limited = white.timing_state(axis)
-            changes = [change_by_delay(limited, axis, share * period) for share in asked]
-            late = white.columns(axis, np.stack(changes, axis=1))
+            late = white.columns(axis, _changes(white.timing_state(axis), axis, period * asked))
         b, gram = fit.gram({axis: late})
         if not np.diag(gram).any():
             continue
@@ -168,6 +166,14 @@ def _of_joints(
         nats = CubicSpline(asked, (0.5 * np.diag(gram) - b) / misfit)(shares)
         found[axis] = nats - nats.min()
     return found
+
+
+def _changes(state: State, axis: int, delays: np.ndarray) -> np.ndarray:
+    """Return what delays (k,) [s] change of the torque of an axis, (N_train, k); asked again after each search."""
+    return state.once(
+        ("changes by delay", axis, *delays),
+        lambda: np.stack([change_by_delay(state, axis, delay) for delay in delays], axis=1),
+    )
 
 
 def without_delay(recording: Recording, delay: float, steps: Steps | None = None) -> Recording:

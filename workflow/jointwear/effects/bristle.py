@@ -55,6 +55,8 @@ def relaxing_bristle(position, time, distance, relaxation, start=1):
     value = start * np.sign(away[beyond[0]] if len(beyond) else away[np.argmax(np.abs(away))])
     z = []
     for keep, gain in zip(kept.tolist(), gained.tolist(), strict=True):
-        value = min(max(keep * value + gain, -1.0), 1.0)
+        value = keep * value + gain
+        # Bounds in this form take a third of the time of `min` and `max`.
+        value = -1.0 if value < -1.0 else 1.0 if value > 1.0 else value
         z.append(value)
     return np.array(z)

@@ -51,8 +51,8 @@ def low_pass(values: np.ndarray, cutoff: float, rate: float, motion: bool = Fals
     settled = settled.reshape(2, 2, *[1] * (values.ndim - 1))
     longer = _continued(values, pad) if motion else turned_about_ends(values, pad)
     forward, _ = sosfilt(sections, longer, axis=0, zi=settled * longer[0])
-    backward, _ = sosfilt(sections, forward[::-1], axis=0, zi=settled * forward[-1])
-    return backward[::-1][pad : len(values) + pad]
+    backward, _ = sosfilt(sections, forward[pad:][::-1], axis=0, zi=settled * forward[-1])
+    return backward[::-1][: len(values)]
 
 
 def limit(columns: np.ndarray, record: np.ndarray, cutoff: float, rate: float) -> np.ndarray:

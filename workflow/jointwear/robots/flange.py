@@ -47,6 +47,13 @@ class FlangeLoad:
         joints, _ = self._frames(np.asarray(position, dtype=float), still, still)
         return np.stack([joint.way.T for joint in joints], axis=1)
 
+    def pull(self, position: np.ndarray) -> np.ndarray:
+        """Return what gravity on a unit mass at the frame's origin, by its components in the base frame, asks of the
+        joints, (m, n, 3) [m]."""
+        still = np.zeros(np.shape(position))
+        joints, tip = self._frames(np.asarray(position, dtype=float), still, still)
+        return np.stack([-joint.reach(tip.place).T for joint in joints], axis=1)
+
     def unit(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """Return gravity and inertial torque (2, m, 4, n) of unit mass [N m/kg] and unit first moments [N m/(kg m)]
         along a motion (m, n)."""
