@@ -10,7 +10,7 @@ from discovery_cases import coarse
 from jointwear import effects
 from jointwear.discovery import assumed
 from jointwear.discovery.beyond_band import beyond_band
-from jointwear.discovery.candidates import Candidate, term_of
+from jointwear.discovery.candidates import Candidate, raw_columns, term_of, wider
 from jointwear.discovery.fused_load import end_of_columns, fused_load
 from jointwear.discovery.noise import estimate
 from jointwear.discovery.problem import build_problem
@@ -19,7 +19,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.whitening import whiten
 from jointwear.effects.order import second_derivative
 from jointwear.measurement.derived_noise import DerivedNoise
-from jointwear.measurement.filtering import derivatives, low_pass
+from jointwear.measurement.filtering import derivatives, limit, low_pass
 from jointwear.measurement.recording import split
 
 
@@ -93,6 +93,27 @@ def test_what_a_gear_does_above_its_band_does_not_change_its_size(robot):
     sizes = [float(lacking.fit([term, *more]).theta[-1 - len(more)]) for more in ([], [beside])]
     assert sizes[0] > 1.1
     assert sizes[1] == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_gear_that_is_refused_is_asked_again_as_far_up_as_torque_can_be_judged(robot):
+    problem = build_problem(replace(split(coarse(robot)), encoder_side="link"), robot, Settings())
+    white = whiten(problem, estimate_noise(problem))
+    white = replace(white, cutoffs=[replace(c, timing=1.0, swing=1.0, judged=8.0) for c in white.cutoffs])
+    gear = Candidate("joint_flexibility", 1, None, {"inertia_over_stiffness": 1e-4, "inertia": 0.0, "side": 0})
+    wide = wider(white, gear)
+    assert wide == replace(gear, wide=True)
+    assert wide.key == gear.key
+    # What wide columns have beyond the others is of the load of the model.
+    state, record, rate = problem.train_state, problem.train_state.record, problem.measured.rate
+    load = state.load[:, [1]]
+    beyond = (limit(load, record, 8.0, rate) - limit(load, record, 1.0, rate))[:, 0]
+    more = raw_columns(white, wide) - raw_columns(white, gear)
+    assert more[:, 0] == pytest.approx(1e-4 * second_derivative(state, beyond))
+    # Where that is no further up, for another effect and with positions of the motor there are none.
+    low = replace(white, cutoffs=[replace(c, judged=0.5) for c in white.cutoffs])
+    late = Candidate("actuation_delay", 1, None, {"delay": 0.01, "lag": 1})
+    before = replace(white, problem=replace(problem, state=replace(problem.state, encoder_side="motor")))
+    assert [wider(low, gear), wider(white, late), wider(before, gear)] == [None, None, None]
 
 
 def _clock(time):

@@ -27,13 +27,15 @@ STILL = 1e-4
 class Candidate:
     """One point of the search: an effect of the library, or the mass of one link (``effect == LINK_MASS``).
 
-    `axis` and `source` are 0-based; axis is None for the whole arm and the link for a link mass.
+    `axis` and `source` are 0-based; axis is None for the whole arm and the link for a link mass. `wide`: the columns of
+    an elastic gear end as :meth:`White.state_of` says, not where its evidence is asked.
     """
 
     effect: str
     axis: int | None
     source: int | None
     nonlinear: dict[str, Any] = field(default_factory=dict)
+    wide: bool = False
 
     @property
     def key(self) -> tuple:
@@ -125,7 +127,7 @@ class Dictionary:
 def raw_columns(white: White, candidate: Candidate, band: float = 1.0) -> np.ndarray:
     """Return the columns (N_train, k) of a single-axis candidate before whitening; `band` as of White.state_of."""
     effect = get_effect(candidate.effect)
-    state = white.state_of(effect, candidate.axis, candidate.nonlinear, band)
+    state = white.state_of(effect, candidate.axis, candidate.nonlinear, band, candidate.wide)
     return effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
 
 
@@ -139,6 +141,18 @@ def on_all_axes(candidate: Candidate) -> bool:
 def on_its_axis_alone(candidate: Candidate) -> bool:
     """Return whether a candidate is an effect on one axis that acts on no other."""
     return candidate.effect != LINK_MASS and candidate.axis is not None and not on_all_axes(candidate)
+
+
+def wider(white: White, candidate: Candidate) -> Candidate | None:
+    """Return an elastic gear behind the encoder with columns that go on as far as its torque can be judged.
+
+    None where they end no further up than those in which noise feigns nothing.
+    """
+    if not on_its_axis_alone(candidate) or white.problem.state.encoder_side != "link":
+        return None
+    cutoffs = white.cutoffs[candidate.axis]
+    further = get_effect(candidate.effect).of_load and np.isfinite(cutoffs.judged) and cutoffs.judged > cutoffs.swing
+    return replace(candidate, wide=True) if further else None
 
 
 def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:

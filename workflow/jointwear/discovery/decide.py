@@ -22,6 +22,7 @@ from jointwear.discovery.candidates import (
     fitted_torque,
     raw_blocks,
     term_of,
+    wider,
 )
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.effect_estimates import links_error
@@ -204,6 +205,12 @@ def _tried(white: White, fit: Fit, named: list[Named], best: Scored) -> tuple[Na
     trials = [_named(white, fit, s) for s in (best, *others)]
     failed = [refusals(white, named, t) for t in trials]
     passed = [t for t, gates in zip(trials, failed, strict=True) if not gates]
+    wide = None if passed else wider(white, best.candidate)
+    if wide is not None:
+        # Noise feigns no gear in the columns that were asked: it may predict by what it does further up.
+        trial = _named(white, fit, replace(best, candidate=wide))
+        if not refusals(white, named, trial):
+            return trial, []
     if len(passed) < 2:
         return (passed[0], []) if passed else (trials[0], failed[0])
     before = [t for n in named for t in n.terms]

@@ -165,13 +165,17 @@ def _by_its_band(
     """Return half of what each linear parameter of an effect of timing moves by what the effect does above its band.
 
     What is left to a term of its own there holds noise as well as the effect. Without it the parameter would be too
-    large, with it that may be too small.
+    large, with it that may be too small. Columns that go on where noise might feign a gear have their own size: half of
+    what others ask for beside it is unknown too.
     """
     nothing, lean, effect = dict.fromkeys(names, 0.0), within_band(base), get_effect(candidate.effect)
     if len(lean) == len(base) or not effect.timing or candidate.axis is None:
         return nothing
-    found = effect.bounded(_fitted(white, Fit(white.targets, [*lean, *others]), candidate))
-    return {name: 0.5 * abs(found[name] - parameters[name]) for name in nothing}
+    fit = Fit(white.targets, [*lean, *others])
+    found = [_fitted(white, fit, candidate)]
+    if candidate.wide:
+        found.append(_fitted(white, fit, replace(candidate, wide=False)))
+    return {name: 0.5 * max(abs(effect.bounded(f)[name] - parameters[name]) for f in found) for name in nothing}
 
 
 def _by_its_noise(

@@ -54,7 +54,12 @@ class White:
     _states: dict[tuple, Any] = field(default_factory=dict, repr=False)
 
     def state_of(
-        self, effect: Effect, axis: int | None, nonlinear: Mapping[str, Any] | None = None, band: float = 1.0
+        self,
+        effect: Effect,
+        axis: int | None,
+        nonlinear: Mapping[str, Any] | None = None,
+        band: float = 1.0,
+        wide: bool = False,
     ) -> State:
         """Return the training samples that the columns of an effect on one axis are made from: its instruments.
 
@@ -62,6 +67,8 @@ class White:
         ----------
         nonlinear : of the effect; None for a bend of its form, which is of rates of torque whatever the effect is.
         band : times the cut-off of an effect of timing at which its columns end.
+        wide : whether columns of an elastic gear behind the encoder go on, of the load of the model, to where noise of
+            derived accelerations is half of the residual.
         """
         if axis is None:
             return self.problem.train_state
@@ -69,7 +76,8 @@ class White:
         if effect.of_load and np.isfinite(cutoffs.timing) and self.problem.state.encoder_side == "link":
             # Where positions may be those of the motor, a link that swings shakes all joints: that is no noise.
             share = abs(float((nonlinear or {}).get(effect.scaled, 0.0)))
-            return self._fused_state(axis, band * self._end_of_gear(axis, self.gears.get(axis, share)))
+            end = self._end_of_gear(axis, self.gears.get(axis, share))
+            return self._fused_state(axis, band * end, band * cutoffs.judged if wide else 0.0)
         if nonlinear is not None and effect.shifts(nonlinear):
             return self._limited_state(axis, cutoffs.late)
         if nonlinear is not None and effect.late:
@@ -123,14 +131,19 @@ class White:
         cutoffs = self.cutoffs[axis]
         return end_of_columns(self.problem, axis, self.whiteners[axis], share, cutoffs.timing, cutoffs.swing)
 
-    def _fused_state(self, axis: int, end: float) -> State:
-        if (axis, "fused", end) not in self._states:
+    def _fused_state(self, axis: int, end: float, wide: float = 0.0) -> State:
+        """Return the training samples with a load that is fused up to `end` [Hz], and as of the model up to `wide`."""
+        key = axis, "fused", end, wide
+        if key not in self._states:
             record, rate = np.asarray(self.problem.train_state.record), self.problem.measured.rate
             state = self._limited_state(axis, self.cutoffs[axis].timing)
             load = state.load.copy()
             load[:, axis] = limit(self._fused_load(axis)[:, None], record, end, rate)[:, 0]
-            self._states[axis, "fused", end] = replace(state, load=load)
-        return self._states[axis, "fused", end]
+            if wide > end:
+                model = self.problem.train_state.load[:, [axis]]
+                load[:, axis] += (limit(model, record, wide, rate) - limit(model, record, end, rate))[:, 0]
+            self._states[key] = replace(state, load=load)
+        return self._states[key]
 
     def _fused_load(self, axis: int) -> np.ndarray:
         if (axis, "load") not in self._states:
