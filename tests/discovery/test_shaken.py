@@ -23,6 +23,7 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
 RATE, N, JOINTS = 200.0, 8000, 3
+SIGMAS = Settings().noise_sigmas
 
 
 def _arm(seed):
@@ -35,7 +36,7 @@ def _arm(seed):
 def _shares(residual, torque):
     derived = np.zeros((JOINTS, len(frequencies(RATE))))
     usable = np.ones((N, JOINTS), dtype=bool)
-    return shaken_shares(residual, torque, usable, np.repeat([0, 1], N // 2), RATE, derived)
+    return shaken_shares(residual, torque, usable, np.repeat([0, 1], N // 2), RATE, derived, SIGMAS)
 
 
 def test_noise_of_a_sensor_moves_nothing():
@@ -87,7 +88,7 @@ def test_short_stretches_say_nothing():
     usable = np.ones((N, JOINTS), dtype=bool)
     usable[:: piece_of(RATE) // 2] = False
     derived = np.zeros((JOINTS, len(frequencies(RATE))))
-    shares = shaken_shares(-noise, motion + noise, usable, np.zeros(N, dtype=int), RATE, derived)
+    shares = shaken_shares(-noise, motion + noise, usable, np.zeros(N, dtype=int), RATE, derived, SIGMAS)
     assert shares.max() == 0.0
 
 

@@ -12,17 +12,18 @@ from hypothesis import strategies as st
 from jointwear.discovery import assumed
 from jointwear.discovery.calibration import FEATURES, calibrated
 from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
+from jointwear.discovery.outcome import Outcome, Refusal
 from jointwear.discovery.settings import REPORTED, USERS, Settings
 from jointwear.studies.world import assumptions
 from jointwear.studies.world.calibration import cross_fitted, fit, names_of, summary
 from jointwear.studies.world.page import limits_context
-from jointwear.studies.world.sensitivity import FACTORS, GATES, NOT_ASKED, can_matter, lines, moves, table, variants
+from jointwear.studies.world.sensitivity import FACTORS, GATES, can_matter, lines, moves, table, variants
 
 
 def test_fewer_than_twenty_limits_decide_and_each_has_its_meaning():
     deciding = [f.name for f in fields(Settings) if f.name not in (*USERS, *REPORTED)]
     assert len(deciding) < 20
+    assert len(deciding) + len(assumptions.LIMITS) < 27
     for name in deciding:
         assert f"    {name} : " in Settings.__doc__ or f"`{name}`" in Settings.__doc__
     # None is a limit of a score.
@@ -33,12 +34,12 @@ def test_fewer_than_twenty_limits_decide_and_each_has_its_meaning():
 def test_every_limit_moves_both_ways_and_alone():
     base = Settings()
     moved = variants(base)
-    deciding = {f.name for f in fields(Settings)} - {*USERS, *REPORTED, *NOT_ASKED}
+    deciding = {f.name for f in fields(Settings)} - {*USERS, *REPORTED, *assumptions.WRITTEN}
     assert {name for name, _ in moved} == deciding
     for (name, factor), settings in moved.items():
         assert {k for k, v in asdict(settings).items() if v != getattr(base, k)} == {name}
         assert factor in FACTORS
-        if name in ("certainty", "likely", "nearly_all", "unexplained_p"):
+        if name in ("certainty", "nearly_all"):
             assert 0.0 < getattr(settings, name) < 1.0
 
 
@@ -77,9 +78,6 @@ def test_a_limit_is_moved_only_where_it_can_matter():
         assert not can_matter(empty, name, more, base)
         assert can_matter(replace(empty, refusals=[refused(words)]), name, less, base)
     assert all(can_matter(empty, "accept", factor, base) for factor in FACTORS)
-    seen = Unexplained(0, "time", "s", 0.0, 1.0, 1e-9, 20.0)
-    assert can_matter(replace(empty, profile=[seen]), "unexplained_p", 1.3, base)
-    assert not can_matter(replace(empty, profile=[seen]), "unexplained_p", 0.7, base)
 
 
 def test_every_assumption_is_asked_of_the_case_as_it_is(monkeypatch):
@@ -87,18 +85,18 @@ def test_every_assumption_is_asked_of_the_case_as_it_is(monkeypatch):
     facts = {"case": "x", "kind": "nothing", "effects": [], "wrong_parameter": None}
     asked = []
 
-    def answer(world):
+    def answer(world, settings):
         assert Path(world.folder).is_dir()
-        asked.append(assumed.SIGMAS)
-        return {"kind": "nothing", "named": [("payload", None)] if assumed.SIGMAS > 5.0 else [], "worse": [2]}
+        asked.append(assumed.BESIDE)
+        return {"kind": "nothing", "named": [("payload", None)] if assumed.BESIDE > 0.12 else [], "worse": [2]}
 
     monkeypatch.setattr(assumptions, "generate", lambda _, folder: SimpleNamespace(facts=facts, folder=folder))
     monkeypatch.setattr(assumptions, "answer", answer)
     monkeypatch.setattr(assumptions, "judge", lambda *_: {"identifiable": None})
     row = assumptions.answers(None, FACTORS)
-    assert len(asked) == 1 + 2 * len(assumptions.LIMITS)
+    assert len(asked) == 1 + 2 * len([*assumptions.LIMITS, *assumptions.WRITTEN])
     (changed,) = [entry for entry in table([row], assumptions.moves(FACTORS)) if entry["names_change"]]
-    assert (changed["limit"], changed["right"]["nothing"], changed["worse"]) == ("SIGMAS", -1, 0)
+    assert (changed["limit"], changed["right"]["nothing"], changed["worse"]) == ("BESIDE", -1, 0)
 
 
 def test_the_page_shows_the_table():

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.body_or_links import impossible_nats, lead_over_links, nats_of_its_mass
 from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque, on_all_axes, prior_std, raw_torques
 from jointwear.discovery.crossval import CrossValidated, cross_validate
@@ -287,7 +288,7 @@ def _step_lead(white: White, beside: Fit, trial: Named) -> float:
     steps = []
     for one in np.unique(label):
         inside = time[label == one]
-        steps.extend(np.arange(inside.min() + 1.0, inside.max() - 1.0, white.problem.settings.block))
+        steps.extend(np.arange(inside.min() + 1.0, inside.max() - 1.0, assumed.BLOCK))
     if not steps:
         return -np.inf
     columns = carrier[:, None] * (time[:, None] > np.array(steps))

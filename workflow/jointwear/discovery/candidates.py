@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.instruments import held_at_ends
 from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.motor_lines import in_band
 from jointwear.discovery.products import Products
-from jointwear.discovery.structure import Basis
+from jointwear.discovery.structure import ORDERS, Basis
 from jointwear.discovery.whitening import White, link_mass_blocks
 from jointwear.effects import get_effect, library
 from jointwear.measurement.filtering import limit
@@ -238,7 +237,7 @@ def resolved(white: White, axis: int, order: float) -> bool:
 
 def resolved_bases(white: White, axis: int) -> list[Basis]:
     """Return the bases of structure on an axis, over the angle of its motor only where waves over it are resolved."""
-    known = resolved(white, axis, assumed.RESOLVED_ORDER)
+    known = resolved(white, axis, 0.5 * ORDERS)
     return [basis for basis in white.bases(axis) if known or basis.argument != "motor angle"]
 
 
@@ -346,4 +345,4 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
     for link in range(problem.robot.joints):
         blocks = link_mass_blocks(white, link)
         if blocks:
-            dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([assumed.LINK_MASS])))
+            dictionary.whole.append((Candidate(LINK_MASS, link, None), blocks, np.array([problem.settings.usual])))

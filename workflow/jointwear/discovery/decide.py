@@ -42,6 +42,8 @@ from jointwear.effects import get_effect
 MOST_REFUSED_ON_AXIS = 5
 #: Leading families that are ranked again with forms that may bend: a bound on time.
 RANKED = 6
+#: Probability from which an effect is named: nothing else is as likely.
+LIKELY = 0.5
 #: Refusals after which the search ends.
 MOST_REFUSED = 24
 
@@ -61,7 +63,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     pass the gates of :mod:`jointwear.discovery.acceptance`, and what was refused before it is asked again beside it;
     elimination and exchange; then the tests for structure that is left.
     """
-    problem, settings = white.problem, white.problem.settings
+    problem = white.problem
     outcome = Outcome(problem, white, white.fit(), dictionary)
     outcome.not_tried = {(effect, axis): reason for effect, axis, reason in dictionary.not_tried}
     outcome.named = _searched(outcome)
@@ -71,14 +73,14 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
     for n in weighed:
-        if n.probability >= settings.likely:
+        if n.probability >= LIKELY:
             continue
         gate = "probability, given the data and the library"
-        outcome.refusals.append(Refusal(n.candidate, n.evidence, gate, n.probability, settings.likely))
+        outcome.refusals.append(Refusal(n.candidate, n.evidence, gate, n.probability, LIKELY))
         if n.structure_left and n.log_odds >= 0.0:
             # No other effect of the library does better, but what is left may be the cause of all of it.
             outcome.suspects.append((n, f"probability {n.probability:.2f} beside the structure that is left"))
-    outcome.named = sorted((n for n in weighed if n.probability >= settings.likely), key=lambda n: -n.evidence)
+    outcome.named = sorted((n for n in weighed if n.probability >= LIKELY), key=lambda n: -n.evidence)
     named = {n.candidate.key for n in outcome.named}
     # A rival that took the place of a name may have been a suspect before.
     outcome.suspects = [s for s in outcome.suspects if s[0].candidate.key not in named]
@@ -174,9 +176,9 @@ def _weighed(outcome: Outcome, one: Named) -> Named:
 
     A rival that the gates refuse is none: the effect is weighed again without it.
     """
-    white, likely = outcome.white, outcome.problem.settings.likely
+    white = outcome.white
     weighed = weigh(outcome, one, _with_form)
-    if weighed.probability >= likely:
+    if weighed.probability >= LIKELY:
         return weighed
     rest = [n for n in outcome.named if n is not one]
     before = [t for n in rest for t in n.terms]
@@ -191,7 +193,7 @@ def _weighed(outcome: Outcome, one: Named) -> Named:
         found, _ = predictive(white, before, rival)
         rival = _with_prediction(rival, found)
         rival = weigh(replace(outcome, named=[*rest, rival]), rival, _with_form)
-        if rival.probability >= likely:
+        if rival.probability >= LIKELY:
             return rival
     return weigh(outcome, one, _with_form)
 

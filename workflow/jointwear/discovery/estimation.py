@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import stiff
 from jointwear.discovery.base import doubted_links, likely_base
 from jointwear.discovery.between_axes import of_scales
@@ -242,7 +241,8 @@ def _whole_model(white, refined, forms, mass_terms):
     """Return the base with its likely errors, and the effects with their references placed."""
     terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
     base, error = likely_base(white, terms)
-    if error <= assumed.RIGHT_PARAMETERS and any(
+    settings = white.problem.settings
+    if error <= settings.mass_sigmas * settings.parameter_error and any(
         f is None and reference_of(r[1]) for f, r in zip(forms, refined, strict=True)
     ):
         others = mass_terms + [f[1] for f in forms if f is not None]

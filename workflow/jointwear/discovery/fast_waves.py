@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.linear import Fit, posterior_mean
 from jointwear.discovery.whitening import White
@@ -29,7 +28,7 @@ def lost_to_speed(white: White, fit: Fit, candidate: Candidate) -> float:
         return 0.0
     columns = raw_columns(white, candidate)
     speed = np.abs(problem.train_state.velocity[:, axis])
-    slow = (speed <= np.quantile(speed[problem.usable[:, axis]], assumed.SLOWEST_SAMPLES))[:, None]
+    slow = (speed <= np.median(speed[problem.usable[:, axis]]))[:, None]
     std = prior_std(white, candidate, columns)
     parts = np.concatenate([columns * slow, columns * ~slow], axis=1)
     b, gram = fit.gram({axis: white.columns(axis, parts)})

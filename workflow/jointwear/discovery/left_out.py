@@ -156,7 +156,7 @@ class _EveryFold:
         total_gram, total_right = sum(g for g, _ in sums.values()), sum(r for _, r in sums.values())
         known = of_effect
         if of_effect.any():
-            known = of_effect & (_left_open(cho_factor(total_gram + np.diag(precision)), precision) < assumed.TOLD)
+            known = of_effect & (_left_open(cho_factor(total_gram + np.diag(precision)), precision) < UNTOLD)
         found: dict[int, list[_Record]] = {}
         told_alone = False
         for fold, (gram, right) in sums.items():
@@ -225,7 +225,7 @@ class _EveryFold:
             return _Record(squares)
         problem = self._white.problem
         times = mean_squares(rows.blocks, left, rows.target)
-        alone = bool(len(left) >= assumed.ASKED_ALONE * problem.measured.rate)
+        alone = bool(len(left) >= asked_alone(problem.settings) * problem.measured.rate)
         return _Record(squares, times, alone, alone and surely_worse(*times, problem.settings))
 
 
@@ -244,6 +244,14 @@ def _of_records(records: list[_Record]) -> tuple[float, float, float]:
 
     alone, surely = [r.squares for r in records if r.alone], [r.squares for r in records if r.surely]
     return worst(alone), worst(surely), gained
+
+
+def asked_alone(settings: Settings) -> float:
+    """Return the time in motion [s] from which a record is asked by itself.
+
+    It holds as many blocks as would all have to be worse to be as sure as `certainty`: 3.3 s.
+    """
+    return assumed.BLOCK * float(-np.log2(1.0 - settings.certainty))
 
 
 def surely_worse(means: np.ndarray, count: np.ndarray, settings: Settings) -> bool:

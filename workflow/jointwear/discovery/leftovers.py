@@ -41,7 +41,8 @@ def unexplained(
 
     Parameters
     ----------
-    robust : let no sample lie further than `assumed.SIGMAS` from the model, and no `Settings.block` of splines decide.
+    robust : let no sample lie further than `Settings.noise_sigmas` from the model, and no `assumed.BLOCK` of splines
+        decide.
     asked : 0-based axes with the arguments that are tested there; default all.
 
     Returns
@@ -52,7 +53,7 @@ def unexplained(
     # What a form that is a little off leaves behind is no structure of its own.
     fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
     if robust:
-        fit = _without_outliers(fit)
+        fit = _without_outliers(fit, outcome.problem.settings.noise_sigmas)
     settings = problem.settings
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
@@ -167,9 +168,9 @@ def _elsewhere(white: White, fit: Fit, axis: int, columns: np.ndarray, theta: np
     settings, torque, residual = white.problem.settings, columns @ theta, fit.residual[axis]
     state, rows = white.problem.train_state, white.whiteners[axis].rows
     # No block holds samples of two records, whose clocks may begin anew.
-    passed = np.where(np.diff(np.asarray(state.record)[rows]) != 0, settings.block, np.diff(state.time[rows]))
+    passed = np.where(np.diff(np.asarray(state.record)[rows]) != 0, assumed.BLOCK, np.diff(state.time[rows]))
     time = np.concatenate([[0.0], np.cumsum(passed)])
-    end = np.searchsorted(time, time + settings.block)
+    end = np.searchsorted(time, time + assumed.BLOCK)
     gained = np.concatenate([[0.0], np.cumsum(torque * residual - 0.5 * torque**2)])
     first = np.argmax(gained[end] - gained[:-1])
     most = slice(first, end[first])
@@ -214,13 +215,13 @@ def lasting(outcome: Outcome) -> list[Unexplained]:
     return [u for u in outcome.unexplained if (u.axis, u.argument) in firm]
 
 
-def _without_outliers(fit: Fit) -> Fit:
+def _without_outliers(fit: Fit, sigmas: float) -> Fit:
     """Return the fit to targets in which no sample lies further off than noise does (winsorised, one step).
 
     Where half of the samples lie further off than that, they are no outliers: the scale is that of the residual itself.
     """
     scales = [max(1.0, median_abs_deviation(r, scale="normal")) if len(r) else 1.0 for r in fit.residual]
-    limits = [assumed.SIGMAS * scale for scale in scales]
+    limits = [sigmas * scale for scale in scales]
     excess = [r - np.clip(r, -limit, limit) for r, limit in zip(fit.residual, limits, strict=True)]
     if not any(e.any() for e in excess):
         return fit
@@ -298,7 +299,7 @@ def _share(outcome: Outcome, others: list[Term], one: Named, found: CrossValidat
     """
     white = outcome.white
     if one.candidate.effect != LINK_MASS and get_effect(one.candidate.effect).late:
-        white = replace(white, targets=_without_outliers(outcome.fit).targets)
+        white = replace(white, targets=_without_outliers(outcome.fit, outcome.problem.settings.noise_sigmas).targets)
         found, _ = predictive(white, others, one)
     return explained(white, others, one, found)
 

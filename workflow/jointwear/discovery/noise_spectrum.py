@@ -51,10 +51,11 @@ def corrected(
     Noise of a trial model is drawn, put through the same fit and compared with the residual by bands of frequency; the
     density of the trial model is multiplied by the ratio. What the fit took off both makes no difference; where it left
     next to nothing the model is that of the neighbouring frequencies. Its order is chosen anew each time. What lasts
-    longer than `assumed.LONGEST_MEMORY` is not noise but structure, for the tests over time to find. Of each
+    longer than `assumed.longest_memory` is not noise but structure, for the tests over time to find. Of each
     band a record counts up to `assumed.FULLEST_RECORD` medians: noise is there all the time, a push in some records.
-    A residual that falls by more than `assumed.REDDEST` is mostly what the model lacks; more of that than is left is
-    not put back, but its coefficients are moved until what the fit leaves of drawn noise has those of the residual.
+    A residual that falls by more than `assumed.REDDEST` is mostly what the model lacks; more of that
+    than is left is not put back, but its coefficients are moved until what the fit leaves of drawn noise has those of
+    the residual.
 
     Parameters
     ----------
@@ -106,27 +107,38 @@ def drives(trajectory: np.ndarray) -> Callable[[int], list[np.ndarray]]:
 def most_of_noise(density: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     """Return the most (k,) that a density (k,) at frequencies (k,) [Hz] may be if it is a sensor's, infinite but slow.
 
-    What pushes an arm slowly and at all times, wind above all, is no noise: it is left to the tests for structure.
+    It has at most the power of flicker noise, which rises as the frequency falls, down to where noise forgets: 13 times
+    that of the quick band. What pushes an arm slowly and at all times, wind above all, 50 to 1,300 times, is left to
+    the tests for structure.
     """
     most = np.full(len(frequency), np.inf)
-    high = assumed.QUICK * assumed.SLOW
+    low, high = quick_band()
     if frequency[-1] >= high:
-        quick = (frequency >= 0.5 * high) & (frequency <= high)
-        most[frequency < assumed.SLOW] = assumed.SLOW_NOISE * float(np.exp(np.mean(np.log(density[quick]))))
+        quick = (frequency >= low) & (frequency <= high)
+        flicker = 1.0 / np.hypot(1.0, 2.0 * np.pi * frequency[quick] * assumed.longest_memory())
+        most[frequency < assumed.slow()] = float(np.exp(np.mean(np.log(density[quick] / flicker))))
     return most
+
+
+def quick_band() -> tuple[float, float]:
+    """Return the ends [Hz] of the octave whose power is of noise that has nothing to do with what is slow.
+
+    It begins an octave above what is slow.
+    """
+    return assumed.OCTAVE * assumed.slow(), assumed.OCTAVE**2 * assumed.slow()
 
 
 def reddest_noise(density: np.ndarray, frequency: np.ndarray, rate: float) -> np.ndarray:
     """Return the density (k,) of noise that forgets as slowly as any and is as dense in the quick band as `density`."""
     shape = 1.0 / np.abs(1.0 - slowest_pole(rate) * np.exp(-2j * np.pi * frequency / rate)) ** 2
-    high = min(assumed.QUICK * assumed.SLOW, frequency[-1])
-    quick = (frequency >= 0.5 * high) & (frequency <= high)
+    high = min(quick_band()[1], frequency[-1])
+    quick = (frequency >= high / assumed.OCTAVE) & (frequency <= high)
     return shape * float(np.exp(np.mean(np.log(density[quick] / shape[quick]))))
 
 
 def slowest_pole(rate: float) -> float:
-    """Return the coefficient of noise that forgets to 37 % within `assumed.LONGEST_MEMORY`."""
-    return float(np.exp(-1.0 / (rate * assumed.LONGEST_MEMORY)))
+    """Return the coefficient of noise that forgets to 37 % within `assumed.longest_memory`."""
+    return float(np.exp(-1.0 / (rate * assumed.longest_memory())))
 
 
 def without_slow_torque(

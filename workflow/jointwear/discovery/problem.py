@@ -151,7 +151,7 @@ class Problem:
             rounding, lacking = series[:, :-1], series[:, -1]
             gram, b = rounding.T @ rounding, rounding.T @ lacking
             noise = max(float(np.mean((lacking - rounding @ least_squares(b, gram, gram)) ** 2)), 1e-300)
-            found[axis] = posterior_mean(b / noise, gram / noise, np.full(len(SMEAR), assumed.FILTER))
+            found[axis] = posterior_mean(b / noise, gram / noise, np.ones(len(SMEAR)))
         return found
 
     @cached_property
@@ -215,13 +215,13 @@ class Problem:
 
     @cached_property
     def block_of_sample(self) -> np.ndarray:
-        """(N_train,) block of time of each training sample, `settings.block` long within its record, in order."""
+        """(N_train,) block of time of each training sample, `assumed.BLOCK` long within its record, in order."""
         time, record = self.train_state.time, np.asarray(self.train_state.record)
         if not len(record):
             return np.zeros(0, dtype=int)
         start = np.concatenate([[0], np.flatnonzero(np.diff(record)) + 1])
         first = np.repeat(time[start], np.diff(np.append(start, len(record))))
-        block = ((time - first) // self.settings.block).astype(int)
+        block = ((time - first) // assumed.BLOCK).astype(int)
         change = (np.diff(block) != 0) | (np.diff(record) != 0)
         return np.concatenate([[0], np.cumsum(change)])
 
@@ -258,7 +258,9 @@ class Problem:
         """(n,) share of the noise of the torque of each axis that moves the arm, 0 where the problem is `still`."""
         if self.still:
             return np.zeros(self.robot.joints)
-        return shaken_shares(self.discrepancy[self.train], self._without_steps, *self._in_frequency)
+        return shaken_shares(
+            self.discrepancy[self.train], self._without_steps, *self._in_frequency, self.settings.noise_sigmas
+        )
 
     @cached_property
     def motion_ends(self) -> np.ndarray:
@@ -332,7 +334,7 @@ class Problem:
         acceleration = np.sqrt(np.mean(self.train_state.acceleration[used, axis] ** 2))
         level = assumed.MOST_FRICTION * self.scale[axis]
         inertia = self.settings.usual * self.scale[axis] / acceleration
-        inertia += assumed.MOTOR_INERTIA * self.robot.armature[axis]
+        inertia += self.settings.usual * self.robot.armature[axis]
         wide = np.array([level, level, level / speed, inertia])
         if self.state.torque_kind != "link_sensor":
             return wide
@@ -378,7 +380,8 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     train = np.isin(measured.trajectory, recording.train)
     factor = prior_factor(robot, settings.inertial_prior)
     inertial = regressor @ factor
-    stuck = sticking(measured.usable & train[:, None], v, a, measured.torque - nominal, inertial)
+    moving_train, missing = measured.usable & train[:, None], measured.torque - nominal
+    stuck = sticking(moving_train, v, a, missing, inertial, settings.noise_sigmas)
     measured = replace(measured, usable=measured.usable & ~stuck)
     counts = np.sum(measured.usable[train], axis=0)
     return Problem(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -27,8 +28,9 @@ class Settings:
     ----------
     inertial_prior : relative standard deviation of the nominal inertial parameters; the user's.
     usual : share of the friction of its axis that an effect is usually worth, and share of the effect that a bend of
-        its form is: the width of every prior of theirs. An order of magnitude: evidence hardly asks for more. Families
-        of effects that are further behind the best are not ranked again with forms that bend.
+        its form is: the width of every prior of theirs; and share by which the mass of a link or the inertia of a motor
+        is off where it is. An order of magnitude: evidence hardly asks for more. Families of effects that are further
+        behind the best are not ranked again with forms that bend.
     most_on_axis : no more effects than this are named on one axis. Axes do not share places: what one lacks must not
         keep another from being asked.
     accept : evidence [nats], after the price of complexity and of searching, that an effect needs, and a parameter of
@@ -38,9 +40,6 @@ class Settings:
         parameters known less, a bend of a form, a form that is less plain, a parameter set free. As many nats an effect
         may cost one record left out: it belongs to the robot, not to a recording.
     certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
-    block : length of such a block [s]; the noise forgets within a third of a second. A step within a record, which
-        must not do better than an effect that follows time, is tried as often.
-        Without the block that gives most of it the evidence of an effect has to be half of `accept`.
     smallest_share : below this an effect does not matter to a simulation: the drop of the mean squared error on records
         left out, over the noise variance of the axis, and the RMS torque of anything, named or not, over that of its
         axis, to which any rigid-body model with its clock and its kinematics is exact. Of a torque constant only what
@@ -58,11 +57,6 @@ class Settings:
     reversal_error : how much higher, as the scale of a half-normal logarithm, that torque may be for effects that act
         after reversals than the samples show that can be judged: on choosing cases 0.8 to 2.7 times as high. Of effects
         of timing it is the scale either way: rates of torque hold noise (0.56 to 1.25 times).
-    unexplained_p : structure is unexplained below this probability, if its torque is no less than `smallest_share` too.
-    mass_sigmas : how many standard deviations of its prior a link mass must be off to be an explanation of its own; an
-        effect has to be needed where inertial parameters may be off by as much. By as many of its own a factor of all
-        torque of an axis must be off: less, and its own interval says that it may be right. So does it where its load
-        is not as many times what the fit corrects of the links there.
     wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
     off_scale : factor by which the torque of an effect with one parameter may miss the size that the parameter gives
         it: beyond it the torque has another shape.
@@ -72,7 +66,6 @@ class Settings:
         was fitted to an axis with such structure alone is not written; and the share of what is gained in all that a
         model changes of the squared errors of blocks of time there, below which what was fitted to the drive of the
         axis is not written: it costs a quarter of what it gains.
-    likely : probability from which an effect is named: nothing else is as likely.
     not_worse : error on left-out training records, over that of the given robot, up to which a model is written: on all
         of them, on the worst one, and in the middle block of time.
     near_the_floor : distance of the held-out error from the noise floor up to which nothing but noise is left.
@@ -80,8 +73,6 @@ class Settings:
         complexity and search.
     judged_speed : the largest torque of an effect is stated for samples at least as fast [rad/s]: slower, friction
         depends on more than the speed.
-    weak_nats : a name with less evidence must be found again in every run without one group of recordings, and explains
-        nothing that shakes an arm while structure is left on its own axis.
     groups : (name, trajectory labels) of days or sessions; the user's.
     """
 
@@ -90,26 +81,58 @@ class Settings:
     most_on_axis: int = 2
     accept: float = 9.0
     certainty: float = 0.99
-    block: float = 0.5
     smallest_share: float = 0.001
     form_error: float = 0.05
     parameter_error: float = 0.01
     filter_error: float = 0.3
     peak_error: float = 0.07
     reversal_error: float = 0.5
-    unexplained_p: float = 1e-8
-    mass_sigmas: float = 3.0
     wrongest_mass: float = 0.6
     off_scale: float = 1.5
     cancelled: float = 4.0
     nearly_all: float = 0.8
-    likely: float = 0.5
     not_worse: float = 1.03
     near_the_floor: float = 0.10
     visible: float = 40.0
     judged_speed: float = 0.025
-    weak_nats: float = 100.0
     groups: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+    @property
+    def mass_sigmas(self) -> float:
+        """Standard deviations that cost half of `accept`: 3.
+
+        So many of its prior a link mass must be off to be an explanation of its own; an effect has to be needed where
+        inertial parameters may be off by as much. By as many of its own a factor of all torque of an axis must be off:
+        less, and its own interval says that it may be right. So does it where its load is not as many times what the
+        fit corrects of the links there.
+        """
+        return math.sqrt(self.accept)
+
+    @property
+    def noise_sigmas(self) -> float:
+        """Standard deviations that cost `accept`, which noise does not reach: 4.2.
+
+        Of a share of an octave (each octave of each axis is asked), of the residual where a shared drive sticks, and of
+        a residual that counts as structure.
+        """
+        return math.sqrt(2.0 * self.accept)
+
+    @property
+    def unexplained_p(self) -> float:
+        """Structure is unexplained below this probability, if its torque is no less than `smallest_share` too: 1.5e-8.
+
+        Its nats, before any price, are twice `accept`: a chi-square pays for none of the arguments that are searched.
+        """
+        return math.exp(-2.0 * self.accept)
+
+    @property
+    def weak_nats(self) -> float:
+        """Evidence up to which half of `accept` is more than `form_error` of it: 90 nats.
+
+        A name with less must be found again in every run without one group of recordings, and explains nothing that
+        shakes an arm while structure is left on its own axis.
+        """
+        return 0.5 * self.accept / self.form_error
 
 
 def settings_of(entry: Mapping[str, Any]) -> Settings:

@@ -14,8 +14,8 @@ import numpy as np
 from jointwear.discovery import assumed
 from jointwear.discovery.spectra import FEWEST, frequencies, pieces_of, scale_of, spectra
 
-#: Bins of a spectrum that have to count.
-BINS = 4
+#: Share of the residual that noise of derived accelerations is at most where it is asked what shakes the arm: half.
+DERIVED = 0.5
 
 
 def shaken_shares(
@@ -25,11 +25,13 @@ def shaken_shares(
     record: np.ndarray,
     rate: float,
     derived: np.ndarray,
+    sigmas: float,
 ) -> np.ndarray:
     """Return the share (n,) of the noise of each axis that moves the arm, 0 to 1.
 
     Above the frequencies of the motion the power that residual and nominal torque have in common, with opposite signs,
-    over that of the residual; 0 below `assumed.SHAKEN`. Derived motion ends at some frequency, above which a torque
+    over that of the residual, 0 where two spectra without anything in common have as much.
+    Derived motion ends at some frequency, above which a torque
     has the noise of its sensor alone: the octave with the largest share counts. A drive behind an elastic gear swings
     alone; disturbances shake more than one joint: no axis counts as more shaken than the next one.
 
@@ -38,11 +40,11 @@ def shaken_shares(
     residual, torque : (N, n) [N m] recorded torque less the nominal one, and the nominal one without steps of friction.
     usable : (N, n) samples that can be judged. record : (N,) label of each sample. rate : [Hz].
     derived : (n, k) density [(N m)^2/Hz] of what noise of derived accelerations makes of the nominal torque, at
-        :func:`jointwear.discovery.spectra.frequencies`.
+        :func:`jointwear.discovery.spectra.frequencies`. sigmas : standard deviations that a share of an octave needs.
     """
     shares = np.zeros(residual.shape[1])
     frequency = frequencies(rate)
-    octave = np.frexp(frequency / assumed.SLOW)[1]
+    octave = np.frexp(frequency / assumed.slow())[1]
     for axis in range(len(shares)):
         pieces = pieces_of(usable[:, axis], record, rate)
         if len(pieces) < FEWEST:
@@ -52,18 +54,17 @@ def shaken_shares(
         power, motion, common = (
             scale * np.mean(x, axis=0) for x in (np.abs(left) ** 2, np.abs(moved) ** 2, -(left * moved.conj()).real)
         )
-        band = (motion < assumed.UNDER_MOTION * power) & (derived[axis] < assumed.DERIVED * power)
-        band &= (frequency > assumed.SLOW) & (frequency <= assumed.HIGHEST * rate)
+        band = (motion < assumed.UNDER_MOTION * power) & (derived[axis] < DERIVED * power)
+        band &= (frequency > assumed.slow()) & (frequency <= 0.5 * rate / assumed.OCTAVE)
+        if not band.any():
+            continue
         own, noise = common - derived[axis], power - derived[axis]
-        if band.sum() >= BINS:
-            shares[axis] = np.sum(own[band]) / np.sum(noise[band])
-        for one in np.unique(octave[band]):
-            part = band & (octave == one)
+        for part in (band, *(band & (octave == one) for one in np.unique(octave[band]))):
             share = np.sum(own[part]) / np.sum(noise[part])
             # Of two spectra without anything in common.
             chance = np.sqrt(np.sum((power * motion)[part]) / (2.0 * len(pieces))) / np.sum(noise[part])
-            if share > assumed.SIGMAS * chance:
+            if share > sigmas * chance:
                 shares[axis] = max(shares[axis], share)
     others = [np.max(np.delete(shares, axis), initial=0.0) for axis in range(len(shares))]
     shares = np.minimum(shares, others)
-    return np.where(shares < assumed.SHAKEN, 0.0, np.minimum(shares, 1.0))
+    return np.minimum(shares, 1.0)

@@ -21,12 +21,19 @@ FEWEST, FEWEST_EACH = 5, 3
 SHARES = (1.0, -1.0, 0.0)
 #: Samples that the regression is made of, at most.
 SAMPLES = 3000
+#: Share of the squared residual elsewhere that the friction of the shared drive may leave: half.
+UNEXPLAINED = 0.5
 #: Ridge of the regression as a share of the mean square of its columns.
 RIDGE = 1e-6
 
 
 def sticking(
-    usable: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, missing: np.ndarray, inertial: np.ndarray
+    usable: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    missing: np.ndarray,
+    inertial: np.ndarray,
+    sigmas: float,
 ) -> np.ndarray:
     """Return the samples (N, n) at which the axis shares a drive that sticks with one of its neighbours.
 
@@ -34,6 +41,7 @@ def sticking(
     ----------
     usable : (N, n) samples of each axis to look at. velocity, acceleration : (N, n) [rad/s], [rad/s2].
     missing : (N, n) measured less nominal torque [N m]. inertial : (N, n, r) torque of errors of the inertia [N m].
+    sigmas : standard deviations beyond which what is left where a drive is slow is no noise.
     """
     stuck = np.zeros_like(usable)
 
@@ -51,12 +59,14 @@ def sticking(
                 if np.sum(used & slow) < FEWEST:
                     continue
                 shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)
-                if _sticks(base_of(axis), shared, missing[:, axis], used, slow):
+                if _sticks(base_of(axis), shared, missing[:, axis], used, slow, sigmas):
                     stuck[:, axis] |= slow
     return stuck
 
 
-def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.ndarray, slow: np.ndarray) -> bool:
+def _sticks(
+    base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.ndarray, slow: np.ndarray, sigmas: float
+) -> bool:
     """Return whether the columns (N, 3) of a shared drive explain what is `missing` (N,), but for its slow samples."""
     rows = np.flatnonzero(used & ~slow)
     if len(rows) < FEWEST_EACH * (base.shape[1] + shared.shape[1]):
@@ -70,7 +80,7 @@ def _sticks(base: np.ndarray, shared: np.ndarray, missing: np.ndarray, used: np.
     alone = y - x[:, :count] @ np.linalg.solve(gram[:count, :count], right[:count])
     theta = np.linalg.solve(gram, right)
     left = y - x @ theta
-    if left @ left > assumed.EXPLAINED * (alone @ alone):
+    if left @ left > UNEXPLAINED * (alone @ alone):
         return False
     near = missing[inside] - np.concatenate([base[inside], shared[inside]], axis=1) @ theta
-    return bool(np.mean(near**2) > assumed.SIGMAS**2 * np.mean(left**2))
+    return bool(np.mean(near**2) > sigmas**2 * np.mean(left**2))

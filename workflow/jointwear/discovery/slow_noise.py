@@ -28,6 +28,7 @@ from jointwear.discovery.noise_spectrum import (
     band_power,
     most_of_noise,
     of_density,
+    quick_band,
     reddest_noise,
     slowest_pole,
     steadied,
@@ -76,7 +77,7 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     lines = [u for u in outcome.unexplained if u.argument == LINE]
     asked = strongest.keys() | {axis for n in weak for axis in n.term.blocks}
     # Further back than its order no noise model looks: in a log of a higher rate what forgets so slowly may be a wind.
-    told = white.problem.measured.rate * assumed.LONGEST_MEMORY <= HIGHEST_ORDER_DERIVED
+    told = white.problem.measured.rate * assumed.longest_memory() <= HIGHEST_ORDER_DERIVED
     swings = {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
     if not told:
         asked -= swings
@@ -91,13 +92,13 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     whiteners = list(white.whiteners)
     for axis in sorted(asked):
         found, times = _slower(white, axis, dense[axis])
-        # A chi-square of that much more noise is that much smaller, and so is the logarithm of its p-value. What
-        # `accept` asks for is half of `visible` before the price of complexity and search.
+        # A chi-square of that much more noise is that much smaller, and so is the logarithm of its p-value. Before the
+        # price of complexity and search `accept` asks for twice as many nats.
         surest = min((u.p_value for u in outcome.unexplained if u.axis == axis), default=1.0)
         stands = [np.log(surest) / np.log(settings.unexplained_p)] if axis in strongest else []
         over = [n.evidence - settings.accept for n in weak if axis in n.term.blocks]
-        stands += [1.0 + 2.0 * nats / settings.visible for nats in over]
-        if times > assumed.NOTABLE and min(stands) < times:
+        stands += [1.0 + 0.5 * nats / settings.accept for nats in over]
+        if min(stands) < times:
             whiteners[axis] = found
     return whiteners if any(a is not b for a, b in zip(whiteners, white.whiteners, strict=True)) else None
 
@@ -116,7 +117,7 @@ def _densities(white: White, fit: Fit, axes: Sequence[int], told: bool) -> tuple
     most = {axis: most_of_noise(model, frequency) for axis, model in models.items()}
     if not told or 2 * sum(np.any(dense[axis] > most[axis]) for axis in models) <= len(models):
         return {axis: np.minimum(dense[axis], most[axis]) for axis in models}, False
-    slow = frequency < 0.5 * assumed.QUICK * assumed.SLOW
+    slow = frequency < quick_band()[0]
     reddest = {axis: reddest_noise(model, frequency, rate) for axis, model in models.items()}
     alike = np.median([dense[axis] / reddest[axis] for axis in models], axis=0)
     for axis, model in reddest.items():
@@ -140,10 +141,11 @@ def _louder(white: White, fit: Fit, axis: int) -> np.ndarray:
         return np.ones(len(frequency))
     centres, freedom = (0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS)[known], freedom[known]
     ratio = np.log(np.maximum(seen, 1e-9) / kept)[known]
-    ratio = steadied(ratio, 2.0 / freedom, assumed.SLOPE**2 * np.diff(np.log2(centres)))
+    # Noise of one pole changes fourfold in an octave.
+    ratio = steadied(ratio, 2.0 / freedom, np.log(4.0) ** 2 * np.diff(np.log2(centres)))
     # Above, the saturated fit leaves enough of the noise to tell.
-    quick = 0.5 * assumed.QUICK * assumed.SLOW
-    slow = np.clip((quick - frequency) / (quick - assumed.SLOW), 0.0, 1.0)
+    quick = quick_band()[0]
+    slow = np.clip((quick - frequency) / (quick - assumed.slow()), 0.0, 1.0)
     return np.exp(slow * np.interp(frequency, centres, ratio))
 
 
@@ -155,5 +157,5 @@ def _slower(white: White, axis: int, dense: np.ndarray) -> tuple[Whitener, float
     density = model.density(frequency, rate)
     radius = slowest_pole(rate)
     found = of_density(np.maximum(density, dense), rate, HIGHEST_ORDER_DERIVED, len(model.rows), radius, PRICE)
-    times = float(np.max((found.density(frequency, rate) / density)[frequency < assumed.SLOW]))
+    times = float(np.max((found.density(frequency, rate) / density)[frequency < assumed.slow()]))
     return Whitener(whitenable(problem.usable[:, axis], label, len(found.lags)), found.lags, found.sigma), times

@@ -62,7 +62,7 @@ def loud_lines(
 def loudest(series: np.ndarray, used: np.ndarray, label: np.ndarray, rate: float) -> tuple[float, float, int]:
     """Return the frequency [Hz] that stands out most of a series (N,), how likely by chance, and the cells searched.
 
-    Slower than `assumed.SLOW` is slow structure. The chance is 1 where no record is long enough. Records of one length
+    Slower than `assumed.slow` is slow structure. The chance is 1 where no record is long enough. Records of one length
     are asked together, `used` (N,) says which samples count.
     """
     together: dict[int, list[np.ndarray]] = {}
@@ -77,7 +77,7 @@ def loudest(series: np.ndarray, used: np.ndarray, label: np.ndarray, rate: float
     best = (0.0, 1.0, 1)
     for size, records in together.items():
         frequency = np.arange(size // 2) * rate / size
-        power = np.where(frequency >= assumed.SLOW, np.sum(records, axis=0), 0.0)
+        power = np.where(frequency >= assumed.slow(), np.sum(records, axis=0), 0.0)
         where = int(np.argmax(power))
         chance = min(1.0, len(power) * float(gammaincc(len(records), power[where])))
         if chance < best[1]:

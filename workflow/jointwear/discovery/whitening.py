@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.fused_load import end_of_columns, fused_load
 from jointwear.discovery.instruments import (
     Cutoffs,
@@ -275,9 +274,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
         if np.any(smear):
             # What the filter does is no part of the robot: a prediction in N m has to do without it.
             nothing = np.zeros((len(white.rows), smear.shape[1]))
-            base.append(
-                Term(f"filter {axis}", {axis: white(smear)}, np.full(smear.shape[1], assumed.FILTER), {axis: nothing})
-            )
+            base.append(Term(f"filter {axis}", {axis: white(smear)}, np.ones(smear.shape[1]), {axis: nothing}))
         clock = clock_of(problem, axis, cutoffs[axis])
         base.append(Term(clock_label(axis), {axis: white(clock)}, np.ones(1), {axis: np.zeros((len(white.rows), 1))}))
         raw_inertial[axis], inertial[axis] = _raw(problem, axis, cutoffs[axis], white, columns), white(columns)

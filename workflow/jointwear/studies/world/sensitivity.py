@@ -2,7 +2,8 @@
 
 The noise of a case does not depend on the limits, and the dictionary on the widths of priors only: they are made once,
 and only the decision is taken again. Verdicts are judged by their names; what the written model predicts is not asked.
-With `--assumed` it is the limits of :mod:`jointwear.discovery.assumed` that are moved, and everything is asked again.
+With `--assumed` it is the limits of :mod:`jointwear.discovery.assumed` that are moved, with what only the written model
+asks, and everything is asked again.
 """
 
 from __future__ import annotations
@@ -40,25 +41,21 @@ from jointwear.studies.world.stages import sources_digest
 FACTORS = (0.7, 1.3)
 #: Limits that are in the columns of the problem and of the dictionary.
 PRIORS = ("usual",)
-#: Limits that these cases do not ask: of the written model, after the names, and of groups of recordings.
-NOT_ASKED = ("not_worse", "weak_nats")
 
 
 def variants(settings: Settings) -> dict[tuple[str, float], Settings]:
     """Return the settings with each limit moved: (field, factor) -> settings; whole numbers move by one at least."""
     result = {}
     for name, value in asdict(settings).items():
-        if name in (*USERS, *REPORTED, *NOT_ASKED) or not isinstance(value, (int, float)):
+        if name in (*USERS, *REPORTED, *assumptions.WRITTEN) or not isinstance(value, (int, float)):
             continue
         for factor in FACTORS:
             moved = factor * value
             if isinstance(value, int):
                 moved = min(value - 1, round(moved)) if factor < 1 else max(value + 1, round(moved))
-            elif name in ("certainty", "likely", "nearly_all"):
-                # Of a probability or share the distance to one is what a limit is about, of a tiny one its logarithm.
+            elif name in ("certainty", "nearly_all"):
+                # Of a probability or share the distance to one is what a limit is about.
                 moved = 1.0 - (1.0 - value) / factor
-            elif name == "unexplained_p":
-                moved = value**factor
             result[name, factor] = replace(settings, **{name: moved})
     return result
 
@@ -69,8 +66,6 @@ GATES = {
     "smallest_share": ("drop of the squared error over the noise variance", 0.7),
     "cancelled": ("its square over that of the discrepancy of its axis", 1.3),
     "off_scale": ("its parameters within their bounds", 1.3),
-    "mass_sigmas": ("standard deviations of the inertial prior by which the mass is off", 0.7),
-    "likely": ("probability, given the data and the library", 0.7),
 }
 
 
@@ -91,12 +86,9 @@ def can_matter(outcome: Outcome, name: str, factor: float, settings: Settings) -
         return any(axes.count(a) >= settings.most_on_axis for a in axes)
     if name == "nearly_all":
         return bool(outcome.suspects) or any(n.structure_left for n in outcome.named)
-    if name == "unexplained_p":
-        moved = settings.unexplained_p**factor
-        low, high = sorted((moved, settings.unexplained_p))
-        return any(low <= u.p_value <= high and u.nats > settings.accept for u in outcome.profile)
-    if name in ("form_error", "block"):
-        return bool(outcome.named or outcome.suspects or (name == "block" and outcome.refusals))
+    if name == "form_error":
+        # It bounds weak names too, beside which slow noise is asked.
+        return bool(outcome.named or outcome.suspects)
     return True
 
 
