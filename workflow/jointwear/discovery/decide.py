@@ -207,9 +207,10 @@ def _tried(white: White, fit: Fit, named: list[Named], best: Scored) -> tuple[Na
     trials = [_named(white, fit, s) for s in (best, *others)]
     failed = [refusals(white, named, t) for t in trials]
     passed = [t for t, gates in zip(trials, failed, strict=True) if not gates]
-    wide = None if passed else wider(white, best.candidate)
+    strong = best.evidence >= white.problem.settings.weak_nats
+    wide = wider(white, best.candidate) if strong and not passed else None
     if wide is not None:
-        # Noise feigns no gear in the columns that were asked: it may predict by what it does further up.
+        # Noise feigns no strong gear in the columns that were asked: it may predict by what it does further up.
         trial = _named(white, fit, replace(best, candidate=wide))
         if not refusals(white, named, trial):
             return trial, []
