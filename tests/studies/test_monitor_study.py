@@ -182,13 +182,14 @@ def test_factory_logs_follow_their_conditions(arm):
 
 
 def test_paper_detector_on_torque():
+    # Six axes: of three the model may keep every component, and Q has nothing left.
     random = np.random.default_rng(8)
-    pattern = random.uniform(1, 5, (240, 3))
+    pattern = random.uniform(1, 5, (240, 6))
     settings = {"bins": 12, "confidence": 0.95, "variance_share": 0.75, "reading": READING}
-    normal = pattern + 0.05 * random.standard_normal((2, 60, 240, 3))
+    normal = pattern + 0.05 * random.standard_normal((2, 60, 240, 6))
     detector = PaperDetector(normal, settings)
-    changed = 1.1 * pattern + 0.05 * random.standard_normal((2, 20, 240, 3))
-    same = pattern + 0.05 * random.standard_normal((2, 20, 240, 3))
+    changed = 1.1 * pattern + 0.05 * random.standard_normal((2, 20, 240, 6))
+    same = pattern + 0.05 * random.standard_normal((2, 20, 240, 6))
     assert np.median(detector.ratio(changed)) > 3 * np.median(detector.ratio(same))
 
 
