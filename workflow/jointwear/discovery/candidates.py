@@ -147,11 +147,10 @@ def wider(white: White, candidate: Candidate) -> Candidate | None:
 
     None where they end no further up than those in which noise feigns nothing.
     """
-    if not on_its_axis_alone(candidate) or white.problem.state.encoder_side != "link":
+    if not on_its_axis_alone(candidate) or not white.fuses_load(get_effect(candidate.effect), candidate.axis):
         return None
     cutoffs = white.cutoffs[candidate.axis]
-    further = get_effect(candidate.effect).of_load and np.isfinite(cutoffs.judged) and cutoffs.judged > cutoffs.swing
-    return replace(candidate, wide=True) if further else None
+    return replace(candidate, wide=True) if cutoffs.swing < cutoffs.judged < np.inf else None
 
 
 def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:

@@ -53,9 +53,8 @@ def corrected(
     next to nothing the model is that of the neighbouring frequencies. Its order is chosen anew each time. What lasts
     longer than `assumed.longest_memory` is not noise but structure, for the tests over time to find. Of each
     band a record counts up to `assumed.FULLEST_RECORD` medians: noise is there all the time, a push in some records.
-    A residual that falls by more than `assumed.REDDEST` is mostly what the model lacks; more of that
-    than is left is not put back, but its coefficients are moved until what the fit leaves of drawn noise has those of
-    the residual.
+    A residual that falls by more than `assumed.REDDEST` is mostly what the model lacks; more of that than is left is
+    not put back, but its coefficients are moved until what the fit leaves of drawn noise has those of the residual.
 
     Parameters
     ----------

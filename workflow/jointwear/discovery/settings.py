@@ -37,8 +37,9 @@ class Settings:
         the model to be called wrong. "Very strong" in the scale of Kass and Raftery (1995) starts at 5. By as much
         structure without a name has to explain more in the place of a name that is taken back for it. Half of it is
         enough for what only has to hold beside what has been found: a name beside the others or with inertial
-        parameters known less, a bend of a form, a form that is less plain, a parameter set free. As many nats an effect
-        may cost one record left out: it belongs to the robot, not to a recording.
+        parameters known less, a bend of a form, a form that is less plain, a parameter set free, an effect without the
+        block of time that gives most of it. As many nats an effect may cost one record left out: it belongs to the
+        robot, not to a recording.
     certainty : probability that an effect lowers the squared error [N m] on records left out, paired by blocks.
     smallest_share : below this an effect does not matter to a simulation: the drop of the mean squared error on records
         left out, over the noise variance of the axis, and the RMS torque of anything, named or not, over that of its

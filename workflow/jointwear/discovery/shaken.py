@@ -30,10 +30,10 @@ def shaken_shares(
     """Return the share (n,) of the noise of each axis that moves the arm, 0 to 1.
 
     Above the frequencies of the motion the power that residual and nominal torque have in common, with opposite signs,
-    over that of the residual, 0 where two spectra without anything in common have as much.
-    Derived motion ends at some frequency, above which a torque
-    has the noise of its sensor alone: the octave with the largest share counts. A drive behind an elastic gear swings
-    alone; disturbances shake more than one joint: no axis counts as more shaken than the next one.
+    over that of the residual, 0 where two spectra without anything in common have as much. Derived motion ends at some
+    frequency, above which a torque has the noise of its sensor alone: the octave with the largest share counts. A drive
+    behind an elastic gear swings alone; disturbances shake more than one joint: no axis counts as more shaken than the
+    next one.
 
     Parameters
     ----------

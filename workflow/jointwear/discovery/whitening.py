@@ -72,8 +72,7 @@ class White:
         if axis is None:
             return self.problem.train_state
         cutoffs = self.cutoffs[axis]
-        if effect.of_load and np.isfinite(cutoffs.timing) and self.problem.state.encoder_side == "link":
-            # Where positions may be those of the motor, a link that swings shakes all joints: that is no noise.
+        if self.fuses_load(effect, axis):
             share = abs(float((nonlinear or {}).get(effect.scaled, 0.0)))
             end = self._end_of_gear(axis, self.gears.get(axis, share))
             return self._fused_state(axis, band * end, band * cutoffs.judged if wide else 0.0)
@@ -125,6 +124,12 @@ class White:
     def beside_gears(self, gears: Mapping[int, float]) -> White:
         """Return the same problem once it is known that the residual of some axes holds an elastic gear."""
         return replace(self, gears=dict(gears), _states={}) if gears else self
+
+    def fuses_load(self, effect: Effect, axis: int) -> bool:
+        """Return whether the columns of an effect on one axis are of a load that is told by the measured torque too."""
+        # Where positions may be those of the motor, a link that swings shakes all joints: that is no noise.
+        of_link = self.problem.state.encoder_side == "link"
+        return bool(effect.of_load and of_link and np.isfinite(self.cutoffs[axis].timing))
 
     def _end_of_gear(self, axis: int, share: float) -> float:
         cutoffs = self.cutoffs[axis]

@@ -179,8 +179,8 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
     for unit, share in _smaller_units(stated):
         if over.any() and np.mean(share * largest <= reach + 0.5) > 0.5 and largest.max() > 10:
             axis = int(np.argmax(largest / reach))
-            alone = f"; where the other joints are right, write joint {axis + 1} in their unit"
-            alone = alone if inside.sum() > over.sum() else ""
+            few = inside.sum() > over.sum()
+            alone = f"; where the other joints are right, write joint {axis + 1} in their unit" if few else ""
             read = "" if stated == "rad" else f" once they are read as {POSITION_WORDS[stated]}"
             raise Refused(
                 f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}{read}, its "
