@@ -16,6 +16,7 @@ from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import moving_torques, silence_in_words
 from jointwear.measurement.torque_follows import check_follows
 from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, thinned, torque_factors
+from jointwear.measurement.unsigned_torque import check_torque_has_sign
 from jointwear.robots.robot import Robot
 
 #: What is told where the motion is too little for the question.
@@ -37,6 +38,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     check_rate(recording, name)
     measured = moving_torques(recording)
     restrictions += silence_in_words(measured)
+    check_torque_has_sign(measured, robot, name)
     thin = thinned(measured)
     check_position_unit(thin, robot, name, recording.units.get("position", ""))
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.

@@ -1,0 +1,44 @@
+"""Torques without their sign are refused with that cause, and torques that a preload keeps on one side are not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jointwear.measurement.checked import checked
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.motion import measure
+from jointwear.measurement.recording import split
+from jointwear.measurement.recording_files import load_recording
+from jointwear.measurement.unsigned_torque import check_torque_has_sign
+from jointwear.robots.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def example():
+    recording = split(load_recording({"measured": "data/examples/puma560_hidden.nc"}, "arm"))
+    return recording, load_robot("config/robots/puma560.yaml")
+
+
+def test_sizes_alone_are_refused_with_their_cause(example):
+    recording, robot = example
+    with pytest.raises(Refused, match="without their sign"):
+        checked(replace(recording, torque=np.abs(recording.torque)), robot)
+
+
+def test_right_torques_pass(example):
+    recording, robot = example
+    check_torque_has_sign(measure(recording), robot, "arm")
+
+
+def test_torques_that_a_preload_keeps_on_one_side_pass(example):
+    recording, robot = example
+    preloaded = replace(recording, torque=recording.torque - recording.torque.min(axis=0))
+    check_torque_has_sign(measure(preloaded), robot, "arm")
+
+
+def test_one_joint_with_its_sign_is_enough(example):
+    recording, robot = example
+    torque = np.abs(recording.torque)
+    torque[:, 3] = recording.torque[:, 3]
+    check_torque_has_sign(measure(replace(recording, torque=torque)), robot, "arm")
