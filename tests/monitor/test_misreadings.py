@@ -128,3 +128,14 @@ def test_another_mounting_is_told_with_its_gravity(tmp_path, gravity, told, mass
 def test_a_floor_that_slopes_a_little_is_no_other_mounting(tmp_path):
     gravity = [9.81 * np.sin(np.radians(5)), 0.0, -9.81 * np.cos(np.radians(5))]
     survey(tmp_path, torque=mounted(gravity))
+
+
+def test_a_clock_at_another_speed_is_told_with_its_factor(tmp_path):
+    # At the speed of the task inertial torques are too small to tell.
+    velocity, acceleration = 4 * LOG.velocity, 16 * LOG.acceleration
+    torque = TorqueModel(model().robot)(LOG.position, velocity, acceleration).total
+    right = {"time": LOG.time / 4, "torque": torque}
+    survey(tmp_path, **right)
+    with pytest.raises(Refused, match="inertial torques of all joints") as refused:
+        survey(tmp_path, **right | {"time": 0.8 * LOG.time / 4})
+    assert refused.value.suggestion.startswith("multiply the time by 1.2")

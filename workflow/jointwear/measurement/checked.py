@@ -14,6 +14,7 @@ from jointwear.measurement.mounting import check_mounting
 from jointwear.measurement.position_unit import check_position_unit
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import moving_torques, silence_in_words
+from jointwear.measurement.time_scale import check_time_scale
 from jointwear.measurement.torque_follows import check_follows
 from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, thinned, torque_factors
 from jointwear.measurement.unsigned_torque import check_torque_has_sign
@@ -45,6 +46,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     factors = torque_factors(recording, robot, measured)
     restrictions += check_scale(factors)
     check_mounting(name, robot, thin.parts, thin.usable)
+    check_time_scale(name, robot, thin.parts, thin.usable)
     if not check_axes(name, robot, measured):
         restrictions.append(UNASKED)
     check_scale_of_one(factors)

@@ -70,6 +70,8 @@ _WHY = {
 #: Share of the squared torque that wrong parameters leave of the right reading; axes of a wrist resemble each other, so
 #: that an exchange of two needs more.
 RIGHT, SAME_WRIST = 0.01, 0.03
+#: Readings of the axes, of those that leave least, that another explanation of all joints has to be likelier than.
+BEST = 3
 
 
 #: Share of the samples that positions are judged by.
@@ -292,6 +294,15 @@ def _left(robot: Robot, rigid: np.ndarray, parts: np.ndarray, usable: np.ndarray
 def _score(left: np.ndarray, floor: float) -> float:
     """Total log of what is left: lower is better, but below `floor` no better."""
     return float(np.nansum(np.log(np.maximum(left, floor))))
+
+
+def best_reading(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple[float, Reading]:
+    """Return the likeliest of the other readings of the axes that leave least, with its log likelihood [nats]."""
+    scores = [(_score(left, RIGHT), reading) for reading, left in explained_otherwise(dynamics, parts, usable)]
+    likelihood, robot = Likelihood(dynamics, FEWEST), dynamics.robot
+    best = [reading for _, reading in sorted(scores, key=lambda x: x[0])[:BEST]]
+    nats = [(likelihood(*reading.read(parts, usable, robot)), reading) for reading in best]
+    return max(nats, key=lambda x: x[0])
 
 
 def favours(reading: Reading, robot: Robot) -> float:

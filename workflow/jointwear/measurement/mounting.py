@@ -12,17 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.measurement.axis_readings import Likelihood, Reading
-from jointwear.measurement.checks import CLEARLY, FAVOURS, FEWEST, Refused, explained, explained_otherwise
+from jointwear.measurement.axis_readings import Likelihood
+from jointwear.measurement.checks import CLEARLY, FAVOURS, FEWEST, RIGHT, Refused, best_reading, explained
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
 #: Angle [rad] from which a mounting is another one: base frames are turned by quarter turns, or stand on a slope.
 ANOTHER = np.radians(30.0)
-#: Share of the squared torque of an axis below which the model counts as right; rounds of weighting the axes.
-RIGHT, ROUNDS = 0.01, 3
-#: Readings of the axes, of those that leave least, that a mounting has to be likelier than.
-BEST = 3
+#: Rounds of weighting the axes.
+ROUNDS = 3
 
 
 def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarray) -> None:
@@ -59,7 +57,7 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
         return
     if found - nats(robot.gravity) < FAVOURS["zero"]:
         return
-    rival, reading = _best_reading(as_given, parts, usable)
+    rival, reading = best_reading(as_given, parts, usable)
     ahead = found - rival
     # Hanging from a ceiling and a shoulder that counts from the opposite zero are the same to the torques.
     if ahead < (-FAVOURS["zero"] if reading.kind == "zero" else 0.0):
@@ -106,16 +104,6 @@ def _check_weight(
         f"{name}: the torques hold nothing of gravity, as those from which a controller has taken its own compensation",
         "log the whole torque of the motors; or give 'gravity: [0, 0, 0]' in the robot file",
     )
-
-
-def _best_reading(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple[float, Reading]:
-    """Return the likeliest of the other readings of the axes that leave least, with its log likelihood [nats]: a
-    flipped joint lifts what hangs, too."""
-    scores = [(_score(left), reading) for reading, left in explained_otherwise(dynamics, parts, usable)]
-    likelihood, robot = Likelihood(dynamics, FEWEST), dynamics.robot
-    best = [reading for _, reading in sorted(scores, key=lambda x: x[0])[:BEST]]
-    nats = [(likelihood(*reading.read(parts, usable, robot)), reading) for reading in best]
-    return max(nats, key=lambda x: x[0])
 
 
 def _score(left: np.ndarray) -> float:

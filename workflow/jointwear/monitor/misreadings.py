@@ -17,6 +17,7 @@ from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.mounting import check_mounting
 from jointwear.measurement.position_unit import better_unit, left_as_read, refusal_of
+from jointwear.measurement.time_scale import check_time_scale
 from jointwear.measurement.torque_scale import WrongScale, a_load_explains, check_size, thinned, wrong_scale
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.model import TorqueModel
@@ -59,6 +60,7 @@ def check_readings(
         raise refusal_of(name, unit[0], stated)
     if scale is None:
         check_mounting(name, robot, thin.parts, thin.usable)
+        check_time_scale(name, robot, thin.parts, thin.usable)
     loaded = False
     if scale is not None and not scale.unit:
         scale = _or_a_load(scale, measured, robot)

@@ -1,0 +1,52 @@
+"""A clock at another speed is refused with its factor; wrong drives, loads and mountings are no other clock."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from discovery_cases import make_case
+
+from jointwear.measurement.checked import checked
+from jointwear.measurement.checks import Refused
+from jointwear.measurement.motion import measure
+from jointwear.measurement.time_scale import check_time_scale
+from jointwear.measurement.torque_scale import thinned
+from jointwear.robots.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def puma():
+    return load_robot("config/robots/puma560.yaml")
+
+
+@pytest.fixture(scope="module")
+def plain(puma):
+    return replace(make_case(puma, 3), velocity=None, acceleration=None)
+
+
+def ask(recording, robot):
+    thin = thinned(measure(recording))
+    check_time_scale("arm", robot, thin.parts, thin.usable)
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.8, 1.25, 2.0])
+def test_a_clock_at_another_speed_is_refused_with_its_factor(plain, puma, factor):
+    with pytest.raises(Refused, match="inertial torques of all joints") as refused:
+        checked(replace(plain, time=factor * plain.time), puma)
+    told = float(refused.value.suggestion.split("multiply the time by ")[1].split(",")[0])
+    assert told == pytest.approx(1 / factor, rel=0.02)
+    checked(replace(plain, time=factor * plain.time * told), puma)
+
+
+@pytest.mark.parametrize("changed", [{}, {"armature": 2.0}, {"armature": 0.0}, {"viscous": 3.0}])
+def test_wrong_drives_in_the_robot_file_are_no_other_clock(plain, puma, changed):
+    ask(plain, replace(puma, **{name: factor * getattr(puma, name) for name, factor in changed.items()}))
+
+
+def test_torques_in_another_unit_are_no_other_clock(plain, puma):
+    ask(replace(plain, torque=0.6 * plain.torque), puma)
+
+
+def test_noise_without_inertial_torque_tells_nothing(plain, puma):
+    noise = np.random.default_rng(5).standard_normal(plain.torque.shape)
+    ask(replace(plain, torque=plain.torque.std(axis=0) * noise), puma)

@@ -1,0 +1,76 @@
+"""A clock that runs too fast or too slow, told from the torques of a motion: a rate that was stated wrongly.
+
+Where time is stretched by a factor, derived velocities fall by it and accelerations by its square, while positions and
+their gravity stay. So inertial torques of all joints are off by one factor. What the drives add in proportion to
+acceleration or speed tells nothing, because any motor inertia may be wrong by as much: it is left free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.measurement.axis_readings import INERTIAL_ERROR, Likelihood
+from jointwear.measurement.checks import FAVOURS, FEWEST, Refused, best_reading, explained
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
+
+#: Largest factor that is looked for, either way, and the step by which it is asked whether there is one.
+LARGEST, STEP = 4.0, 1.1
+#: How closely it is found, as a share of it.
+CLOSELY = 1e-3
+#: Powers of the factor in position, velocity, acceleration and torque.
+POWERS = np.array([0.0, 1.0, 2.0, 0.0])
+
+
+def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarray) -> None:
+    """Check that time passed as fast as the recording says.
+
+    Another clock has to be as much likelier as another zero, to fit better in size, to be likelier than every other
+    reading of the axes, and to change inertial torques by more than three standard deviations of a nominal model's
+    inertial parameters.
+
+    Parameters
+    ----------
+    name : of the data set or the log, for messages.
+    parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
+
+    Raises
+    ------
+    Refused : with the factor by which time runs too fast or too slow.
+    """
+    from scipy.optimize import minimize_scalar
+
+    nothing = np.zeros(robot.joints)
+    bare = replace(robot, coulomb_positive=nothing, coulomb_negative=nothing, viscous=nothing, armature=nothing)
+    likelihood = Likelihood(Dynamics(bare), FEWEST)
+
+    def nats(log_factor: float) -> float:
+        return likelihood(parts * np.exp(log_factor * POWERS)[:, None], usable)
+
+    step, far, as_read = np.log(STEP), np.log(LARGEST), nats(0.0)
+    slower, faster = nats(-step), nats(step)
+    if max(slower, faster) <= as_read:
+        return
+    bounds = (0.0, far) if faster > slower else (-far, 0.0)
+    best = minimize_scalar(lambda x: -nats(x), bounds=bounds, method="bounded", options={"xatol": CLOSELY})
+    if abs(2.0 * best.x) < np.log1p(3.0 * INERTIAL_ERROR) or -best.fun - as_read < FAVOURS["zero"]:
+        return
+    factor = float(np.exp(best.x))
+    # Loads that change within a log are likelier with far smaller bodies, and fit worse in size.
+    given, other = Dynamics(robot), parts * (factor**POWERS)[:, None]
+    before, after = (np.maximum(explained(given, p, usable), 1e-12) for p in (parts, other))
+    if not float(np.nansum(np.log(before / after))) > 0:
+        return
+    if best_reading(Dynamics(bare), parts, usable)[0] > -best.fun:
+        return
+    raise Refused(
+        f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "
+        f"{_wrong(factor)}, as where a rate is stated wrongly",
+        f"multiply the time by {1 / factor:.3g}, or write it at the rate at which the samples were taken",
+    )
+
+
+def _wrong(factor: float) -> str:
+    return f"stretched by {factor:.3g}" if factor > 1 else f"compressed to {factor:.3g} of itself"
