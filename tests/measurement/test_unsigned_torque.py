@@ -20,6 +20,17 @@ def example():
     return recording, load_robot("config/robots/puma560.yaml")
 
 
+def ask(recording, robot):
+    check_torque_has_sign(recording.torque, measure(recording), robot, "arm")
+
+
+def test_sizes_that_an_entry_turned_around_are_refused_too(example):
+    recording, robot = example
+    turned = np.abs(recording.torque) * np.array([1, -1, 1, 1, -1, 1])
+    with pytest.raises(Refused, match="without their sign"):
+        ask(replace(recording, torque=turned), robot)
+
+
 def test_sizes_alone_are_refused_with_their_cause(example):
     recording, robot = example
     with pytest.raises(Refused, match="without their sign"):
@@ -28,17 +39,17 @@ def test_sizes_alone_are_refused_with_their_cause(example):
 
 def test_right_torques_pass(example):
     recording, robot = example
-    check_torque_has_sign(measure(recording), robot, "arm")
+    ask(recording, robot)
 
 
 def test_torques_that_a_preload_keeps_on_one_side_pass(example):
     recording, robot = example
     preloaded = replace(recording, torque=recording.torque - recording.torque.min(axis=0))
-    check_torque_has_sign(measure(preloaded), robot, "arm")
+    ask(preloaded, robot)
 
 
 def test_one_joint_with_its_sign_is_enough(example):
     recording, robot = example
     torque = np.abs(recording.torque)
     torque[:, 3] = recording.torque[:, 3]
-    check_torque_has_sign(measure(replace(recording, torque=torque)), robot, "arm")
+    ask(replace(recording, torque=torque), robot)

@@ -39,7 +39,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     check_rate(recording, name)
     measured = moving_torques(recording)
     restrictions += silence_in_words(measured)
-    check_torque_has_sign(measured, robot, name)
+    check_torque_has_sign(recording.torque, measured, robot, name)
     thin = thinned(measured)
     check_position_unit(thin, robot, name, recording.units.get("position", ""))
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.
