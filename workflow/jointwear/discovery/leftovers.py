@@ -11,7 +11,7 @@ from scipy.stats import median_abs_deviation
 
 from jointwear.discovery import assumed
 from jointwear.discovery.acceptance import of_timing, predictive
-from jointwear.discovery.candidates import LINK_MASS, of_bases, raw_columns, resolved_bases
+from jointwear.discovery.candidates import LINK_MASS, Seen, of_bases, raw_columns, resolved_bases
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.in_its_place import better_in_its_place
@@ -65,7 +65,7 @@ def unexplained(
             if not freedom:
                 continue
             p, nats = _chance(white, axis, statistic, freedom)
-            low, high = _where(basis, b, gram, white.whiteners[axis].rows)
+            low, high = _where(basis, seen, white.whiteners[axis].rows)
             entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats)
             profile.append(entry)
             if p < settings.unexplained_p and nats > settings.accept:
@@ -228,11 +228,11 @@ def _without_outliers(fit: Fit, sigmas: float) -> Fit:
     return Fit([y - e for y, e in zip(fit.targets, excess, strict=True)], fit.terms)
 
 
-def _where(basis: Basis, b: np.ndarray, gram: np.ndarray, rows: np.ndarray) -> tuple[float, float]:
-    """Return the range of the argument that the strongest columns of a basis cover."""
-    size = np.abs(b) / np.sqrt(np.maximum(np.diag(gram), 1e-12))
-    strong = np.flatnonzero(size > 0.7 * size.max())
-    height = np.abs(basis.columns.T[strong[strong < basis.columns.shape[1]]].take(rows, axis=1))
+def _where(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float]:
+    """Return the range of the argument that the strongest columns of a basis cover, of those that hold anything."""
+    size = np.abs(seen.b) / np.sqrt(np.maximum(np.diag(seen.gram), 1e-12))
+    strong = np.flatnonzero(seen.good)[size > 0.7 * size.max()]
+    height = np.abs(basis.columns.T[strong].take(rows, axis=1))
     chosen = height.max(axis=0) > 0.5 * height.max()
     values = basis.values[rows][chosen]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
