@@ -291,14 +291,14 @@ def _left(robot: Robot, rigid: np.ndarray, parts: np.ndarray, usable: np.ndarray
     return shares
 
 
-def _score(left: np.ndarray, floor: float) -> float:
-    """Total log of what is left: lower is better, but below `floor` no better."""
+def total_left(left: np.ndarray, floor: float) -> float:
+    """Return the total log of what is left of the axes (n,): lower is better, but below `floor` no better."""
     return float(np.nansum(np.log(np.maximum(left, floor))))
 
 
 def best_reading(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple[float, Reading]:
     """Return the likeliest of the other readings of the axes that leave least, with its log likelihood [nats]."""
-    scores = [(_score(left, RIGHT), reading) for reading, left in explained_otherwise(dynamics, parts, usable)]
+    scores = [(total_left(left, RIGHT), reading) for reading, left in explained_otherwise(dynamics, parts, usable)]
     likelihood, robot = Likelihood(dynamics, FEWEST), dynamics.robot
     best = [reading for _, reading in sorted(scores, key=lambda x: x[0])[:BEST]]
     nats = [(likelihood(*reading.read(parts, usable, robot)), reading) for reading in best]
@@ -354,7 +354,7 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
 
     def gained(reading: Reading, other: np.ndarray) -> float:
         floor = SAME_WRIST if reading.kind in EXCHANGED else RIGHT
-        return _score(left, floor) - _score(other, floor)
+        return total_left(left, floor) - total_left(other, floor)
 
     def refuted(reading: Reading, other: np.ndarray) -> bool:
         concerned = other[list(reading.axes)]

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.measurement.axis_readings import Likelihood
-from jointwear.measurement.checks import CLEARLY, FAVOURS, FEWEST, RIGHT, Refused, best_reading, explained
+from jointwear.measurement.checks import CLEARLY, FAVOURS, FEWEST, RIGHT, Refused, best_reading, explained, total_left
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -57,6 +57,7 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
         return
     if found - nats(robot.gravity) < FAVOURS["zero"]:
         return
+    # A flipped joint lifts what hangs, too.
     rival, reading = best_reading(as_given, parts, usable)
     ahead = found - rival
     # Hanging from a ceiling and a shoulder that counts from the opposite zero are the same to the torques.
@@ -106,12 +107,8 @@ def _check_weight(
     )
 
 
-def _score(left: np.ndarray) -> float:
-    return float(np.nansum(np.log(np.maximum(left, RIGHT))))
-
-
 def _left(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> float:
-    return _score(explained(dynamics, parts, usable))
+    return total_left(explained(dynamics, parts, usable), RIGHT)
 
 
 def _gravity(robot: Robot, parts: np.ndarray, usable: np.ndarray) -> np.ndarray | None:

@@ -7,12 +7,10 @@ acceleration or speed tells nothing, because any motor inertia may be wrong by a
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from jointwear.measurement.axis_readings import INERTIAL_ERROR, Likelihood
-from jointwear.measurement.checks import FAVOURS, FEWEST, Refused, best_reading, explained
+from jointwear.measurement.checks import FAVOURS, FEWEST, Refused, best_reading, explained, total_left
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -42,9 +40,8 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
     """
     from scipy.optimize import minimize_scalar
 
-    nothing = np.zeros(robot.joints)
-    bare = replace(robot, coulomb_positive=nothing, coulomb_negative=nothing, viscous=nothing, armature=nothing)
-    likelihood = Likelihood(Dynamics(bare), FEWEST)
+    bodies = Dynamics(robot.without_drives())
+    likelihood = Likelihood(bodies, FEWEST)
 
     def nats(log_factor: float) -> float:
         return likelihood(parts * np.exp(log_factor * POWERS)[:, None], usable)
@@ -60,10 +57,10 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
     factor = float(np.exp(best.x))
     # Loads that change within a log are likelier with far smaller bodies, and fit worse in size.
     given, other = Dynamics(robot), parts * (factor**POWERS)[:, None]
-    before, after = (np.maximum(explained(given, p, usable), 1e-12) for p in (parts, other))
-    if not float(np.nansum(np.log(before / after))) > 0:
+    before, after = (total_left(explained(given, p, usable), 1e-12) for p in (parts, other))
+    if not before > after:
         return
-    if best_reading(Dynamics(bare), parts, usable)[0] > -best.fun:
+    if best_reading(bodies, parts, usable)[0] > -best.fun:
         return
     raise Refused(
         f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "

@@ -30,9 +30,8 @@ def check_torque_has_sign(logged: np.ndarray, measured: Measured, robot: Robot, 
     known = np.where(np.isfinite(logged), logged, 0.0)[:, moving]
     if not len(moving) or np.any((known.min(axis=0) < 0) & (known.max(axis=0) > 0)):
         return
-    q, v, a = measured.position, measured.velocity, measured.acceleration
     # Friction of the file is in the model: it is what turns the sign of a wrist.
-    model = Dynamics(robot).rigid_body_torque(q, v, a) + robot.viscous * v + robot.coulomb(v)
+    model = Dynamics(robot).inverse_dynamics(measured.position, measured.velocity, measured.acceleration)
     both = [j for j in moving if np.ptp(np.sign(model[measured.usable[:, j], j])) == 2.0]
     closer = 0.0
     for j in both:

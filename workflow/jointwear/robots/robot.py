@@ -6,7 +6,7 @@ Turning a robot into torques is the work of :mod:`jointwear.robots.dynamics`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +84,11 @@ class Robot:
     def joints(self) -> int:
         """Number of joints."""
         return len(self.joint_names)
+
+    def without_drives(self) -> Robot:
+        """Return the robot without friction and motor inertia: what a torque sensor behind its gears knows."""
+        none = np.zeros(self.joints)
+        return replace(self, armature=none, viscous=none, coulomb_positive=none, coulomb_negative=none)
 
 
 def inertia_matrix(six: list[float] | None) -> np.ndarray:

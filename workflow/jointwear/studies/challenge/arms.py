@@ -9,7 +9,6 @@ from typing import Any
 from jointwear.files.regular_files import ROOT
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.statistics.randomness import generator
-from jointwear.studies.challenge.circumstances import behind_the_gears
 from jointwear.studies.challenge.plan import Case
 
 #: Robot file of every arm, relative to the workflow, and the load [kg] that it is rated for.
@@ -41,4 +40,4 @@ def rated_load(name: str) -> float:
 def given_robot(case: Mapping[str, Any]) -> Robot:
     """Return the robot of a listed case as its user would give it."""
     robot = load_robot(ROOT / case["robot"])
-    return behind_the_gears(robot) if case["told"]["torque_kind"] == "link_sensor" else robot
+    return robot.without_drives() if case["told"]["torque_kind"] == "link_sensor" else robot

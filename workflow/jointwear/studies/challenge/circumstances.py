@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-
-from jointwear.robots.robot import Robot
 
 #: Share of cases whose motion is that of a closed loop with tracking error, half of them with each controller.
 CLOSED_LOOP = 0.2
@@ -81,9 +79,3 @@ def draw_circumstances(
         controller=controller if closed else None,
         quiet=COMMAND_NOISE if torque == "command" else 1.0,
     )
-
-
-def behind_the_gears(robot: Robot) -> Robot:
-    """Return the robot as a torque sensor behind its gears knows it: no friction and no motor inertia."""
-    none = np.zeros(robot.joints)
-    return replace(robot, armature=none, viscous=none, coulomb_positive=none, coulomb_negative=none)

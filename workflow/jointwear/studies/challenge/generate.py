@@ -12,7 +12,7 @@ import numpy as np
 from jointwear.robots.robot import Robot
 from jointwear.statistics.randomness import generator
 from jointwear.studies.challenge.arm import Arm, with_one_wrong_parameter, with_wrong_parameters
-from jointwear.studies.challenge.circumstances import Circumstances, behind_the_gears, draw_circumstances
+from jointwear.studies.challenge.circumstances import Circumstances, draw_circumstances
 from jointwear.studies.challenge.hide import SMOOTH_ONLY, allowed_axes, draw_hidden
 from jointwear.studies.challenge.motion import Path, fourier_path, transfer_paths
 from jointwear.studies.challenge.plan import Case
@@ -122,7 +122,7 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
     tier = TIERS[case.tier]
     how = circumstances_of(case, nominal, seed)
     if how.torque == "link_sensor":
-        nominal = behind_the_gears(nominal)
+        nominal = nominal.without_drives()
     robot, wrong = _real_arm(case, tier, nominal, rng)
     arm = Arm(robot)
     count = int(rng.integers(4, 6))

@@ -39,8 +39,7 @@ class Judge:
         self.noise = noise / np.sqrt(keep) if not setting.colour else noise
         self.colour = setting.colour**keep
         if setting.torque == "link_sensor":
-            zero = np.zeros(real.joints)
-            real = replace(real, armature=zero, viscous=zero, coulomb_positive=zero, coulomb_negative=zero)
+            real = real.without_drives()
         self.real = real
 
     def samples(self, logs: Sequence[Log]) -> Samples:
