@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +20,7 @@ from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.structure import Basis, Line, chance_of, strongest_line, where_strongest
 from jointwear.discovery.tolerance import with_tolerances
+from jointwear.discovery.unresolved_steps import at_unresolved_steps
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
@@ -41,8 +42,8 @@ def unexplained(
 
     Parameters
     ----------
-    robust : let no sample lie further than `Settings.noise_sigmas` from the model, and no `assumed.BLOCK` of splines
-        decide.
+    robust : let no sample lie further than `Settings.noise_sigmas` from the model, none at steps of acceleration that
+        the sampling does not resolve, and no `assumed.BLOCK` of splines decide.
     asked : 0-based axes with the arguments that are tested there; default all.
 
     Returns
@@ -53,7 +54,8 @@ def unexplained(
     # What a form that is a little off leaves behind is no structure of its own.
     fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
     if robust:
-        fit = _without_outliers(fit, outcome.problem.settings.noise_sigmas)
+        steps = {axis: at_unresolved_steps(white, axis) for axis in problem.judged}
+        fit = _without_outliers(fit, problem.settings.noise_sigmas, steps)
     settings = problem.settings
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
@@ -215,13 +217,16 @@ def lasting(outcome: Outcome) -> list[Unexplained]:
     return [u for u in outcome.unexplained if (u.axis, u.argument) in firm]
 
 
-def _without_outliers(fit: Fit, sigmas: float) -> Fit:
+def _without_outliers(fit: Fit, sigmas: float, unknown: Mapping[int, np.ndarray] | None = None) -> Fit:
     """Return the fit to targets in which no sample lies further off than noise does (winsorised, one step).
 
     Where half of the samples lie further off than that, they are no outliers: the scale is that of the residual itself.
+    Samples `unknown`, by axis, are not off at all.
     """
     scales = [max(1.0, median_abs_deviation(r, scale="normal")) if len(r) else 1.0 for r in fit.residual]
-    limits = [sigmas * scale for scale in scales]
+    limits = [np.full(len(r), sigmas * scale) for r, scale in zip(fit.residual, scales, strict=True)]
+    for axis, samples in (unknown or {}).items():
+        limits[axis][samples] = 0.0
     excess = [r - np.clip(r, -limit, limit) for r, limit in zip(fit.residual, limits, strict=True)]
     if not any(e.any() for e in excess):
         return fit
