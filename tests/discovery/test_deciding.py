@@ -358,7 +358,7 @@ def test_what_was_put_back_is_told_once_with_its_reason():
         {"model": "retuned", **same},
         {**little, "kept": "all as given", "held_out": None},
     ]
-    first, second = put_back_in_words({"fallbacks": put_back})
+    first, second = put_back_in_words({"fallbacks": put_back, "unexplained": [{"axis": 1}]})
     assert first.startswith("Joint 1, retuned model: as fitted, its error on records left out was 0.761 times ")
     assert "stands in for what stays unexplained" in first
     assert first.endswith(f"Put back: {everything}. The file holds: all as given.")
@@ -369,4 +369,4 @@ def test_what_was_put_back_is_told_once_with_its_reason():
         f"Put back: {drive}; then, at 1.9 times, {links}. The file holds: {drive}, {links}. "
         "On held-out motion it has 1 times the given error."
     )
-    assert put_back_in_words({"fallbacks": []}) == []
+    assert put_back_in_words({"fallbacks": [], "unexplained": []}) == []

@@ -18,6 +18,7 @@ from jointwear.discovery.candidates import (
     fitted_torque,
 )
 from jointwear.discovery.crossval import cross_validate
+from jointwear.discovery.drive_shares import drive_shares, told_shares
 from jointwear.discovery.effect_estimates import Estimate, estimate_effect, misfits
 from jointwear.discovery.fallback import put_back
 from jointwear.discovery.forms import Form, companion, form_of
@@ -120,6 +121,9 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     ours = {id(t) for t in [*terms, *(t for _, _, t in refined)]}
     base = [t for t in kept if id(t) not in ours]
     final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
+    shares = drive_shares(white, kept, nameless)
+    delta_friction = _in_part(final.delta_friction, shares)
+    fallbacks += told_shares(shares, "augmented")
     masses = [n for n in named if n.candidate.effect == LINK_MASS]
     mass_terms = [t for n in masses for t in n.terms]
     alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
@@ -128,15 +132,25 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     retuned = Fit(plain.targets, alone)
     beside = make_links_sound(plain, retuned, masses)
     friction, _, inertial = _base_of(plain, retuned, masses)
+    retuned_shares = drive_shares(plain, alone, nameless)
     return replace(
         final,
-        retuned_friction=friction,
+        delta_friction=delta_friction,
+        retuned_friction=_in_part(friction, retuned_shares),
         retuned_inertial=inertial + beside,
-        fallbacks=fallbacks + retuned_given_up,
+        fallbacks=fallbacks + retuned_given_up + told_shares(retuned_shares, "retuned"),
         unwritten=unwritten,
         suspects=suspects,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
     )
+
+
+def _in_part(friction: np.ndarray, shares: dict[int, tuple[float, float]]) -> np.ndarray:
+    """Return corrections of the drives (n, 4) of which some are written in part."""
+    part = friction.copy()
+    for axis, (share, _) in shares.items():
+        part[axis] *= share
+    return part
 
 
 def _in_band(plain: White, candidates: list[Candidate]) -> White:

@@ -95,6 +95,15 @@ class Asked:
         found = self._records(kept)
         return replace(self._of_halves(kept), steady=found.steady) if found.told_alone else found
 
+    def drives(self, kept: list[Term]) -> dict[int, np.ndarray]:
+        """Return for every axis (0-based) that can be judged what its drive is worth on each record left out, (r, 4).
+
+        They are sums of squares [(N m)^2]: the torque of the corrections of its drive times what all others leave, that
+        torque squared, what the others leave squared, and what the given robot leaves squared.
+        """
+        records = self._of_halves if self._records(kept).told_alone else self._records
+        return records.drives(kept)
+
 
 @dataclass(frozen=True)
 class _Rows:
@@ -147,6 +156,38 @@ class _EveryFold:
 
     def __call__(self, kept: list[Term]) -> LeftOut:
         """Return how `kept` of the terms, corrections of the links with less or no freedom, predict each fold."""
+        found: dict[int, list[_Record]] = {}
+        thetas, told_alone = self._without_each(kept)
+        for fold, theta in thetas.items():
+            for axis, rows in self._rows[fold].items():
+                found.setdefault(axis, []).append(self._record(rows, rows.target - rows.raw @ theta[rows.places]))
+        count = len(self._white.targets)
+        ratio, surely, gained, steady = np.zeros(count), np.zeros(count), np.ones(count), np.full(count, np.inf)
+        for axis, records in found.items():
+            ratio[axis], surely[axis], gained[axis] = _of_records(records)
+            steady[axis] = margin(np.array([r.squares for r in records]), self._white.problem.settings)
+        return LeftOut(ratio, surely, gained, steady, told_alone)
+
+    def drives(self, kept: list[Term]) -> dict[int, np.ndarray]:
+        """Return what the corrections of each drive are worth in each fold, as :meth:`Asked.drives` says."""
+        of_drive = np.full(self._total, -1)
+        for term, places in zip(self._terms, self._places, strict=True):
+            of_drive[places] = term.drive[0] if term.drive else -1
+        found: dict[int, list[tuple[float, ...]]] = {}
+        for fold, theta in self._without_each(kept)[0].items():
+            for axis, rows in self._rows[fold].items():
+                own = of_drive[rows.places] == axis
+                drive = rows.raw[:, own] @ theta[rows.places[own]]
+                left = rows.target - rows.raw[:, ~own] @ theta[rows.places[~own]]
+                pairs = ((drive, left), (drive, drive), (left, left), (rows.target, rows.target))
+                found.setdefault(axis, []).append(tuple(float(x @ y) for x, y in pairs))
+        return {axis: np.array(worth) for axis, worth in found.items()}
+
+    def _without_each(self, kept: list[Term]) -> tuple[dict[int, np.ndarray], bool]:
+        """Return the coefficients (p,) of all terms fitted without each fold, and whether one alone tells of an effect.
+
+        Those of what is not kept are 0.
+        """
         of_term = [self._place(t) for t in kept]
         chosen = np.concatenate([self._places[i] for i in of_term] or [np.zeros(0, int)])
         precision = np.concatenate([1.0 / t.std**2 for t in kept] or [np.zeros(0)])
@@ -157,8 +198,7 @@ class _EveryFold:
         known = of_effect
         if of_effect.any():
             known = of_effect & (_left_open(cho_factor(total_gram + np.diag(precision)), precision) < UNTOLD)
-        found: dict[int, list[_Record]] = {}
-        told_alone = False
+        thetas, told_alone = {}, False
         for fold, (gram, right) in sums.items():
             theta = np.zeros(self._total)
             if len(chosen):
@@ -166,14 +206,8 @@ class _EveryFold:
                 theta[chosen] = cho_solve(factor, total_right - right)
                 theta[chosen] = theta[chosen] if turn is None else turn @ theta[chosen]
                 told_alone |= known.any() and bool(np.any(known & (_left_open(factor, precision) > UNTOLD)))
-            for axis, rows in self._rows[fold].items():
-                found.setdefault(axis, []).append(self._record(rows, rows.target - rows.raw @ theta[rows.places]))
-        count = len(self._white.targets)
-        ratio, surely, gained, steady = np.zeros(count), np.zeros(count), np.ones(count), np.full(count, np.inf)
-        for axis, records in found.items():
-            ratio[axis], surely[axis], gained[axis] = _of_records(records)
-            steady[axis] = margin(np.array([r.squares for r in records]), self._white.problem.settings)
-        return LeftOut(ratio, surely, gained, steady, bool(told_alone))
+            thetas[fold] = theta
+        return thetas, bool(told_alone)
 
     def _place(self, term: Term) -> int:
         """Return which of the terms one is, or is of with less freedom."""

@@ -157,7 +157,7 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
     for f in content["fallbacks"]:
         steps = tuple((s["step"], s["ratio"]) for s in f["steps"])
         models.setdefault((f["axis"], steps, f["kept"], f["held_out"]), []).append(f["model"])
-    told = []
+    told, still = [], {u["axis"] for u in content["unexplained"]}
     for (axis, steps, kept, held_out), names in sorted(models.items(), key=lambda found: found[0][0]):
         put_back = "; ".join(
             step if k == 0 else f"then, at {number(ratio)} times, {step}" for k, (step, ratio) in enumerate(steps)
@@ -165,7 +165,8 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
         first = steps[0][1]
         why = f"as fitted, its error on records left out was {number(first)} times that of the given robot"
         if max(ratio for _, ratio in steps) <= 1.0:
-            why += ", but it stands in for what stays unexplained there and may be worse in the next recording"
+            stands_in = "it stands in for what stays unexplained there and may be worse in the next recording"
+            why += f", but {stands_in if axis in still else 'it gains in some stretches of time and loses in others'}"
         end = "" if held_out is None else f" On held-out motion it has {number(held_out)} times the given error."
         told.append(
             f"Joint {axis}, {' and '.join(sorted(names))} model{'s' if len(names) > 1 else ''}: {why}. Put back: "

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery.drive_shares import IN_PART
 from jointwear.discovery.estimation import Final
 from jointwear.discovery.fallback import FELT
 from jointwear.discovery.verdict import FallBack, Gap, GivenUp
@@ -47,9 +48,11 @@ def _kept(final: Final, model: str, axis: int, held: bool) -> str:
     links = final.delta_inertial if augmented else final.retuned_inertial
     effects = [e.named.candidate.effect for e in final.estimates if e.named.candidate.axis in (axis, None)]
     felt = ", but for what this joint feels" if held and np.any(links) else ""
-    words = [f"friction and motor inertia {_as(drive)}", f"inertia of the links {_as(links)}{felt}"]
+    in_part = any(f.step.endswith(IN_PART) for f in final.fallbacks if (f.model, f.axis) == (model, axis + 1))
+    words = [f"friction and motor inertia {_as(drive, in_part)}", f"inertia of the links {_as(links)}{felt}"]
     return ", ".join(words + (list(dict.fromkeys(effects)) if augmented else []))
 
 
-def _as(change: Collection[float]) -> str:
-    return "as fitted" if np.any(change) else "as given"
+def _as(change: Collection[float], in_part: bool = False) -> str:
+    fitted = "in part as fitted" if in_part else "as fitted"
+    return fitted if np.any(change) else "as given"
