@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.estimation import Estimate, Final
+from jointwear.discovery.forms import written_form
 from jointwear.effects import State, get_effect
 from jointwear.files.json_values import builtin
 from jointwear.robots.inertia import links_from_parameters
@@ -108,7 +109,7 @@ def entries_of(e: Estimate, state: State) -> list[dict[str, Any]]:
     written = [e.parameters]
     if e.form is not None and effect.bend.written is not None:
         bends = e.form.columns(state.part(np.arange(2))).shape[1]
-        written = effect.bend.written(e.parameters, e.form.knots, e.coefficients[-bends:])
+        written = written_form(e.form, e.parameters, e.coefficients[-bends:])
     return [
         {
             "effect": candidate.effect,

@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.discovery.candidates import Candidate, on_all_axes, raw_columns
 from jointwear.discovery.fast_waves import draw_unfiltered
-from jointwear.discovery.forms import Form
+from jointwear.discovery.forms import Form, changed_in_holes
 from jointwear.discovery.instruments import band_limited
 from jointwear.discovery.linear import Term
 from jointwear.discovery.peak_torque import DRAWS, draw_form_errors, draw_torque, height
@@ -42,8 +42,12 @@ class Fitted:
     lost: float
 
     def torque(self, state: State) -> np.ndarray:
-        """Return the torque (m, n) [N m] on every axis."""
-        return all_columns(state, self.candidate, self.form) @ self.coefficients
+        """Return the torque (m, n) [N m] on every axis, as a robot file has it in holes of the argument."""
+        torque = all_columns(state, self.candidate, self.form) @ self.coefficients
+        if self.form is not None and self.form.seen:
+            bends = self.coefficients[self.own :]
+            torque[:, self.candidate.axis] += changed_in_holes(self.form, self.parameters, bends, state)
+        return torque
 
 
 def all_columns(state: State, candidate: Candidate, form: Form | None) -> np.ndarray:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.effects.effect import AxisFunction, Bend, Parameters
+from jointwear.effects.holes import Law
 from jointwear.effects.order import change_by_delay, second_derivative
 from jointwear.effects.state import State
 from jointwear.effects.tables import hats, knots_of
@@ -16,14 +17,15 @@ Shape = Callable[[State, int, Parameters], tuple[np.ndarray, np.ndarray]]
 BendColumns = Callable[[State, int, int | None, Parameters, Any], np.ndarray]
 
 
-def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "order", straight: bool = False) -> Bend:
+def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "order", law: Law | None = None) -> Bend:
     """Return the bend of an effect carrier x f(argument): f is corrected by a table of `count` knots.
 
     Parameters
     ----------
     per_wave : for a wave over the argument, knots in one wave (the parameter `waves` counts waves in 2 pi), enough
         for its second harmonic and a slow change of its amplitude.
-    straight : beyond what was seen the torque goes on straight, as far again: so does its correction in a robot file.
+    law : the form at any argument, of an effect whose torque goes on straight beyond what was seen, as far again: so
+        does its correction in a robot file, and in holes between it is weak.
     """
 
     def knots(state, axis, source, p, used):
@@ -38,7 +40,7 @@ def table_bend(shape: Shape, count: int = 8, per_wave: int = 0, waves: str = "or
         carrier, argument = shape(state, axis, p)
         return carrier[:, None] * hats(argument, table)
 
-    return Bend(columns, knots, written_straight_on if straight else written_as_table)
+    return Bend(columns, knots, written_as_table if law is None else written_straight_on, law)
 
 
 def written_straight_on(parameters: Parameters, knots: np.ndarray, coefficients: np.ndarray) -> list[dict[str, Any]]:

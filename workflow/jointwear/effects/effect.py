@@ -49,11 +49,14 @@ class Bend:
         samples `used` leave no room for one; None as the attribute where `columns` needs no knots.
     written : (parameters, knots, coefficients (k,)) -> the parameters of the entries of a robot file that hold the
         effect and its bends; None where a robot file can only hold the textbook form.
+    law : (parameters, argument (k,)) -> the textbook form (k,) at any argument, where what is written of a bent one has
+        to say something of holes in the arguments that were seen; None where nothing is asked.
     """
 
     columns: Callable[[State, int, int | None, Parameters, np.ndarray | None], np.ndarray]
     knots: Callable[[State, int, int | None, Parameters, np.ndarray], np.ndarray] | None = None
     written: Callable[[Parameters, np.ndarray | None, np.ndarray], list[dict[str, Any]]] | None = None
+    law: Callable[[Parameters, np.ndarray], np.ndarray] | None = None
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,22 @@ from jointwear.effects.effect import Effect, Parameter
 _NAMES = ("stiffness", "quadratic", "cubic", "preload")
 
 
-def _columns(state, axis, source, p):
+def _powers(position, p):
     # Beyond the travel that it was found on a polynomial says nothing, but a spring pulls to where it rests: it goes on
     # straight, as far again as it was seen, and stays then.
-    inside = np.clip(state.position[..., axis], p["low"], p["high"])
+    inside = np.clip(position, p["low"], p["high"])
     reach = p["high"] - p["low"]
-    beyond = np.clip(state.position[..., axis] - inside, -reach, reach)
+    beyond = np.clip(position - inside, -reach, reach)
     x = inside - p["centre"]
     return np.stack([x + beyond, x**2 + 2 * x * beyond, x**3 + 3 * x**2 * beyond, np.ones(np.shape(x))], axis=-1)
+
+
+def _columns(state, axis, source, p):
+    return _powers(state.position[..., axis], p)
+
+
+def _law(p, position):
+    return _powers(position, p) @ np.array([p[name] for name in _NAMES])
 
 
 def _grid(state, axis):
@@ -46,7 +54,7 @@ EFFECT = Effect(
     source="engineering judgement; counterbalances of heavy robots",
     argument="position",
     argument_unit="rad",
-    torque=lambda state, axis, source, p: _columns(state, axis, source, p) @ np.array([p[name] for name in _NAMES]),
+    torque=lambda state, axis, source, p: _law(p, state.position[..., axis]),
     columns=_columns,
     parameters_of=lambda p, c: {**p, **dict(zip(_NAMES, map(float, c), strict=True))},
     grid=_grid,
@@ -56,5 +64,5 @@ EFFECT = Effect(
     widths=(1.0, 1.0, 1.0, 10.0),
     shape=_shape,
     as_seen=True,
-    bend=table_bend(_shape, 6, straight=True),
+    bend=table_bend(_shape, 6, law=_law),
 )
