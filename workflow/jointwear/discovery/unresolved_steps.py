@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from jointwear.discovery.reversals import resolved_motion
 from jointwear.discovery.whitening import White
@@ -30,5 +31,5 @@ def at_unresolved_steps(white: White, axis: int) -> np.ndarray:
     step = np.zeros(len(rounding), dtype=bool)
     step[whitener.rows] = np.max(np.abs(whitener(rounding)), axis=1) > problem.settings.noise_sigmas
     reach = math.ceil(0.5 / measured.cutoff[axis] * measured.rate)
-    beside = (np.convolve(step, np.ones(2 * reach + 1), mode="same") > 0)[whitener.rows]
+    beside = maximum_filter1d(step, 2 * reach + 1, mode="constant")[whitener.rows]
     return beside & (2 * np.count_nonzero(beside) < len(beside))
