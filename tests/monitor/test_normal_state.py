@@ -24,6 +24,7 @@ from jointwear.monitor.shift_forecast import TOLD, forecast_shifts
 from jointwear.monitor.shift_scale import shift_scale
 from jointwear.monitor.shifts import shift_labels
 from jointwear.monitor.warm_up import warm_up_state
+from jointwear.monitor.watching import outside_baseline
 
 HOUR = 3600.0
 
@@ -202,6 +203,17 @@ def test_a_shift_in_which_the_other_axes_are_off_too_tells_less_of_an_axis():
     assert np.allclose(shift_scale(unknown, variance, noise, np.full(6, 0.3), shift, inside)[:, 0], 1.0)
     grown = np.array([0, 0, 0.04, 0.04])
     assert np.isclose(evidence(grown, loud=4.0).growth[-1], 0.5 * evidence(grown).growth[-1])
+
+
+def test_a_shift_in_which_all_axes_rose_is_beyond_what_the_baseline_saw():
+    shift, beyond = np.repeat(np.arange(4), 3), np.zeros((12, 2))
+    beyond[0, 1] = 1e-4
+    outside = outside_baseline(beyond, np.repeat([0.0, 0.05, -0.05, 0.02], 3), shift)
+    assert outside[0].tolist() == [False, True]
+    assert outside[shift == 1].all()
+    # A fall raises no alarm of growth, and what is no finding is weather as usual.
+    assert not outside[1:3].any()
+    assert not outside[shift >= 2].any()
 
 
 def test_a_robot_that_stays_still_is_held_to_its_own_scale_and_wear_widens_none():

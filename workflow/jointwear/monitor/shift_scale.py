@@ -35,8 +35,8 @@ def shift_scale(
     ----------
     residual : (w, n) log levels less normal state and shared error, NaN where not judged. variance : (w, n) of the
     residuals. noise : (w, n) the part that windows do not share. memory : (n,) of windows within a shift.
-    shift : (w,) labels. outside : (w, n) bool, beyond the range of the baseline, where others that keep still say
-    little of the error of a law that is carried too far.
+    shift : (w,) labels. outside : (w, n) bool, beyond the range of the baseline or where all axes rose, where others
+    that keep still say little of the error of a law that is carried too far.
     """
     starts = np.concatenate([[True], np.diff(shift) != 0]) if len(shift) else np.zeros(0, dtype=bool)
     good = np.isfinite(residual) & np.isfinite(variance) & (noise > 0)

@@ -134,7 +134,8 @@ def watch(
         if common:
             shared = shared_error(raw, spread, baseline, shift, beyond, unit)
         variance = spread - alike * beyond + shared.variance
-        loud = shift_scale(raw - shared.value, variance, noise, memory, shift, beyond > 0)
+        outside = outside_baseline(beyond, shared.common, shift)
+        loud = shift_scale(raw - shared.value, variance, noise, memory, shift, outside)
         calm = _calm(shared.common, shift)
         again = []
         for j, state in states.items():
@@ -174,6 +175,20 @@ def _service(evidence: Evidence, least: float, shift: np.ndarray, baseline: np.n
         return None
     first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
     return int(hits[0]), max(_begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift), first_judged)
+
+
+def outside_baseline(beyond: np.ndarray, common: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Return the windows (w, n) that lie beyond what the baseline saw.
+
+    Those beyond its range, and those of shifts in which, so far, all axes together have risen by more than is a
+    finding: oil that is colder than the thermometers of motors tell.
+
+    Parameters
+    ----------
+    beyond : (w, n) variance of leaving the baseline's range. common : (w,) what the axes have in common, log levels.
+    shift : (w,) labels.
+    """
+    return (beyond > 0) | ~_calm(np.maximum(common, 0.0), shift)[:, None]
 
 
 def _calm(common: np.ndarray, shift: np.ndarray) -> np.ndarray:
