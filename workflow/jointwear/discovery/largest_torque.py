@@ -44,7 +44,7 @@ class Fitted:
     def torque(self, state: State) -> np.ndarray:
         """Return the torque (m, n) [N m] on every axis, as a robot file has it in holes of the argument."""
         torque = all_columns(state, self.candidate, self.form) @ self.coefficients
-        if self.form is not None and self.form.seen:
+        if self.form is not None:
             bends = self.coefficients[self.own :]
             torque[:, self.candidate.axis] += changed_in_holes(self.form, self.parameters, bends, state)
         return torque

@@ -101,7 +101,7 @@ class Asked:
         They are sums of squares [(N m)^2]: the torque of the corrections of its drive times what all others leave, that
         torque squared, what the others leave squared, and what the given robot leaves squared.
         """
-        records = self._of_halves if self._records(kept).told_alone else self._records
+        records = self._of_halves if self._records.without_each(kept)[1] else self._records
         return records.drives(kept)
 
 
@@ -157,7 +157,7 @@ class _EveryFold:
     def __call__(self, kept: list[Term]) -> LeftOut:
         """Return how `kept` of the terms, corrections of the links with less or no freedom, predict each fold."""
         found: dict[int, list[_Record]] = {}
-        thetas, told_alone = self._without_each(kept)
+        thetas, told_alone = self.without_each(kept)
         for fold, theta in thetas.items():
             for axis, rows in self._rows[fold].items():
                 found.setdefault(axis, []).append(self._record(rows, rows.target - rows.raw @ theta[rows.places]))
@@ -174,7 +174,7 @@ class _EveryFold:
         for term, places in zip(self._terms, self._places, strict=True):
             of_drive[places] = term.drive[0] if term.drive else -1
         found: dict[int, list[tuple[float, ...]]] = {}
-        for fold, theta in self._without_each(kept)[0].items():
+        for fold, theta in self.without_each(kept)[0].items():
             for axis, rows in self._rows[fold].items():
                 own = of_drive[rows.places] == axis
                 drive = rows.raw[:, own] @ theta[rows.places[own]]
@@ -183,7 +183,7 @@ class _EveryFold:
                 found.setdefault(axis, []).append(tuple(float(x @ y) for x, y in pairs))
         return {axis: np.array(worth) for axis, worth in found.items()}
 
-    def _without_each(self, kept: list[Term]) -> tuple[dict[int, np.ndarray], bool]:
+    def without_each(self, kept: list[Term]) -> tuple[dict[int, np.ndarray], bool]:
         """Return the coefficients (p,) of all terms fitted without each fold, and whether one alone tells of an effect.
 
         Those of what is not kept are 0.
