@@ -13,7 +13,7 @@ from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.limits import Limits
 from jointwear.monitor.parts import viscous_episodes, viscous_part
 from jointwear.monitor.present import back_to_normal
-from jointwear.monitor.watching import Start
+from jointwear.monitor.watched_axis import Start
 
 
 def watched(residual, source="friction", alarm_from=None, std=0.005):

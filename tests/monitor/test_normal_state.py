@@ -18,6 +18,7 @@ from jointwear.monitor.dispersion import (
 )
 from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
 from jointwear.monitor.null_runs import Axis, null_thresholds
+from jointwear.monitor.recent_shifts import AxisWindows
 from jointwear.monitor.regimes import find_regimes
 from jointwear.monitor.shared_error import shared_error, units_of_levels
 from jointwear.monitor.shift_forecast import TOLD, forecast_shifts
@@ -150,20 +151,20 @@ def evidence(
 ):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
-    return shift_evidence(
-        np.repeat(level, 8) + np.tile(np.repeat([1, -1], 4), len(level)) * np.repeat(odd * np.ones(len(level)), 8),
-        np.full(w, 1e-5),
-        np.ones((w, 1)),
-        [Posterior(np.zeros(1), np.full((1, 1), known))],
-        np.zeros(w, dtype=int),
-        shift,
-        START.memory,
-        np.full(w, START.between),
-        np.full(w, extra),
-        np.full(w, inside),
-        np.full(w, loud),
-        np.full(w, calm),
+    windows = AxisWindows(
+        value=np.repeat(level, 8)
+        + np.tile(np.repeat([1, -1], 4), len(level)) * np.repeat(odd * np.ones(len(level)), 8),
+        variance=np.full(w, 1e-5),
+        design=np.ones((w, 1)),
+        which=np.zeros(w, dtype=int),
+        shift=shift,
+        between=np.full(w, START.between),
+        extra=np.full(w, extra),
+        inside=np.full(w, inside),
+        scale=np.full(w, loud),
+        calm=np.full(w, calm),
     )
+    return shift_evidence(windows, [Posterior(np.zeros(1), np.full((1, 1), known))], START.memory)
 
 
 def test_a_large_step_in_weather_waits_for_a_second_shift():

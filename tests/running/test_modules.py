@@ -51,7 +51,17 @@ def test_reading_logs_does_not_depend_on_discovery(root):
 def test_robot_months_are_not_simulated_again_for_an_edited_judge(root):
     simulated, judged = names(root, "simulate_shop_floor"), names(root, "judge_shop_floor")
     assert simulated < judged
-    decides = {"judge", "judge_settings", "records", "decision", "baseline", "learning", "watching", "state"}
+    decides = {
+        "judge",
+        "judge_settings",
+        "records",
+        "decision",
+        "recent_shifts",
+        "baseline",
+        "learning",
+        "watching",
+        "state",
+    }
     assert {f"monitor/{name}.py" for name in decides - {"state"}} <= judged
     assert not {f"monitor/{name}.py" for name in decides} & simulated
     assert not {f"studies/shop_floor/{name}.py" for name in ("stages", "judging", "scores", "aims")} & simulated

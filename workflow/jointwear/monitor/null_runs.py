@@ -15,8 +15,9 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import stdtrit
 
-from jointwear.monitor.decision import BACK, FEWEST_BEFORE, SHIFTS, STEP, STEP_WINDOWS, TOLERATED
+from jointwear.monitor.decision import FEWEST_BEFORE, SHIFTS, STEP, STEP_WINDOWS, TOLERATED
 from jointwear.monitor.dispersion import FLOOR, STEP_WEIGHT
+from jointwear.monitor.recent_shifts import BACK
 
 #: Runs, shifts that are judged in each, moments of a shift at which the decision is taken.
 RUNS, JUDGED, MOMENTS = 4000, 20, 4
