@@ -3,16 +3,19 @@
 import json
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from discovery_cases import make_case, wave
 
-from jointwear.discovery import Settings
+from jointwear.discovery import Settings, pipeline, preflight
+from jointwear.discovery.pipeline import discover
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import write_recording
+from jointwear.measurement.shortened import shortened
 
 
 @pytest.fixture(scope="module")
@@ -59,3 +62,15 @@ def test_the_page_has_one_row_an_effect_and_one_column_a_joint(case, robot, tmp_
     assert columns["position-dependent friction"] == 6
     assert "whole arm" in dict(rows)["payload"]
     assert columns["payload"] == 0
+
+
+def test_the_check_of_a_long_recording_reads_a_part_of_it_and_lists_all(case, robot, monkeypatch):
+    short = partial(shortened, most=len(case.time) // 2)
+    monkeypatch.setattr(preflight, "shortened", short)
+    check = check_data(case, robot)
+    assert any("are read, which is as much as a search takes in" in line for line in check.restrictions)
+    assert sum(t.samples for t in check.trajectories) == len(case.time)
+    monkeypatch.setattr(pipeline, "shortened", short)
+    found = discover(case, robot)
+    assert len(found.recording.time) <= len(case.time) // 2
+    assert any("as much as a search takes in" in line for line in found.content.restrictions)

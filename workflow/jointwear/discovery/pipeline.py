@@ -42,6 +42,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.checked import checked
 from jointwear.measurement.other_zero import zero_in_words
 from jointwear.measurement.recording import Recording, split
+from jointwear.measurement.shortened import shortened
 from jointwear.measurement.silent_joints import moving_torques
 from jointwear.robots.robot import Robot
 
@@ -144,7 +145,9 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     settings = settings or Settings()
     recording = split(recording)
     check_groups(recording, settings.groups)
+    recording, told = shortened(recording, keep_all=bool(settings.groups))
     measured, restrictions = checked(recording, robot)
+    restrictions += told
     problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
     try:

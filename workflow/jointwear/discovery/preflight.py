@@ -31,6 +31,7 @@ from jointwear.files.wording import numbered
 from jointwear.measurement.checked import UNASKED, checked
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
+from jointwear.measurement.shortened import shortened
 from jointwear.publishing.report.numbers import number
 from jointwear.publishing.report.rendering import render_page
 from jointwear.robots.robot import Robot, load_robot
@@ -123,7 +124,9 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     """
     recording, settings = split(recording), settings or Settings()
     check_groups(recording, settings.groups)
+    whole, (recording, told) = recording, shortened(recording, keep_all=bool(settings.groups))
     measured, restrictions = checked(recording, robot)
+    restrictions += told
     problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
     try:
@@ -139,7 +142,7 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
         rate_hz=six_digits(_rate(recording)),
         torque_kind=recording.torque_kind,
         encoder_side=recording.encoder_side,
-        trajectories=tuple(_trajectories(recording)),
+        trajectories=tuple(_trajectories(whole)),
         joints=tuple(joints),
         passed=tuple(_passed(robot, restrictions)),
         restrictions=tuple(restrictions),

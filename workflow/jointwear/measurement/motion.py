@@ -125,6 +125,11 @@ def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float
     return floor, float(max(end, frequencies[1]))
 
 
+def decimation(rate: float) -> int:
+    """Return the number of samples of a log of `rate` [Hz] of which one is kept."""
+    return max(1, round(rate / TARGET_RATE)) if rate > HIGHEST_RATE else 1
+
+
 def measure(recording: Recording) -> Measured:
     """Derive what was not measured, reduce high rates, and mark the samples that can be judged.
 
@@ -137,7 +142,7 @@ def measure(recording: Recording) -> Measured:
     raw = _raw(recording)
     n, rate = raw.position.shape[1], raw.rate
     densities, floors, orders = _noise_of_signals(raw, recording.encoder_step)
-    factor = max(1, round(rate / TARGET_RATE)) if rate > HIGHEST_RATE else 1
+    factor = decimation(rate)
     out_rate = rate / factor
     cutoff, floor = _cutoffs(raw)
     if factor > 1:
