@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from jointwear.studies.world.maker import Maker, controllers_of, scales_of, want
 from jointwear.studies.world.plan import SEED, Case
 from jointwear.studies.world.plant import DriveParameters
 from jointwear.studies.world.robot_files import write_robot
+from jointwear.studies.world.run import Log
 from jointwear.studies.world.setting import TEST, Setting, draw_setting
 from jointwear.studies.world.truth import Judge, describe
 
@@ -75,46 +77,88 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
     make = Maker(setting, real_chain, real_drives, controllers, starts, heat)
     logs = make.logs(hidden)
     clean = make.channel(logs, hidden)
-    sub = slice(None, None, setting.sub)
-    position, velocity, acceleration, torque, temperature = (
-        np.concatenate([x[sub] for x in parts])
-        for parts in (
-            [log.position for log in logs],
-            [log.velocity for log in logs],
-            [log.acceleration for log in logs],
-            clean,
-            [log.temperature for log in logs],
-        )
-    )
-    count = len(clean[0][sub])
-    label = np.repeat(np.arange(setting.recordings), count)
-    deviation = setting.noise * torque.std(axis=0)
-    noise = torque_noise(rng, deviation, setting.colour, setting.recordings, count)
+    true = _Samples.of(logs, clean, setting.sub)
+    deviation = setting.noise * true.torque.std(axis=0)
     step = _encoder_step(setting, gear)
+    recording = _logged(case.name, setting, true, deviation, step, rng)
+    felt = felt_noise(
+        deviation, step, np.diag(Dynamics(believed).mass_matrix(true.position.mean(axis=0))), setting.rate
+    )
+    judge = Judge(setting, robot, real, felt, heat, starts, rng)
+    facts = _circumstances(case, setting) | {"noise": deviation.tolist(), "wrong_parameter": wrong, "effects": []}
+    if hidden:
+        describe(facts, hidden, make, judge, logs, clean)
+    if wrong:
+        judge.add_energy_of_parameter(wrong, logs, chain, drives, folder)
+    told = {"torque_kind": setting.torque, "encoder_side": "link" if setting.link_side else "motor"}
+    return WorldCase(recording, robot, told, facts, *_held_out(recording, robot, true))
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """What is true at the samples that are logged: `time` (m,) [s], `label` (m,), the others (m, n); the speed of the
+    engine belongs to half a step before the position."""
+
+    time: np.ndarray
+    label: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+    temperature: np.ndarray
+
+    @classmethod
+    def of(cls, logs: Sequence[Log], torque: Sequence[np.ndarray], every: int) -> _Samples:
+        """Return every so many samples of the logs, with the torque (k, n) of each."""
+
+        def joined(name: str) -> np.ndarray:
+            return np.concatenate([getattr(log, name)[::every] for log in logs])
+
+        parts = [x[::every] for x in torque]
+        label = np.repeat(np.arange(len(parts)), len(parts[0]))
+        motion = (joined(name) for name in ("position", "velocity", "acceleration"))
+        return cls(joined("time"), label, *motion, np.concatenate(parts), joined("temperature"))
+
+
+def _logged(
+    name: str, setting: Setting, true: _Samples, deviation: np.ndarray, step: np.ndarray, rng: np.random.Generator
+) -> Recording:
+    """Return what is logged of the true motion.
+
+    Parameters
+    ----------
+    deviation : (n,) standard deviation of the torque [N m]. step : (n,) of the encoders [rad].
+    """
+    count = len(true.time) // setting.recordings
+    noise = torque_noise(rng, deviation, setting.colour, setting.recordings, count)
+    # The logged speed belongs to the same instant as the position.
+    velocity = true.velocity + setting.step / 2 * true.acceleration
     labels = range(setting.recordings)
-    # The engine's speed belongs to half a step before the position; the logged one to the same instant.
-    at_position = velocity + setting.step / 2 * acceleration
-    recording = Recording(
-        time=np.round(np.concatenate([log.time[sub] for log in logs]), 6),
-        trajectory=label,
-        position=quantise(position, step) if setting.bits else position,
-        torque=torque + noise,
-        velocity=at_position + rng.normal(0, 5e-4, velocity.shape) if setting.velocity else None,
-        temperature=quantise(temperature + rng.normal(0, 0.05, temperature.shape), 0.1)
+    return Recording(
+        time=np.round(true.time, 6),
+        trajectory=true.label,
+        position=quantise(true.position, step) if setting.bits else true.position,
+        torque=true.torque + noise,
+        velocity=velocity + rng.normal(0, 5e-4, velocity.shape) if setting.velocity else None,
+        temperature=quantise(true.temperature + rng.normal(0, 0.05, true.temperature.shape), 0.1)
         if setting.temperature
         else None,
         train=tuple(k for k in labels if k != TEST),
         test=(TEST,),
-        name=case.name,
+        name=name,
     )
-    facts: dict[str, Any] = {
+
+
+def _circumstances(case: Case, setting: Setting) -> dict[str, Any]:
+    """Return which case it is, and how its arm is driven and logged."""
+    return {
         "case": case.name,
         "set": case.set,
         "tier": "world",
         "kind": case.kind,
         "subject": case.subject,
         "closed_loop": True,
-        "arm": kind.name,
+        "arm": setting.arm.name,
         "rate": setting.rate,
         "bits": setting.bits,
         "link_side": setting.link_side,
@@ -126,24 +170,18 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
         "gear_known": setting.gear_known,
         "velocity": setting.velocity,
         "temperature": setting.temperature,
-        "noise": deviation.tolist(),
         "colour": setting.colour,
-        "wrong_parameter": wrong,
-        "effects": [],
     }
-    felt = felt_noise(deviation, step, np.diag(Dynamics(believed).mass_matrix(position.mean(axis=0))), setting.rate)
-    judge = Judge(setting, robot, real, felt, heat, starts, rng)
-    if hidden:
-        describe(facts, hidden, make, judge, logs, clean)
-    if wrong:
-        judge.add_energy_of_parameter(wrong, logs, chain, drives, folder)
-    held = np.flatnonzero(label == TEST)[::TRUTH_STRIDE]
-    clock = recording.time[held] - recording.time[label == TEST][0]
-    judged = ((clock >= EDGE) & (clock <= clock[-1] - EDGE))[:, None] & (np.abs(velocity[held]) >= REST)
-    told = {"torque_kind": setting.torque, "encoder_side": "link" if setting.link_side else "motor"}
-    given = Dynamics(robot).inverse_dynamics(position[held], velocity[held], acceleration[held])
-    torques = (np.where(judged, x, np.nan) for x in (torque[held], recording.torque[held], given))
-    return WorldCase(recording, robot, told, facts, *torques)
+
+
+def _held_out(recording: Recording, robot: Robot, true: _Samples) -> Iterator[np.ndarray]:
+    """Return true torque, measured one and that of the given robot (k, n) [N m], NaN where an axis is not judged."""
+    held = np.flatnonzero(true.label == TEST)[::TRUTH_STRIDE]
+    clock = recording.time[held] - recording.time[true.label == TEST][0]
+    inside = (clock >= EDGE) & (clock <= clock[-1] - EDGE)
+    judged = inside[:, None] & (np.abs(true.velocity[held]) >= REST)
+    given = Dynamics(robot).inverse_dynamics(true.position[held], true.velocity[held], true.acceleration[held])
+    return (np.where(judged, x, np.nan) for x in (true.torque[held], recording.torque[held], given))
 
 
 def _encoder_step(setting: Setting, gear: np.ndarray) -> np.ndarray:
