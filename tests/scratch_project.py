@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import yaml
+from warm_snakemake import warm_snakemake
 
 from jointwear.running import project as project_files
 
@@ -16,6 +17,14 @@ TINY = {
     "wear": {"axes": [1, 3], "increase_percent": [20], "hours": 24},
     "normal": {"test_hours": 24},
 }
+#: Seconds after which a run is given up.
+LONGEST = 600
+
+
+def succeeded(done: subprocess.CompletedProcess) -> subprocess.CompletedProcess:
+    """Fail the test with the output of `done` if it failed."""
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-5000:]
+    return done
 
 
 class Project:
@@ -27,14 +36,18 @@ class Project:
     def snakemake(self, *arguments: str, ok: bool = True) -> subprocess.CompletedProcess:
         """Run Snakemake; fail the test with its output if it fails though `ok`."""
         command = [sys.executable, "-m", "snakemake", *arguments]
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=600, check=False)
-        assert not ok or done.returncode == 0, done.stdout[-3000:] + done.stderr[-5000:]
-        return done
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=LONGEST, check=False)
+        return succeeded(done) if ok else done
+
+    def plan(self, *arguments: str, ok: bool = True) -> subprocess.CompletedProcess:
+        """Ask what a run would do; as :meth:`snakemake`, of a process that has Snakemake loaded."""
+        done = warm_snakemake(["--dry-run", *arguments], self.folder, LONGEST)
+        return succeeded(done) if ok else done
 
     def planned(self, *arguments: str) -> dict[str, int]:
         """Rules that a run would execute now, with their number of jobs."""
         # The plain logger: its table of jobs is made for programs, that of the default profile for people.
-        done = self.snakemake("--dry-run", "--workflow-profile", "none", *arguments)
+        done = self.plan("--workflow-profile", "none", *arguments)
         table = re.search(r"Job stats:\njob +count\n-+ +-+\n(.*?)\ntotal", done.stdout + done.stderr, re.DOTALL)
         if table is None:
             assert "Nothing to be done" in done.stdout + done.stderr

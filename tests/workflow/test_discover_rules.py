@@ -31,7 +31,7 @@ def test_the_robot_of_another_data_set_is_made_first_or_taken_as_it_is(project):
     both = chained(project, "both.yaml", first=None, second=written)
     assert project.planned("discover", "--configfile", both)["discover_dataset"] == 2
     alone = chained(project, "alone.yaml", second=written)
-    refused = project.snakemake("--dry-run", "discover", "--configfile", alone, ok=False)
+    refused = project.plan("discover", "--configfile", alone, ok=False)
     assert refused.returncode != 0
     assert "no data set 'first' that would make it" in refused.stderr
     target = project.folder / written

@@ -102,7 +102,7 @@ def test_a_wrong_entry_is_named(project, monkeypatch, change, words):
 
 def test_a_wrong_entry_stops_before_any_job(project):
     monitored(project, window="1 fortnight")
-    done = project.snakemake("--dry-run", "monitor", ok=False)
+    done = project.plan("monitor", ok=False)
     monitored(project)
     assert done.returncode == 1
     assert "is no length of time" in done.stderr
@@ -153,7 +153,7 @@ def test_a_folder_that_cannot_be_reached_concerns_its_robot_alone(project, monke
     config = project.config()
     config["monitor"] = {"robots": robots}
     project.write_config(config)
-    done = project.snakemake("--dry-run", "monitor")
+    done = project.plan("monitor")
     monitored(project)
     assert "jointwear: config/config.yaml: 'monitor.robots." in done.stderr
     assert "there is no folder nowhere; the other robots go on" in done.stderr
@@ -182,10 +182,10 @@ def test_a_fleet_without_a_robot_says_so(tmp_path):
 @pytest.mark.parametrize("target", ["monitor", "learn_normal"])
 def test_the_example_says_that_no_robot_is_named(tmp_path, target):
     project = copy_project(tmp_path)
-    done = project.snakemake("--dry-run", target)
+    done = project.plan(target)
     told = "the configuration names no robot under 'monitor.robots'; this is the shipped example, puma560_example"
     assert done.stderr.count(told) == 1
-    assert told not in project.snakemake("--dry-run").stderr
+    assert told not in project.plan().stderr
 
 
 def test_the_survey_stays_with_its_log(project):
