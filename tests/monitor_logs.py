@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from jointwear.files.storage import Variable, write_dataset
 from jointwear.measurement.formats import layout_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.survey import Survey, survey_log
 from jointwear.robots.robot import load_robot
 from jointwear.studies.monitor_study.example import TASK
 
@@ -123,10 +123,23 @@ def write_bag(
     return path
 
 
+def survey_of(path, **entry) -> Survey:
+    """Survey of a first log; of a file with the same content, read in the same way, it is made once a process."""
+    log = Path(path)
+    if not log.is_file():
+        return survey_log(str(path), layout(**entry), model(), LENGTH)
+    made = _SURVEYS.setdefault((log.suffix, log.read_bytes(), repr(sorted(entry.items()))), [])
+    if not made:
+        made.append(survey_log(str(path), layout(**entry), model(), LENGTH))
+    return replace(made[0], log=str(path))
+
+
+_SURVEYS: dict[tuple[str, bytes, str], list[Survey]] = {}
+
+
 def read(path, first=None, **entry):
     """Statistics of a log, surveyed with itself or with another."""
-    survey = survey_log(str(first or path), layout(**entry), model(), LENGTH)
-    return log_statistics(str(path), layout(**entry), model(), survey, LENGTH)
+    return log_statistics(str(path), layout(**entry), model(), survey_of(first or path, **entry), LENGTH)
 
 
 def flagged(found, flag, axis=None):

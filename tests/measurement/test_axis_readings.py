@@ -14,8 +14,8 @@ from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
-from jointwear.measurement import checks
-from jointwear.measurement.axis_readings import Reading, _solved, other_scale, readings, units_of_one
+from jointwear.measurement import axis_readings, checks
+from jointwear.measurement.axis_readings import Likelihood, Reading, _solved, other_scale, readings, units_of_one
 from jointwear.measurement.checked import checked
 from jointwear.measurement.checks import FAVOURS, Refused, check_axes, explained, explained_otherwise, favours
 from jointwear.measurement.motion import measure
@@ -236,6 +236,33 @@ def test_some_of_the_samples_refute_no_reading_that_all_of_them_do_not(recording
     believable = [reading for reading, left in every if not leaves_much(reading, left)]
     assert set(believable) <= set(asked)
     assert len(asked) < len(every)
+
+
+def test_what_bodies_do_to_an_axis_is_the_same_without_those_that_it_does_not_feel(recording, puma):
+    parts, _, _ = checks._features(measure(recording))
+    parts, likelihood = parts[:200], Likelihood(Dynamics(puma), 40)
+    of_motion, factor = likelihood._of_motion(parts[:, :3]), likelihood._factor
+    regressor = axis_readings.inertial_regressor(Dynamics(puma), *(parts[:, k] for k in range(3)))
+    for j, (columns, felt) in enumerate(zip(of_motion.columns, of_motion.parameters, strict=True)):
+        every = np.zeros((factor.shape[1], len(parts)))
+        every[felt] = columns
+        np.testing.assert_allclose(every, (regressor[:, j] @ factor).T, rtol=1e-9, atol=1e-12)
+    assert len(of_motion.parameters[5]) < len(of_motion.parameters[0]) / 2
+
+
+def test_torques_that_are_read_otherwise_ask_nothing_of_the_same_motion_again(recording, puma, monkeypatch):
+    parts, _, usable = checks._features(measure(recording))
+    asked, regressor = [], axis_readings.inertial_regressor
+    monkeypatch.setattr(axis_readings, "inertial_regressor", lambda *x: asked.append(1) or regressor(*x))
+    kept = Likelihood(Dynamics(puma), 40)
+    for reading in (Reading("torque", (1,)), Reading("torques", (1, 2)), Reading("flip", (0,))):
+        turned = reading.read(parts, usable, puma)
+        as_read, otherwise = kept(parts, usable), kept(*turned)
+        assert otherwise != as_read
+        assert otherwise == Likelihood(Dynamics(puma), 40)(*turned)
+        assert kept(parts, usable) == as_read
+    # As read, and turned round; and each once anew.
+    assert len(asked) == 2 + 3
 
 
 def test_an_effect_of_one_record_is_not_one_of_the_robot():

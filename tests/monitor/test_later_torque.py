@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, write_parquet
+from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
 
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.flags import Flag
@@ -87,10 +87,8 @@ def test_a_torque_that_the_model_does_not_know_is_not_judged(tmp_path, good):
 def test_another_unit_from_the_middle_of_a_log_on(tmp_path, good):
     log = make_log(96.0, seed=3)
     log.torque[len(log.time) // 2 :] *= 1000.0
-    survey = survey_log(str(good), layout(), model(), LENGTH)
-    found = log_statistics(
-        str(write_parquet(tmp_path / "log.parquet", columns(log))), layout(), model(), survey, LENGTH
-    )
+    path = write_parquet(tmp_path / "log.parquet", columns(log))
+    found = log_statistics(str(path), layout(), model(), survey_of(good), LENGTH)
     assert "another multiple" in found.refused[0]
     assert (found.statistics.count[:3, :5] > 0).all()
     assert (found.statistics.count[4:] == 0).all()

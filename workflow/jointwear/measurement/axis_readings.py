@@ -186,6 +186,16 @@ def payload_std(robot: Robot) -> np.ndarray:
     return np.array([mass, *[mass * PAYLOAD_LEVER] * 3, *[mass * PAYLOAD_LEVER**2] * 6])
 
 
+@dataclass(frozen=True)
+class _OfMotion:
+    """What the model says of a motion of m samples: the torque of the rigid bodies (m, n), and for each axis what
+    deviations of the bodies do to it, (k, m) for those that the axis feels, with their numbers (k,)."""
+
+    rigid: np.ndarray
+    columns: list[np.ndarray]
+    parameters: list[np.ndarray]
+
+
 class Likelihood:
     """How likely a nominal model makes a recording when its parameters may be as wrong as such parameters are.
 
@@ -197,35 +207,41 @@ class Likelihood:
     def __init__(self, dynamics: Dynamics, fewest: int) -> None:
         self._dynamics, self._fewest = dynamics, fewest
         robot = dynamics.robot
-        self._factor = prior_factor(robot, INERTIAL_ERROR)
-        self._tip = to_joint_frame(robot, robot.joints - 1) * payload_std(robot)
+        links = prior_factor(robot, INERTIAL_ERROR)
+        tip = np.zeros((len(links), 10))
+        tip[-10:] = to_joint_frame(robot, robot.joints - 1) * payload_std(robot)
+        self._factor = np.concatenate([links, tip], axis=1)
+        self._first: tuple[np.ndarray, _OfMotion] | None = None
         self._drives = np.stack([robot.coulomb_positive, robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
 
     def __call__(self, parts: np.ndarray, usable: np.ndarray) -> float:
         """Return the log likelihood [nats] of samples (m, 4, n), up to what does not depend on how they are read."""
         step = max(1, len(parts) // INDEPENDENT)
-        q, v, a, torque = (parts[::step, k] for k in range(4))
-        usable = usable[::step]
-        n = q.shape[1]
-        regressor = inertial_regressor(self._dynamics, q, v, a)
-        shared = np.concatenate([regressor @ self._factor, regressor[:, :, -10:] @ self._tip], axis=2)
-        rigid = self._dynamics.rigid_body_torque(q, v, a)
+        parts, usable = parts[::step], usable[::step]
+        bodies = self._of_motion(parts[:, :3])
+        n, shared = usable.shape[1], self._factor.shape[1]
         products, counts = [], []
         for j in range(n):
             used = usable[:, j]
             if used.sum() * step < self._fewest:
                 continue
-            size = max(float(np.sqrt(np.mean(torque[used, j] ** 2))), 1e-12)
-            columns = np.stack([v[used, j] > 0, v[used, j] < 0, v[used, j], a[used, j]], axis=1)
-            motion = columns * self._drives[j]
-            block = np.zeros((int(used.sum()), 4 * n + shared.shape[2] + 1))
-            block[:, 4 * j : 4 * j + 4] = columns * self._drive_error(j, columns, size)
-            block[:, 4 * n : -1] = shared[used, j]
+            v, a, torque = parts[used, 1:, j].T
+            size = max(float(np.sqrt(np.mean(torque**2))), 1e-12)
+            columns = np.stack([v > 0, v < 0, v, a])
+            motion = columns * self._drives[j][:, None]
             # Motor inertia is part of the rigid-body torque.
-            block[:, -1] = torque[used, j] - rigid[used, j] - motion[:, :3].sum(axis=1)
-            block /= size
-            products.append(block.T @ block)
-            counts.append(len(block))
+            rest = torque - bodies.rigid[used, j] - motion[:3].sum(axis=0)
+            # What moves the axis: its own drive, and the bodies behind it. Of all others the products are none.
+            moving = bodies.parameters[j]
+            rows = np.concatenate(
+                [columns * self._drive_error(j, columns, size)[:, None], bodies.columns[j][:, used], rest[None]]
+            )
+            rows /= size
+            at = np.concatenate([4 * j + np.arange(4), 4 * n + moving, [4 * n + shared]])
+            square = np.zeros((4 * n + shared + 1, 4 * n + shared + 1))
+            square[np.ix_(at, at)] = rows @ rows.T
+            products.append(square)
+            counts.append(rows.shape[1])
         if not products:
             return 0.0
         sums, count = np.array(products), np.array(counts)
@@ -238,6 +254,26 @@ class Likelihood:
             left = np.maximum(sums @ error @ error, 0.0) / count + MODEL_ERROR
         return -float(0.5 * count @ np.log(left)) - 0.5 * float(theta @ theta)
 
+    def _of_motion(self, motion: np.ndarray) -> _OfMotion:
+        """Return what the model says of positions, velocities and accelerations (m, 3, n).
+
+        Readings of torques leave the motion as it is: what is said of the first one is kept.
+        """
+        if self._first is not None and np.array_equal(self._first[0], motion):
+            return self._first[1]
+        q, v, a = (motion[:, k] for k in range(3))
+        regressor = inertial_regressor(self._dynamics, q, v, a)
+        columns, parameters = [], []
+        for j in range(q.shape[1]):
+            felt = np.flatnonzero(regressor[:, j].any(axis=0))
+            varied = np.flatnonzero(self._factor[felt].any(axis=0))
+            columns.append(self._factor[np.ix_(felt, varied)].T @ regressor[:, j, felt].T)
+            parameters.append(varied)
+        found = _OfMotion(self._dynamics.rigid_body_torque(q, v, a), columns, parameters)
+        if self._first is None:
+            self._first = (motion.copy(), found)
+        return found
+
     def _drive_error(self, j: int, columns: np.ndarray, size: float) -> np.ndarray:
         """Return standard deviations (4,) of Coulomb friction either way, viscous friction and motor inertia.
 
@@ -245,11 +281,11 @@ class Likelihood:
 
         Parameters
         ----------
-        columns : (m, 4) what they are multiplied with. size : root mean square torque of the axis [N m].
+        columns : (4, m) what they are multiplied with. size : root mean square torque of the axis [N m].
         """
         drives = self._drives[j]
         unknown = np.append(np.full(3, not np.any(drives[:3])), drives[3] == 0)
-        scale = np.sqrt(np.mean(columns.astype(float) ** 2, axis=0))
+        scale = np.sqrt(np.mean(columns.astype(float) ** 2, axis=1))
         free = np.where(scale > 0, DRIVE_UNKNOWN * size / np.where(scale > 0, scale, 1.0), 0.0)
         return np.where(unknown, free, DRIVE_ERROR * drives)
 

@@ -274,20 +274,20 @@ def _left(robot: Robot, rigid: np.ndarray, parts: np.ndarray, usable: np.ndarray
     """Return :func:`explained` for some axes, NaN for the others; `rigid` (m, n) torque of the rigid bodies."""
     from scipy.optimize import nnls
 
-    v, a, torque = (parts[:, k] for k in range(1, 4))
     shares = np.full(parts.shape[2], np.nan)
     for j in axes:
         used = usable[:, j]
         if used.sum() < FEWEST:
             continue
-        forward = v[used, j] > 0
+        v, a, torque = parts[used, 1:, j].T
+        forward = v > 0
         level = np.where(forward, robot.coulomb_positive[j], robot.coulomb_negative[j])
         if not np.any(level):
             level = np.where(forward, 1.0, -1.0)
         # Friction and motor inertia cannot drive: their coefficients are not negative.
-        design = np.stack([level, v[used, j], a[used, j]], axis=1)
-        _, norm = nnls(design, torque[used, j] - rigid[used, j] + robot.armature[j] * a[used, j])
-        shares[j] = norm**2 / max(float(np.sum(torque[used, j] ** 2)), 1e-12)
+        design = np.stack([level, v, a], axis=1)
+        _, norm = nnls(design, torque - rigid[used, j] + robot.armature[j] * a)
+        shares[j] = norm**2 / max(float(np.sum(torque**2)), 1e-12)
     return shares
 
 

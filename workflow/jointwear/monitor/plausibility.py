@@ -9,7 +9,7 @@ whatever the load, is not judged.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -152,8 +152,8 @@ class LaterCheck:
             return nothing
         if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
             return self._marks()
-        best, reading = min(self._read_otherwise(parts, usable), key=lambda x: x[0])
-        if best < MENDED and plain - best > WORSE and self._is_likelier(reading, parts, usable):
+        reading = self._read_otherwise(parts, usable, plain)
+        if reading is not None and self._is_likelier(reading, parts, usable):
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy)
         self._check_scale(measured, parts, usable, plain)
         if whole:
@@ -264,12 +264,21 @@ class LaterCheck:
     def _grown(self, left: np.ndarray) -> np.ndarray:
         return np.log(np.maximum(left, RIGHT) / self._usual)
 
-    def _read_otherwise(self, parts: np.ndarray, usable: np.ndarray) -> Iterator[tuple[float, Reading]]:
-        """Yield every other reading of the axes with the growth that it leaves."""
-        for reading, left in explained_otherwise(self._dynamics, parts, usable):
-            growth = self._grown(left)
+    def _read_otherwise(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> Reading | None:
+        """Return the other reading of the axes that leaves least, None where none mends a growth of `plain`."""
+
+        def growth(left: np.ndarray) -> float:
+            grown = self._grown(left)
             # An axis that another reading leaves without motion is not explained by it.
-            yield float(np.nansum(np.where(np.isfinite(growth), growth, self._last))), reading
+            return float(np.nansum(np.where(np.isfinite(grown), grown, self._last)))
+
+        def mends(left: np.ndarray) -> bool:
+            return growth(left) < MENDED and plain - growth(left) > WORSE
+
+        # A reading that does not mend a part of the samples mends no more of all.
+        others = explained_otherwise(self._dynamics, parts, usable, lambda _, left: not mends(left))
+        found = [(growth(left), reading) for reading, left in others if mends(left)]
+        return min(found, key=lambda x: x[0])[1] if found else None
 
 
 def beyond_loads(scale: np.ndarray, alone: np.ndarray, axes: int) -> bool:
