@@ -12,13 +12,13 @@ from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def robot():
     """The robot itself."""
     return load_robot("config/robots/puma560.yaml")
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def bare(robot):
     """The problem, and the noise of its axes."""
     recording = split(make_case(robot, 23, lambda q, v, *_: np.zeros_like(q)))
@@ -26,13 +26,13 @@ def bare(robot):
     return problem, estimate_noise(problem)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def white(bare):
     """The problem with the noise of its axes whitened."""
     return whiten(*bare)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def rough(robot):
     """A problem, whitened, with positions so coarse that every axis needs instruments."""
     recording = split(coarse(robot, step=2 * np.pi / 2**13))

@@ -22,11 +22,16 @@ def names(verdict: Discovery):
     return [(e["effect"], e["axis"]) for e in verdict.effects]
 
 
-def test_nothing_hidden_names_nothing(robot):
-    verdict = discover(make_case(robot, 1), robot)
-    assert verdict.verdict == "none"
-    assert not verdict.effects
-    assert not verdict.data["retuned"]
+@pytest.fixture(scope="module")
+def nothing(robot):
+    """The verdict on a robot in which nothing is hidden."""
+    return discover(make_case(robot, 1), robot)
+
+
+def test_nothing_hidden_names_nothing(nothing):
+    assert nothing.verdict == "none"
+    assert not nothing.effects
+    assert not nothing.data["retuned"]
 
 
 def test_one_wrong_parameter_is_retuned(robot):
@@ -110,9 +115,8 @@ def test_payload_goes_into_the_robot_file(robot):
     Dynamics(robot_from_data(verdict.augmented_robot))
 
 
-def test_json_has_the_agreed_layout(robot):
-    verdict = discover(make_case(robot, 1), robot)
-    content = json.loads(verdict.to_json())
+def test_json_has_the_agreed_layout(nothing):
+    content = json.loads(nothing.to_json())
     assert set(content) >= {
         "dataset",
         "verdict",

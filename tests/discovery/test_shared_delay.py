@@ -34,8 +34,19 @@ def recording(robot):
     return split(make_case(robot, 29, lambda q, v, *_: np.zeros_like(q)))
 
 
+_SEEN = {}
+
+
+def _white(recording, robot):
+    """What the search sees of a log; of the same samples it is worked out once."""
+    key = (recording.time.tobytes(), recording.position.tobytes(), recording.torque.tobytes())
+    if key not in _SEEN:
+        _SEEN[key] = whitened(build_problem(recording, robot, Settings()))
+    return _SEEN[key]
+
+
 def _steps(recording, robot, delay):
-    white = whitened(build_problem(recording, robot, Settings()))
+    white = _white(recording, robot)
     return coulomb_steps(white, white.fit(), delay)
 
 
@@ -48,7 +59,7 @@ def _made_late(recording, robot, share):
 
 def _found(recording, robot):
     period = sampling_period(recording)
-    return shared_delay(whitened(build_problem(recording, robot, Settings())), period) / period
+    return shared_delay(_white(recording, robot), period) / period
 
 
 def _whole(white, load):
@@ -93,7 +104,7 @@ def test_a_delay_is_asked_again_beside_a_load(recording, robot, late, read):
     period = sampling_period(recording)
     came = _made_late(recording, robot, late)
     put_right = without_delay(came, read * period, _steps(came, robot, read * period))
-    white = whitened(build_problem(put_right, robot, Settings()))
+    white = _white(put_right, robot)
     asked = shared_delay(white, period, lasting_terms([_load(white)]), read * period) / period
     assert asked == pytest.approx(late, abs=0.07)
 
@@ -102,21 +113,21 @@ def test_a_log_that_is_read_right_stays_so(recording, robot):
     period = sampling_period(recording)
     came = _made_late(recording, robot, -0.5)
     read = -0.48 * period
-    white = whitened(build_problem(without_delay(came, read, _steps(came, robot, read)), robot, Settings()))
+    white = _white(without_delay(came, read, _steps(came, robot, read)), robot)
     assert shared_delay(white, period, (), read) == read
 
 
 @pytest.mark.parametrize(("undo", "stays"), [(2, True), (3, False)])
 def test_nothing_is_read_that_the_names_of_three_joints_undo(recording, robot, undo, stays):
     period = sampling_period(recording)
-    white = whitened(build_problem(recording, robot, Settings()))
+    white = _white(recording, robot)
     read = 0.3 * period
     named = {axis: -read if axis < undo else read for axis in range(3)}
     assert shared_delay(white, period, read=read, named=named) == (read if stays else 0.0)
 
 
 def test_names_of_timing_are_nothing_that_lasts(recording, robot):
-    white = whitened(build_problem(recording, robot, Settings()))
+    white = _white(recording, robot)
     load = _load(white)
     late = Named(Candidate("actuation_delay", 1, None, {"delay": 0.003, "lag": 0}), load.term, None, 99.0)
     assert lasting_terms([load, late]) == lasting_terms([load]) == [load.term]
@@ -179,7 +190,7 @@ def test_joints_agree_by_their_torque_with_one_that_has_a_name(
     model = {0: (-0.4, 50.0), **dict.fromkeys(range(1, 6), (0.0 if by_model else -0.3, by_model or 0.5))}
     _curves(monkeypatch, model, {0: (-0.44, 3000.0), **{a: (x, 3000.0) for a, x in enumerate(others, start=1)}})
     period = sampling_period(recording)
-    white = whitened(build_problem(recording, robot, Settings()))
+    white = _white(recording, robot)
     assert shared_delay(white, period) == 0.0
     asked = shared_delay(white, period, named={0: -0.4 * period}) / period
     assert asked == pytest.approx(expected, abs=0.03)
@@ -195,7 +206,7 @@ def test_between_late_and_early_the_log_is_read_as_it_came(recording, robot, mon
     monkeypatch.setattr(
         pipeline, "beside_slow_noise", lambda white, _: SimpleNamespace(white=white, named=[_load(white)])
     )
-    white = whitened(build_problem(recording, robot, Settings()))
+    white = _white(recording, robot)
     log, outcome, told = pipeline._read_in_time(recording, white)
     assert not answers
     assert (outcome.white is white) == (log is recording) == (not told) == (read == 0.0)
