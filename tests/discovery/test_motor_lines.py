@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
+from jointwear.discovery.gear_waves import gear_orders
 from jointwear.discovery.motor_lines import loud_waves, waves_in_band
 from jointwear.discovery.noise import estimate
 from jointwear.discovery.pipeline import discover
@@ -99,6 +100,27 @@ def test_a_wave_of_a_gear_has_its_order_and_its_name(robot):
     found = discover(of_gear, robot)
     assert [(e["effect"], e["axis"]) for e in found.effects] == [("cogging_torque", AXIS + 1)]
     assert found.effects[0]["parameters"]["amplitude"]["value"] == pytest.approx(0.3, rel=0.1)
+
+
+@pytest.mark.parametrize("times", [1, 3])
+def test_what_repeats_with_the_step_of_the_encoder_is_the_controllers(times):
+    """A controller answers to each step of a coarse encoder of 13 bits behind a gear of 100 as it would to a wave."""
+    rng, step, gear = np.random.default_rng(4), 2 * np.pi / 2**13, 100.0
+    time = np.linspace(0.0, 1.0, 4000)
+    position, used = np.sin(2 * np.pi * time) + 0.3 * np.sin(7.3 * time), np.ones(4000, dtype=bool)
+    answered = 0.1 * np.sin(times * 2 * np.pi / step * position + 0.4)
+    meshed = 0.1 * np.sin(0.7 * gear * position + 0.2)
+    take_off = RidgeFit(np.full((4000, 1), 4000**-0.5), used, None)
+
+    def orders(wave, encoder_step):
+        residual, torque = wave + 0.02 * rng.standard_normal(4000), np.ones(4000)
+        label = np.zeros(4000)
+        return gear_orders(residual, take_off, position, torque, used, label, gear, np.inf, 9.0, encoder_step)
+
+    assert orders(answered, np.nan) == pytest.approx((times * 81.92,), rel=1e-4)
+    assert orders(answered, step) == ()
+    # What a gear adds to it keeps its order.
+    assert orders(answered + meshed, step) == pytest.approx((0.7,), rel=0.01)
 
 
 def test_a_held_wave_is_tried_where_filters_made_the_accelerations(robot):

@@ -30,17 +30,20 @@ def gear_orders(
     gear_ratio: float,
     fastest: float,
     accept: float,
+    encoder_step: float = np.nan,
 ) -> tuple[float, ...]:
     """Return the orders, waves in a turn of the motor, of plain waves that are no whole order of `ORDERS`.
 
     Stages of a gear mesh at orders of their own, and a residual with such a wave is taken for noise. A wave, of one
     height or in proportion to the torque, has to stand out of the spectrum over the angle, and the noise without it has
-    to be smaller by the nats that a name needs, and by the cells that were searched.
+    to be smaller by the nats that a name needs, and by the cells that were searched. One that repeats with the step of
+    the encoder, or several times in it, is what a controller answers to that step: it is taken off, and no gear's.
 
     Parameters
     ----------
     residual : (N,) [N m]. take_off : a fit to the samples `used` (N,) that holds no waves. position, torque : (N,) of
-    the axis. label : (N,) record. fastest : waves in a radian of the joint that the log holds.
+    the axis. label : (N,) record. fastest : waves in a radian of the joint that the log holds. encoder_step : step of
+    the positions of the axis [rad], NaN where none is known.
     """
     angle = position[used]
     travel = float(np.ptp(angle))
@@ -73,11 +76,19 @@ def gear_orders(
         quieter = estimate(without, used, label)
         if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= needed:
             break
-        known = np.array([*ORDERS, *found])
-        if np.abs(many - known * gear).min() > 0.5 * line:
+        known = np.array([*ORDERS, *found]) * gear
+        if min(np.abs(many - known).min(), _from_steps(many, encoder_step)) > 0.5 * line:
             found.append(float(many / gear))
         left, noise = without, quieter
     return tuple(found)
+
+
+def _from_steps(many: float, step: float) -> float:
+    """Return how far a wave [1/rad] is from the nearest that repeats a whole number of times in a step [rad]."""
+    if not np.isfinite(step):
+        return np.inf
+    once = 2 * np.pi / step
+    return abs(many - max(round(many / once), 1) * once)
 
 
 def _largest(

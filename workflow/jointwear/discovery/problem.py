@@ -124,6 +124,7 @@ class Problem:
                 self.robot.gear_ratio[axis],
                 fastest,
                 self.settings.accept,
+                float(self.encoder_steps[axis]),
             )
         return tuple(result)
 
