@@ -18,6 +18,7 @@ class Samples:
     time: np.ndarray
     position: np.ndarray
     torque: np.ndarray
+    velocity: np.ndarray | None = None
 
 
 def recorded(step=1e-4, resolution=1e-3, speed=1.0, held=1, rate=RATE):
@@ -56,6 +57,27 @@ def test_rests_and_a_few_held_rows_are_a_record_of_the_motion():
     samples.position[200:500], samples.torque[200:500] = samples.position[200], samples.torque[200]
     for k in range(520, 900, 40):
         samples.position[k : k + 4], samples.torque[k : k + 4] = samples.position[k], samples.torque[k]
+    check(samples)
+
+
+@pytest.mark.parametrize("what", ["position of joint 2", "torques of all joints"])
+def test_a_part_of_the_columns_of_a_slower_source_is_refused_by_name(what):
+    samples, held = noisy(1, 125.0), np.arange(2500) // 10 * 10
+    if what == "torques of all joints":
+        samples.torque[:] = samples.torque[held]
+    else:
+        samples.position[:, 1] = samples.position[held, 1]
+    with pytest.raises(Refused, match=f"rows repeat the {what}; .* for about 0.08 s"):
+        check(samples)
+    # A position from a slower source beside a velocity of its own derives nothing.
+    samples.velocity = np.zeros_like(samples.position)
+    if what != "torques of all joints":
+        check(samples)
+
+
+def test_a_torque_that_one_joint_keeps_is_no_slower_source():
+    samples = noisy(1)
+    samples.torque[:, 1] = samples.torque[np.arange(1000) // 10 * 10, 1]
     check(samples)
 
 

@@ -19,7 +19,8 @@ ROUNDED = 1e-4
 
 def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: str) -> None:
     """Check that rows of fast motion are measured anew: one that repeats position and torque of all joints, or goes on
-    with the steps of all of them, is not.
+    with the steps of all of them, is not; nor is one that repeats the torques of all joints, or the position of one
+    whose velocity is derived from it.
 
     A joint that has made many of its smallest steps from one change to the next has passed some in every row between.
     No torque is so smooth, nor its noise so small, that the torques of all joints change by the same as in the row
@@ -37,12 +38,33 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
         return
     values = np.concatenate([samples.position, samples.torque], axis=1)
     with np.errstate(invalid="ignore"):
-        moved = np.abs(np.diff(samples.position, axis=0))
         steps = np.diff(values, axis=0)
-        changed = np.any(steps != 0.0, axis=1) | (np.diff(stretch) != 0)
         drawn = _goes_on(steps, samples.torque.shape[1], stretch)
-    first = np.argmax(changed) + 1
-    changed[first:] &= ~drawn[first:]
+    n = samples.position.shape[1]
+    told = "rows repeat the positions and torques of all joints or lie on a straight line"
+    _check(samples, stretch, name, steps, n, drawn, told)
+    _check(samples, stretch, name, steps[:, n:], n, None, "rows repeat the torques of all joints")
+    if samples.velocity is None:
+        for j in range(n):
+            _check(samples, stretch, name, steps[:, j : j + 1], 1, None, f"rows repeat the position of joint {j + 1}")
+
+
+def _check(
+    samples: Chunk | Recording,
+    stretch: np.ndarray,
+    name: str,
+    steps: np.ndarray,
+    moving: int,
+    drawn: np.ndarray | None,
+    words: str,
+) -> None:
+    """Check the `steps` (m - 1, k) of some columns, of which the first `moving` tell fast motion; `drawn` (m - 1,) is
+    where a row goes on by the steps of the row before."""
+    moved = np.abs(steps[:, :moving])
+    changed = np.any(steps != 0.0, axis=1) | (np.diff(stretch) != 0)
+    if drawn is not None:
+        first = np.argmax(changed) + 1
+        changed[first:] &= ~drawn[first:]
     # Row k + 1 against row k: rows since the change before, the change itself included.
     places = np.flatnonzero(changed)
     if len(places) < 2:
@@ -58,9 +80,8 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
     if repeated > 0.5:
         held = float(np.median(np.diff(samples.time))) * float(np.median(rows[fast]))
         raise Refused(
-            f"{name}: before {100 * repeated:.0f} % of the rows of fast motion in which something changes, rows repeat "
-            f"the positions and torques of all joints or lie on a straight line; the logger holds or interpolates "
-            f"values, for about {held:.2g} s",
+            f"{name}: before {100 * repeated:.0f} % of the rows of fast motion in which something changes, {words}; "
+            f"the logger holds or interpolates values, for about {held:.2g} s",
             "write each value once, at the time at which it was measured, and not on a faster grid",
         )
 
