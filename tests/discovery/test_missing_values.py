@@ -71,6 +71,10 @@ def test_a_trajectory_that_comes_back_is_refused_with_its_sample(healthy, robot)
     with pytest.raises(Refused, match="trajectory 0 comes back at sample 2001") as refused:
         discover(replace(healthy, trajectory=label), robot)
     assert "label every run" in refused.value.suggestion
+    twice = np.r_[:2500, 500 : len(label)]
+    with pytest.raises(Refused, match=r"comes back at sample 2501, .* rows come twice") as refused:
+        discover(replace(healthy.part(twice), trajectory=healthy.trajectory[twice]), robot)
+    assert "leave out rows that come twice" in refused.value.suggestion
 
 
 @pytest.mark.parametrize("given", [True, False])

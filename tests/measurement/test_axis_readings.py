@@ -101,6 +101,14 @@ def test_torques_without_gravity_are_told(puma):
         checked(replace(plain, torque=light), puma)
 
 
+def test_the_file_of_another_arm_is_told_as_a_cause_beside_what_resembles_it(recording, puma):
+    with pytest.raises(Refused, match=r"even so the model leaves .* of the squared torque") as refusal:
+        checked(recording, load_robot("config/robots/ur10.yaml"))
+    assert "that of 'ur10' is another's" in refusal.value.suggestion
+    with pytest.raises(Refused, match=r"look swapped; exchanged they fit the model$"):
+        check(replace(recording, torque=recording.torque[:, [0, 2, 1, 3, 4, 5]]), puma)
+
+
 def test_a_joint_that_counts_from_a_zero_some_degrees_off_is_told(puma):
     plain = make_case(puma, 3)
     assert zero_in_words(measure(plain), puma) == []

@@ -67,6 +67,8 @@ def test_what_does_not_belong_to_the_positions_is_told_with_its_key(swing, chang
     ("role", "change", "words", "key"),
     [
         ("time", lambda t: 1e3 * t, "20 s apart", "{time: ms}"),
+        ("time", lambda t: np.arange(len(t)), "numbers of rows", "time of each row"),
+        ("position", lambda q: np.round(2**18 * q / (2 * np.pi)), "another unit, or another quantity", "counts of an"),
         ("temperature", lambda t: t + 273.15, "looks like kelvin", "{temperature: K}"),
     ],
 )

@@ -272,3 +272,8 @@ def test_an_attribute_of_ours_with_several_numbers_is_one_line(tmp_path, attribu
 def test_a_clock_in_another_unit_is_told_with_the_unit_that_fits(step, unit):
     with pytest.raises(InputError, match=rf"units: {{time: {unit}}}"):
         check_clock("a.csv", 1.8e9 / 0.02 * step + step * np.arange(5))
+
+
+def test_days_of_a_spreadsheet_are_told():
+    with pytest.raises(InputError, match=r"units: {time: d}"):
+        check_clock("a.csv", 46000.25 + 0.008 / 86400 * np.arange(5))

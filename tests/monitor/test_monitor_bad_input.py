@@ -248,3 +248,20 @@ def test_positions_outside_the_limits_are_not_judged(tmp_path, good):
     (told,) = reading_findings(plain)
     assert (told["kind"], told["axes"]) == ("outside", [4])
     assert (found.statistics.count == 0).all()
+
+
+@pytest.mark.parametrize("kind", ["spikes", "stops"])
+def test_positions_that_jump_cost_no_window_and_say_so(tmp_path, kind):
+    right, log = write_parquet(tmp_path / "right.parquet", columns(make_log(48.0))), make_log(48.0, seed=2)
+    position = log.position.copy()
+    if kind == "spikes":
+        position[100::200, 1] += 0.7
+    else:
+        # Stopped for a second of its fastest move.
+        first = int(np.argmax(np.abs(position[50:, 1] - position[:-50, 1])))
+        position[first : first + 50, 1] = position[first, 1]
+    wrong = write_parquet(tmp_path / "log.parquet", columns(replace(log, position=position)))
+    found = read(wrong, right)
+    assert flagged(found, Flag.NOT_FINITE, 1)
+    assert not flagged(found, DISQUALIFYING)
+    assert found.statistics.count[:, :3].all()

@@ -7,11 +7,12 @@ from jointwear.measurement.clipped_torque import clipped_torques
 from jointwear.measurement.derivative_checks import check_derivatives, check_rate
 from jointwear.measurement.held_rows import check_rows_are_new
 from jointwear.measurement.jumps import jumps_in_words
+from jointwear.measurement.lasting_jumps import check_rows_follow
 from jointwear.measurement.late_torque import check_delay
 from jointwear.measurement.model_size import check_model_size, unusual_parameters
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.mounting import check_mounting
-from jointwear.measurement.position_unit import check_position_unit
+from jointwear.measurement.position_unit import check_position_unit, check_reach
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.silent_joints import moving_torques, silence_in_words
 from jointwear.measurement.time_scale import check_time_scale
@@ -35,6 +36,8 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     check_derivatives(recording, recording.trajectory, name)
     check_rows_are_new(recording, recording.trajectory, name)
     restrictions = [*unusual_parameters(robot), *check_recording(recording, robot)]
+    check_reach(recording.position, robot, name)
+    check_rows_follow(recording)
     restrictions += jumps_in_words(recording)
     check_rate(recording, name)
     measured = moving_torques(recording)

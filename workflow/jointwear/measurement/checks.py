@@ -144,16 +144,23 @@ def _check_labels(recording: Recording) -> None:
 
     Raises
     ------
-    Refused : with the sample at which one comes back.
+    Refused : with the sample at which one comes back, and whether its time had passed before: rows that come twice must
+        not be labelled apart, or a recording would be tested on itself.
     """
     seen: set[int] = set()
     for run in runs(recording.trajectory):
         label = int(recording.trajectory[run.start])
         if label in seen:
-            raise Refused(
-                f"data set '{recording.name}': trajectory {label} comes back at sample {run.start + 1}, after others",
-                "label every run of samples apart, as by counting them: each is left out in turn",
-            )
+            back = f"data set '{recording.name}': trajectory {label} comes back at sample {run.start + 1}, after others"
+            until = np.max(recording.time[: run.start][recording.trajectory[: run.start] == label])
+            if recording.time[run.start] <= until:
+                raise Refused(
+                    f"{back}, with a time ({recording.time[run.start]:.9g} s) that it had passed (it had come to "
+                    f"{until:.9g} s): rows come twice or in another order",
+                    "leave out rows that come twice and put the others in order; only another recording, with a clock "
+                    "of its own, gets a label of its own",
+                )
+            raise Refused(back, "label every run of samples apart, as by counting them: each is left out in turn")
         seen.add(label)
 
 
@@ -350,7 +357,7 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
         return False
     likelihood = Likelihood(dynamics, FEWEST)
     as_read: float | None = None
-    believed: list[tuple[float, Reading]] = []
+    believed: list[tuple[float, Reading, np.ndarray]] = []
 
     def gained(reading: Reading, other: np.ndarray) -> float:
         floor = SAME_WRIST if reading.kind in EXCHANGED else RIGHT
@@ -369,15 +376,29 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
         as_read = likelihood(parts, usable) if as_read is None else as_read
         nats = likelihood(*reading.read(parts, usable, robot)) - as_read
         if nats > _enough(reading, gained(reading, other), left[list(reading.axes)], robot):
-            believed.append((nats, reading))
+            believed.append((nats, reading, other))
     if believed:
-        nats, reading = max(believed, key=lambda x: x[0])
+        nats, reading, remains = max(believed, key=lambda x: x[0])
         # A joint that turns the other way does what it does where the two beside it count from half a turn further.
-        also = [r for n, r in believed if r is not reading and n > nats - favours(reading, robot)]
+        also = [r for n, r, _ in believed if r is not reading and n > nats - favours(reading, robot)]
         # Friction of another size may ask for another axis, too.
         scaled = other_scale(dynamics, parts, usable)
         if scaled and likelihood(*scaled.read(parts, usable, robot)) - as_read > nats + favours(reading, robot):
-            reading, also = scaled, []
+            reading, also, remains = scaled, [], left
         others, remedies = "".join(f"; or {r.reason}" for r in also), "".join(f"; or {r.remedy}" for r in also)
-        raise Refused(f"{name}: {reading.reason}{_WHY[reading.kind]}{others}", f"{reading.remedy}{remedies}")
+        too_much, another = even_so(remains, robot)
+        why = f"{_WHY[reading.kind]}{others}{too_much}"
+        raise Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy}{remedies}{another}")
     return True
+
+
+def even_so(left: np.ndarray, robot: Robot) -> tuple[str, str]:
+    """Return the ends of a reason and of its remedy where what it leaves of the axes (n,), as of :func:`explained`, is
+    more than a right one leaves of most: then the robot file may be that of another arm. Else nothing."""
+    share = float(np.nanmedian(left))
+    if not share > RIGHT:
+        return "", ""
+    return (
+        f"; even so the model leaves {100 * share:.2g} % of the squared torque",
+        f"; or name the robot file of this arm, if that of '{robot.name}' is another's",
+    )

@@ -75,6 +75,11 @@ def check_rate(recording: Recording, name: str) -> None:
     steps = np.diff(recording.time)[np.diff(recording.trajectory) == 0]
     if len(steps) and np.median(steps) > 1.0 / SLOWEST:
         unit = likely_unit(float(np.median(steps)), recording.units.get("time", "s"))
+        if np.all(steps == 1.0):
+            raise Refused(
+                f"{name}: the time rises by 1 from sample to sample, as numbers of rows do; no motion is resolved",
+                f"write the time of each row [s]; where it is a time, state its unit, as units: {{time: {unit}}}",
+            )
         raise Refused(
             f"{name}: the samples are {np.median(steps):.3g} s apart (allowed: at most {1 / SLOWEST:g} s); "
             "no motion is resolved",

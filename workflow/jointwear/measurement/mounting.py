@@ -13,7 +13,17 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.measurement.axis_readings import Likelihood
-from jointwear.measurement.checks import CLEARLY, FAVOURS, FEWEST, RIGHT, Refused, best_reading, explained, total_left
+from jointwear.measurement.checks import (
+    CLEARLY,
+    FAVOURS,
+    FEWEST,
+    RIGHT,
+    Refused,
+    best_reading,
+    even_so,
+    explained,
+    total_left,
+)
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -63,13 +73,14 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
     # Hanging from a ceiling and a shoulder that counts from the opposite zero are the same to the torques.
     if ahead < (-FAVOURS["zero"] if reading.kind == "zero" else 0.0):
         return
+    too_much, another = even_so(explained(turned, parts, usable), robot)
     told = ", ".join(f"{x:.3g}" for x in size * way + 0.0)
     given = ", ".join(f"{x:.3g}" for x in robot.gravity + 0.0)
     also = f"; or {reading.reason}" if ahead < FAVOURS["zero"] else ""
     raise Refused(
         f"{name}: the torques show gravity along [{told}] of the base frame, robot '{robot.name}' has [{given}]: the "
-        f"arm may be mounted on a wall, a ceiling or a slope, or its base frame turned{also}",
-        f"give 'gravity: [{told}]' in the robot file" + (f"; or {reading.remedy}" if also else ""),
+        f"arm may be mounted on a wall, a ceiling or a slope, or its base frame turned{also}{too_much}",
+        f"give 'gravity: [{told}]' in the robot file" + (f"; or {reading.remedy}" if also else "") + another,
     )
 
 
@@ -101,9 +112,11 @@ def _check_weight(
     given, found = nats(robot.gravity), nats(none)
     if found - given < max(FAVOURS["zero"], nats(seen) - found):
         return
+    too_much, another = even_so(explained(weightless, parts, usable), robot)
     raise Refused(
-        f"{name}: the torques hold nothing of gravity, as those from which a controller has taken its own compensation",
-        "log the whole torque of the motors; or give 'gravity: [0, 0, 0]' in the robot file",
+        f"{name}: the torques hold nothing of gravity, as those from which a controller has taken its own compensation"
+        f"{too_much}",
+        f"log the whole torque of the motors; or give 'gravity: [0, 0, 0]' in the robot file{another}",
     )
 
 

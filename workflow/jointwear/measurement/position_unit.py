@@ -22,6 +22,28 @@ LEAST = 1e-3
 FAR_LESS, TELLING = 4.0, 2
 #: Share of the samples that must lie within the limits in the right unit, and how far beyond these may reach.
 NEARLY_ALL, BEYOND = 0.99, 1.1
+#: Multiple of the reach of a joint that no position can have.
+NONE_BEYOND = 4.0
+
+
+def check_reach(position: np.ndarray, robot: Robot, name: str) -> None:
+    """Check that positions (m, n) [rad] lie somewhere near the limits of their joints.
+
+    Raises
+    ------
+    Refused : where those of most joints go far beyond.
+    """
+    reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
+    largest = np.nanmax(np.abs(position), axis=0, initial=0.0)
+    over = largest > NONE_BEYOND * reach
+    if over.mean() > 0.5:
+        axis = int(np.argmax(np.where(over, largest / np.where(over, reach, 1.0), 0.0)))
+        raise Refused(
+            f"{name}: positions of joint {axis + 1} reach {largest[axis]:.4g}, its limits are "
+            f"{robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they are in another unit, or another quantity",
+            "state units: {position: deg} where they are degrees, or name the right columns under 'variables'; counts "
+            "of an encoder have to be written as angles",
+        )
 
 
 def left_as_read(measured: Measured, robot: Robot, unit: float = 1.0) -> np.ndarray:

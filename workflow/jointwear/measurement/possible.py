@@ -90,7 +90,8 @@ def likely_unit(step: float | None, stated: str = "s") -> str:
     """
     sizes = sizes_of("time")
     counted = None if step is None else step / sizes.get(stated, 1.0)
-    for unit in ("s", "ms", "us", "ns"):
+    # Spreadsheets count days.
+    for unit in ("s", "ms", "us", "ns", "d", "h", "min"):
         if unit != stated and counted is not None and USUAL[0] <= counted * sizes[unit] <= USUAL[1]:
             return unit
     return "s" if stated == "ms" else "ms"

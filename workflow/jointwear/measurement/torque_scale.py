@@ -353,7 +353,7 @@ def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray, stated: str
     told = ", ".join(f"{abs(factor[j]):.3g} on joint {j + 1}" for j in known)
     reason = (
         f"the torque is another multiple of the model's than one ({told}); it looks like a current, a share of a "
-        "rating or a torque of the motor's side"
+        "rating or a torque of the motor's side, or the robot file is that of another arm"
     )
     remedy = (
         "give 'torque_constant' in N m/A on the joint side and 'units: {torque: A}', or 'scale' in N m of one unit, "

@@ -15,6 +15,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, read_log
 from jointwear.measurement.formats.chunk import Chunk, unread_in_words
 from jointwear.measurement.held_rows import without_lines
+from jointwear.measurement.jumps import without_jumps_of
 from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
@@ -151,7 +152,8 @@ def _block_statistics(
     path: str,
 ) -> WindowStatistics:
     chunk, robot = around.chunk, model.robot
-    motion = derive_motion(without_lines(chunk, around.stretch), around.stretch, np.array(survey.cutoff))
+    measured = without_jumps_of(without_lines(chunk, around.stretch), around.stretch)
+    motion = derive_motion(measured, around.stretch, np.array(survey.cutoff))
     flags = around.flags[:, None] | motion.flags
     saturated, _ = at_limit(chunk.torque, chunk.position, around.stretch)
     flags[saturated] |= int(Flag.SATURATED)
@@ -159,7 +161,7 @@ def _block_statistics(
     marks = inspector(around, motion, kept)
     flags = flags | marks
     usable = usable & (marks & int(Flag.REFUSED) == 0)
-    far = outside_limits(chunk.position, robot)
+    far = outside_limits(measured.position, robot)
     flags[far] |= int(Flag.OUTSIDE_LIMITS)
     usable = usable & ~far.any(axis=1)[:, None]
     frozen = _frozen(chunk.torque, motion.velocity, np.array(survey.dead_band))

@@ -16,7 +16,7 @@ import numpy as np
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.mounting import check_mounting
-from jointwear.measurement.position_unit import better_unit, left_as_read, refusal_of
+from jointwear.measurement.position_unit import better_unit, check_reach, left_as_read, refusal_of
 from jointwear.measurement.time_scale import check_time_scale
 from jointwear.measurement.torque_scale import WrongScale, a_load_explains, check_size, thinned, wrong_scale
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
@@ -28,8 +28,6 @@ from jointwear.robots.robot import Robot
 DEGREES_LEFT, RADIANS_LEFT = 0.05, 0.3
 #: Factor by which revolutions must leave less of two axes than rad.
 FAR_LESS = 10.0
-#: Multiple of the reach of a joint that no position can have.
-BEYOND = 4.0
 
 
 def check_readings(
@@ -51,7 +49,7 @@ def check_readings(
     Refused : with the cause that leaves least of the torque.
     """
     thin = thinned(measured)
-    check_reach(thin, robot, name)
+    check_reach(thin.position, robot, name)
     units = units or {}
     scale = wrong_scale(thin, robot, units.get("torque", "N m"))
     stated = units.get("position", "rad")
@@ -129,25 +127,6 @@ def left_in_turns(measured: Measured, robot: Robot) -> float | None:
     if np.nanmax(turns) > DEGREES_LEFT:
         return None
     return float(np.nanmedian(turns)) if np.sum(rad > FAR_LESS * turns) >= 2 else None
-
-
-def check_reach(measured: Measured, robot: Robot, name: str) -> None:
-    """Check that positions lie somewhere near the limits of their joints.
-
-    Raises
-    ------
-    Refused : where those of most joints go far beyond.
-    """
-    reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
-    largest = np.nanmax(np.abs(measured.position), axis=0, initial=0.0)
-    over = largest > BEYOND * reach
-    if over.mean() > 0.5:
-        axis = int(np.argmax(np.where(over, largest / np.where(over, reach, 1.0), 0.0)))
-        raise Refused(
-            f"{name}: positions of joint {axis + 1} reach {largest[axis]:.4g}, its limits are "
-            f"{robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they are in another unit, or another quantity",
-            "state units: {position: deg} where they are degrees, or name the right columns under 'variables'",
-        )
 
 
 def without_load(measured: Measured, robot: Robot) -> Measured | None:
