@@ -22,6 +22,7 @@ from jointwear.measurement.motion import measure
 from jointwear.measurement.other_zero import zero_in_words
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
+from jointwear.studies.challenge.arms import arm_path
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +104,7 @@ def test_torques_without_gravity_are_told(puma):
 
 def test_the_file_of_another_arm_is_told_as_a_cause_beside_what_resembles_it(recording, puma):
     with pytest.raises(Refused, match=r"even so the model leaves .* of the squared torque") as refusal:
-        checked(recording, load_robot("config/robots/ur10.yaml"))
+        checked(recording, load_robot(arm_path("ur10")))
     assert "that of 'ur10' is another's" in refusal.value.suggestion
     with pytest.raises(Refused, match=r"look swapped; exchanged they fit the model$"):
         check(replace(recording, torque=recording.torque[:, [0, 2, 1, 3, 4, 5]]), puma)
