@@ -102,10 +102,15 @@ def test_a_wave_of_a_gear_has_its_order_and_its_name(robot):
     assert found.effects[0]["parameters"]["amplitude"]["value"] == pytest.approx(0.3, rel=0.1)
 
 
-@pytest.mark.parametrize("times", [1, 3])
-def test_what_repeats_with_the_step_of_the_encoder_is_the_controllers(times):
-    """A controller answers to each step of a coarse encoder of 13 bits behind a gear of 100 as it would to a wave."""
-    rng, step, gear = np.random.default_rng(4), 2 * np.pi / 2**13, 100.0
+@pytest.mark.parametrize(
+    ("steps", "times", "logged"), [(9000, 1, True), (9000, 3, True), (2**13, 1, False), (2**13, 3, False)]
+)
+def test_what_repeats_with_the_step_of_an_encoder_is_the_controllers(steps, times, logged):
+    """A controller answers to each step of a coarse encoder behind a gear of 100 as it would to a wave.
+
+    The steps are those of the log, or any power of two in a turn: a controller may read fewer bits than are logged.
+    """
+    rng, step, gear = np.random.default_rng(4), 2 * np.pi / steps, 100.0
     time = np.linspace(0.0, 1.0, 4000)
     position, used = np.sin(2 * np.pi * time) + 0.3 * np.sin(7.3 * time), np.ones(4000, dtype=bool)
     answered = 0.1 * np.sin(times * 2 * np.pi / step * position + 0.4)
@@ -117,10 +122,12 @@ def test_what_repeats_with_the_step_of_the_encoder_is_the_controllers(times):
         label = np.zeros(4000)
         return gear_orders(residual, take_off, position, torque, used, label, gear, np.inf, 9.0, encoder_step)
 
-    assert orders(answered, np.nan) == pytest.approx((times * 81.92,), rel=1e-4)
-    assert orders(answered, step) == ()
+    known = step if logged else 2 * np.pi / 2**19
+    assert orders(answered, known) == ()
+    if logged:
+        assert orders(answered, np.nan) == pytest.approx((times * steps / gear,), rel=1e-4)
     # What a gear adds to it keeps its order.
-    assert orders(answered + meshed, step) == pytest.approx((0.7,), rel=0.01)
+    assert orders(answered + meshed, known) == pytest.approx((0.7,), rel=0.01)
 
 
 def test_a_held_wave_is_tried_where_filters_made_the_accelerations(robot):

@@ -16,6 +16,8 @@ FEWEST = KNOTS["position"] / 3
 MOST = 3
 #: Cells of the spectrum in the width of a line, and samples of the angle in the fastest wave.
 CELLS, SAMPLES = 4, 4
+#: Fewest steps in a turn of an encoder at a joint: with fewer a controller hardly holds its arm.
+STEPS = 2**12
 #: Steps, in widths of a line, by which the largest wave is refined from a cell of the spectrum.
 NEARER = np.array([0.2, 0.05, 0.0125])
 
@@ -37,7 +39,7 @@ def gear_orders(
     Stages of a gear mesh at orders of their own, and a residual with such a wave is taken for noise. A wave, of one
     height or in proportion to the torque, has to stand out of the spectrum over the angle, and the noise without it has
     to be smaller by the nats that a name needs, and by the cells that were searched. One that repeats with the step of
-    the encoder, or several times in it, is what a controller answers to that step: it is taken off, and no gear's.
+    an encoder, or several times in it, is what a controller answers to that step: it is taken off, and no gear's.
 
     Parameters
     ----------
@@ -84,11 +86,16 @@ def gear_orders(
 
 
 def _from_steps(many: float, step: float) -> float:
-    """Return how far a wave [1/rad] is from the nearest that repeats a whole number of times in a step [rad]."""
-    if not np.isfinite(step):
-        return np.inf
-    once = 2 * np.pi / step
-    return abs(many - max(round(many / once), 1) * once)
+    """Return how far a wave, by its number in a turn of the joint, is from the nearest of an encoder's steps.
+
+    Such a wave repeats a whole number of times in a step. The step is that of the log, `step` [rad], or of what a
+    controller reads, which may be fewer bits than are logged: with a power of two steps in a turn, at least
+    :data:`STEPS`.
+    """
+    once = [float(STEPS)]
+    if np.isfinite(step):
+        once.append(2 * np.pi / step)
+    return min(abs(many - max(round(many / each), 1) * each) for each in once)
 
 
 def _largest(
