@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from discovery_cases import COARSE_RATE as RATE
-from discovery_cases import coarse
+from discovery_cases import coarse, make_case
 
 from jointwear import effects
 from jointwear.discovery import discover
@@ -25,12 +25,14 @@ from jointwear.discovery.instruments import (
 from jointwear.discovery.linear import Term
 from jointwear.discovery.noise import Whitener
 from jointwear.discovery.outcome import Named
+from jointwear.discovery.preflight import check_data
 from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.whitening import whiten
 from jointwear.effects import make_state
+from jointwear.measurement.behind_gears import felt_robot
 from jointwear.measurement.derived_noise import DerivedNoise
 from jointwear.measurement.filtering import low_pass
 from jointwear.measurement.motion import measure
@@ -198,6 +200,18 @@ def test_a_sensor_behind_the_gear_does_not_retune_a_motor_that_the_file_lacks(ro
     recording = split(replace(coarse(robot), torque_kind="link_sensor"))
     kept = build_problem(recording, robot, Settings(), measure(recording)).friction_prior(1)
     assert np.all(kept > 1e-3 * stds["motor"])
+
+
+def test_motor_inertia_of_the_file_is_no_part_of_what_a_link_sensor_feels(robot):
+    recording = replace(make_case(robot.without_motor_inertia(), 26), torque_kind="link_sensor")
+    found = discover(recording, robot)
+    assert found.verdict == "none"
+    assert any("no motor inertia is felt" in told for told in found.content.restrictions)
+    assert check_data(recording, robot).restrictions == found.content.restrictions
+    # Friction of the file stays: it may be that of bearings behind the sensor.
+    np.testing.assert_array_equal(found.problem.robot.viscous, robot.viscous)
+    assert not felt_robot(recording, robot)[0].armature.any()
+    assert felt_robot(replace(recording, torque_kind="motor"), robot) == (robot, [])
 
 
 @pytest.mark.parametrize("swing", [5.0, 12.0, 20.0])

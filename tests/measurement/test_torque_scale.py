@@ -156,6 +156,15 @@ def test_a_model_of_another_size_is_told_with_what_is_too_large(example, case):
         check_model_size(measured, replace(robot, **changes), "arm")
 
 
+def test_friction_of_motors_that_a_link_sensor_does_not_feel_is_asked_to_be_left_out(example):
+    _, robot, measured = example
+    stiff = replace(robot, **WRONG_UNITS["friction of the joint side"][1](robot))
+    for behind, asked in ((True, "leave out 'coulomb'"), (False, "give 'coulomb'")):
+        with pytest.raises(Refused) as refused:
+            check_model_size(measured, stiff, "arm", behind_gears=behind)
+        assert refused.value.suggestion.startswith(asked)
+
+
 def test_a_joint_whose_torque_keeps_one_value_is_not_judged_and_all_of_them_are_refused(example):
     recording, _, _ = example
     still = recording.torque.copy()

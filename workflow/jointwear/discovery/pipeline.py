@@ -39,6 +39,7 @@ from jointwear.discovery.verdict import NONE, Verdict
 from jointwear.discovery.whitening import White
 from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
+from jointwear.measurement.behind_gears import felt_robot
 from jointwear.measurement.checked import checked
 from jointwear.measurement.other_zero import zero_in_words
 from jointwear.measurement.recording import Recording, split
@@ -146,8 +147,9 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     recording = split(recording)
     check_groups(recording, settings.groups)
     recording, told = shortened(recording, keep_all=bool(settings.groups))
+    robot, set_aside = felt_robot(recording, robot)
     measured, restrictions = checked(recording, robot)
-    restrictions += told
+    restrictions += [*set_aside, *told]
     problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
     try:

@@ -28,6 +28,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
+from jointwear.measurement.behind_gears import felt_robot
 from jointwear.measurement.checked import UNASKED, checked
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
@@ -125,8 +126,9 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     recording, settings = split(recording), settings or Settings()
     check_groups(recording, settings.groups)
     whole, (recording, told) = recording, shortened(recording, keep_all=bool(settings.groups))
+    robot, set_aside = felt_robot(recording, robot)
     measured, restrictions = checked(recording, robot)
-    restrictions += told
+    restrictions += [*set_aside, *told]
     problem = build_problem(recording, robot, settings, measured)
     restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
     try:

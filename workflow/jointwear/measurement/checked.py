@@ -53,7 +53,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     if not check_axes(name, robot, measured):
         restrictions.append(UNASKED)
     check_scale_of_one(factors)
-    check_model_size(measured, robot, name)
+    check_model_size(measured, robot, name, behind_gears=recording.torque_kind == "link_sensor")
     check_follows(measured, robot, name)
     restrictions += check_delay(measured, robot, name)
     return measured, [*restrictions, *clipped_torques(recording)]

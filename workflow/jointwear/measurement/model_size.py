@@ -25,8 +25,16 @@ _REMEDIES = {
 }
 
 
-def check_model_size(measured: Measured, robot: Robot, name: str) -> None:
+#: What it asks for where the torque is that of a sensor behind the gears, which does not feel the motors.
+_BEHIND_GEARS = "leave out 'coulomb' and 'viscous' of motor and gear: 'torque_kind' says that it is measured behind"
+
+
+def check_model_size(measured: Measured, robot: Robot, name: str, behind_gears: bool = False) -> None:
     """Check that the nominal model, with everything that its file holds, gives torques of the size of those measured.
+
+    Parameters
+    ----------
+    behind_gears : whether the torque was measured there, where friction of motors and gears is not felt.
 
     Raises
     ------
@@ -53,10 +61,11 @@ def check_model_size(measured: Measured, robot: Robot, name: str) -> None:
     worst = int(np.nanargmax(ratio))
     used = samples.usable[:, worst]
     largest = max(parts, key=lambda part: float(np.mean(parts[part][used, worst] ** 2)))
+    remedy = _BEHIND_GEARS if behind_gears and largest == "friction" else _REMEDIES[largest]
     raise Refused(
         f"{name}: the model of robot '{robot.name}' misses the torque of joint {worst + 1} by {ratio[worst]:.3g} times "
         f"its size; the torque of {largest} is far too large for it",
-        f"{_REMEDIES[largest]}; or state the unit of the torque",
+        f"{remedy}; or state the unit of the torque",
     )
 
 

@@ -90,6 +90,10 @@ class Robot:
         none = np.zeros(self.joints)
         return replace(self, armature=none, viscous=none, coulomb_positive=none, coulomb_negative=none)
 
+    def without_motor_inertia(self) -> Robot:
+        """Return the robot without the inertia of its motors; friction stays, which may be that of its bearings."""
+        return replace(self, armature=np.zeros(self.joints))
+
 
 def inertia_matrix(six: list[float] | None) -> np.ndarray:
     """Turn (xx, yy, zz, xy, yz, xz) [kg m2] into a symmetric (3, 3) matrix; None gives zeros."""
