@@ -230,3 +230,15 @@ def test_columns_of_a_swing_reach_beyond_it_as_far_as_noise_allows(swing):
     # However much noise there is, what lies below the swing cannot feign it; the filter rolls off over some of it.
     assert min(found) >= 0.75 * swing
     assert ends(1e-1, energy=10.0) >= ends(1e-1)
+
+
+def test_friction_that_is_more_than_all_torque_behind_the_gear_is_that_of_the_motors(robot):
+    recording = replace(make_case(robot.without_drives(), 26), torque_kind="link_sensor")
+    felt, (told,) = felt_robot(recording, robot)
+    # Friction of joints 4 to 6 is more than what the sensor shows of them.
+    assert "neither friction nor inertia" in told
+    assert not np.any([felt.coulomb_positive, felt.viscous, felt.armature])
+    assert discover(recording, robot).verdict == "none"
+    # A joint that rests shows no friction, whatever the file says.
+    still = replace(recording, position=np.zeros_like(recording.position))
+    assert felt_robot(still, robot)[0].coulomb_positive.any()
