@@ -21,7 +21,7 @@ OTHERS = {
         structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS structure.SURROUNDINGS structure.FASTEST_CHIRP
         structure.SLOW_SWEEP structure.WIDEST_SWEEP structure.COARSER encoder_step.NEAREST
         encoder_step.WIDER in_its_place.SIZES effect_estimates.PERIODS
-        gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST
+        gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS
     """,
     "a bound on time": """
         leftovers.SPEEDS
