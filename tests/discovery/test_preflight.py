@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from discovery_cases import make_case, wave
 
-from jointwear.discovery import Settings, pipeline, preflight
+from jointwear.discovery import Settings, posing
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.preflight import check_data, write_check
 from jointwear.measurement.checks import Refused
@@ -66,11 +66,10 @@ def test_the_page_has_one_row_an_effect_and_one_column_a_joint(case, robot, tmp_
 
 def test_the_check_of_a_long_recording_reads_a_part_of_it_and_lists_all(case, robot, monkeypatch):
     short = partial(shortened, most=len(case.time) // 2)
-    monkeypatch.setattr(preflight, "shortened", short)
+    monkeypatch.setattr(posing, "shortened", short)
     check = check_data(case, robot)
     assert any("are read, which is as much as a search takes in" in line for line in check.restrictions)
     assert sum(t.samples for t in check.trajectories) == len(case.time)
-    monkeypatch.setattr(pipeline, "shortened", short)
     found = discover(case, robot)
     assert len(found.recording.time) <= len(case.time) // 2
     assert any("as much as a search takes in" in line for line in found.content.restrictions)

@@ -18,10 +18,10 @@ from jointwear.discovery.kept_sizes import with_kept_sizes
 from jointwear.discovery.leftovers import lasting, unexplained
 from jointwear.discovery.outcome import Outcome, Unexplained
 from jointwear.discovery.outside_force import force_in_words
+from jointwear.discovery.posing import pose_problem
 from jointwear.discovery.problem import Problem, build_problem
 from jointwear.discovery.recorded_in_time import coulomb_steps
-from jointwear.discovery.repeatability import check_groups, repeat
-from jointwear.discovery.restrictions import motion_restrictions
+from jointwear.discovery.repeatability import repeat
 from jointwear.discovery.searches import search, whitened
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_delay import (
@@ -39,11 +39,8 @@ from jointwear.discovery.verdict import NONE, Verdict
 from jointwear.discovery.whitening import White
 from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
-from jointwear.measurement.behind_gears import felt_robot
-from jointwear.measurement.checked import checked
 from jointwear.measurement.other_zero import zero_in_words
 from jointwear.measurement.recording import Recording, split
-from jointwear.measurement.shortened import shortened
 from jointwear.measurement.silent_joints import moving_torques
 from jointwear.robots.robot import Robot
 
@@ -143,15 +140,7 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     ------
     Refused : an InputError with a suggestion, where the recording cannot belong to the robot as it stands.
     """
-    settings = settings or Settings()
-    recording = split(recording)
-    check_groups(recording, settings.groups)
-    recording, told = shortened(recording, keep_all=bool(settings.groups))
-    robot, set_aside = felt_robot(recording, robot)
-    measured, restrictions = checked(recording, robot)
-    restrictions += [*set_aside, *told]
-    problem = build_problem(recording, robot, settings, measured)
-    restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
+    recording, problem, restrictions = pose_problem(split(recording), robot, settings or Settings())
     try:
         log, outcome, told = _read_in_time(recording, whitened(problem))
         return _judge(log, outcome, [*restrictions, *told])

@@ -16,9 +16,8 @@ import numpy as np
 
 from jointwear.discovery.candidates import build_dictionary
 from jointwear.discovery.identifiability import Visible, identifiability
-from jointwear.discovery.problem import Problem, build_problem
-from jointwear.discovery.repeatability import check_groups
-from jointwear.discovery.restrictions import motion_restrictions
+from jointwear.discovery.posing import pose_problem
+from jointwear.discovery.problem import Problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.undecided import NUMERICAL, reason
@@ -28,11 +27,9 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
-from jointwear.measurement.behind_gears import felt_robot
-from jointwear.measurement.checked import UNASKED, checked
+from jointwear.measurement.checked import UNASKED
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
-from jointwear.measurement.shortened import shortened
 from jointwear.publishing.report.numbers import number
 from jointwear.publishing.report.rendering import render_page
 from jointwear.robots.robot import Robot, load_robot
@@ -123,14 +120,8 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     ------
     Refused : an InputError with a suggestion, as discovery itself would.
     """
-    recording, settings = split(recording), settings or Settings()
-    check_groups(recording, settings.groups)
-    whole, (recording, told) = recording, shortened(recording, keep_all=bool(settings.groups))
-    robot, set_aside = felt_robot(recording, robot)
-    measured, restrictions = checked(recording, robot)
-    restrictions += [*set_aside, *told]
-    problem = build_problem(recording, robot, settings, measured)
-    restrictions += motion_restrictions(problem, recording.units.get("time", "s"))
+    whole = split(recording)
+    recording, problem, restrictions = pose_problem(whole, robot, settings or Settings())
     try:
         noise, shown, not_shown, pairs = _shown(problem)
     except NUMERICAL as error:

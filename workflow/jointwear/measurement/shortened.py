@@ -55,25 +55,21 @@ def shortened(recording: Recording, keep_all: bool = False, most: int = MOST) ->
         own = given if keep_all else _spread(given, sizes, room[role] * every, SHORTEST * rate)
         longest = _level(np.array([size[k] for k in own], dtype=float), room[role] * every)
         length |= {k: int(min(size[k], longest)) for k in own}
-    chosen = []
-    for part in parts:
-        label = int(recording.trajectory[part.start])
-        spare = size[label] - length.get(label, 0)
-        if label in length:
-            chosen.append(np.arange(part.start + spare // 2, part.stop - (spare - spare // 2)))
-    read = recording.part(np.concatenate(chosen))
-    read = replace(read, train=_kept(recording.train, length), test=_kept(recording.test, length))
-    seconds, whole = (sum(own.values()) / rate for own in (length, size))
+    begin = {int(recording.trajectory[part.start]): part.start for part in parts}
+    first = {k: begin[k] + (size[k] - length[k]) // 2 for k in begin if k in length}
+    read = recording.part(np.concatenate([np.arange(a, a + length[k]) for k, a in first.items()]))
+    train, test = (tuple(k for k in own if k in length) for own in labels.values())
+    return replace(read, train=train, test=test), [_in_words(size, length, rate)]
+
+
+def _in_words(size: dict[int, int], length: dict[int, int], rate: float) -> str:
+    """Return in words what is read; label -> samples that there are, and that are read."""
+    whole, seconds = (sum(own.values()) / rate for own in (size, length))
     cut = sum(length[k] < size[k] for k in length)
     which = "all" if cut == len(length) else str(cut)
     words = f"of {whole:.0f} s of motion {seconds:.0f} s are read, which is as much as a search takes in: "
     words += f"{len(length)} of {count(len(size), 'trajectory', 'trajectories')}"
-    words += f", of {which} of them the middle" if cut else ""
-    return read, [words]
-
-
-def _kept(labels: tuple[int, ...], length: dict[int, int]) -> tuple[int, ...]:
-    return tuple(k for k in labels if k in length)
+    return words + (f", of {which} of them the middle" if cut else "")
 
 
 def _spread(labels: list[int], size: np.ndarray, room: float, shortest: float) -> list[int]:

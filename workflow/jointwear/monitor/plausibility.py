@@ -272,13 +272,15 @@ class LaterCheck:
             # An axis that another reading leaves without motion is not explained by it.
             return float(np.nansum(np.where(np.isfinite(grown), grown, self._last)))
 
-        def mends(left: np.ndarray) -> bool:
-            return growth(left) < MENDED and plain - growth(left) > WORSE
+        def mends(grown: float) -> bool:
+            return grown < MENDED and plain - grown > WORSE
 
         # A reading that does not mend a part of the samples mends no more of all.
-        others = explained_otherwise(self._dynamics, parts, usable, lambda _, left: not mends(left))
-        found = [(growth(left), reading) for reading, left in others if mends(left)]
-        return min(found, key=lambda x: x[0])[1] if found else None
+        others = explained_otherwise(self._dynamics, parts, usable, lambda _, left: not mends(growth(left)))
+        grown, reading = min(
+            ((growth(left), reading) for reading, left in others), key=lambda x: x[0], default=(np.inf, None)
+        )
+        return reading if mends(grown) else None
 
 
 def beyond_loads(scale: np.ndarray, alone: np.ndarray, axes: int) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from jointwear.monitor.dispersion import inflated
 from jointwear.monitor.normal_state import Posterior
-from jointwear.monitor.shifts import places_of_shifts, running_sums
+from jointwear.monitor.shifts import places_of_shifts, running_sums, shift_starts
 
 #: Shifts looked back at, and so many more to find them among, as some show nothing.
 BACK, SPARE = 12, 4
@@ -104,7 +104,7 @@ def recent_shifts(windows: AxisWindows, normal: Sequence[Posterior], memory: flo
     means = np.stack([n.mean for n in normal])
     good = np.isfinite(windows.value) & np.isfinite(windows.variance)
     weight = np.where(good, 1.0 / np.where(good, windows.variance, 1.0), 0.0)
-    starts = np.concatenate([[True], np.diff(windows.shift) != 0]) if len(good) else np.zeros(0, dtype=bool)
+    starts = shift_starts(windows.shift)
     # Rows that are not judged may hold NaN in their design.
     clean = np.where(good[:, None], windows.design, 0.0)
     total, count = running_sums(weight, starts), running_sums(good.astype(float), starts)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.monitor.dispersion import inflated
-from jointwear.monitor.shifts import running_sums
+from jointwear.monitor.shifts import running_sums, shift_starts
 
 #: Degrees of freedom of the law, and the largest square of an axis that counts: one worn axis is no shift that is off.
 FREEDOM, LARGEST = 5.0, 6.0
@@ -38,7 +38,7 @@ def shift_scale(
     shift : (w,) labels. outside : (w, n) bool, beyond the range of the baseline or where all axes rose, where others
     that keep still say little of the error of a law that is carried too far.
     """
-    starts = np.concatenate([[True], np.diff(shift) != 0]) if len(shift) else np.zeros(0, dtype=bool)
+    starts = shift_starts(shift)
     good = np.isfinite(residual) & np.isfinite(variance) & (noise > 0)
     square = np.zeros(residual.shape)
     known = np.zeros(residual.shape, dtype=bool)

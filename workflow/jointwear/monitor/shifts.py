@@ -62,6 +62,11 @@ def places_of_shifts(shift: np.ndarray, count: int) -> np.ndarray:
     return result
 
 
+def shift_starts(shift: np.ndarray) -> np.ndarray:
+    """Return which windows are the first of their shift, (w,) bool; `shift` (w,) labels."""
+    return np.diff(shift, prepend=shift[:1] - 1) != 0
+
+
 def running_sums(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
     """Return sums from the start of each window's shift up to it."""
     total = np.cumsum(values)

@@ -15,7 +15,7 @@ from jointwear.monitor.null_runs import Axis, null_thresholds
 from jointwear.monitor.recall import Recall, key_of
 from jointwear.monitor.shared_error import ALIKE, FINDING, SharedError, shared_error
 from jointwear.monitor.shift_scale import shift_scale
-from jointwear.monitor.shifts import running_sums
+from jointwear.monitor.shifts import running_sums, shift_starts
 from jointwear.monitor.watched_axis import Start, WatchedAxis
 
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
@@ -257,7 +257,7 @@ def _calm(common: np.ndarray, shift: np.ndarray) -> np.ndarray:
     ----------
     common : (w,) what the axes have in common, log levels. shift : (w,) labels.
     """
-    starts = np.concatenate([[True], np.diff(shift) != 0]) if len(shift) else np.zeros(0, dtype=bool)
+    starts = shift_starts(shift)
     return np.abs(running_sums(common, starts)) <= FINDING * running_sums(np.ones(len(common)), starts)
 
 
