@@ -7,7 +7,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.drive_shares import IN_PART, drive_shares, supported, told_shares
+from jointwear.discovery.drive_shares import drive_shares, supported, told_shares
 from jointwear.discovery.estimation import finalise
 from jointwear.discovery.fallback import DRIVE
 from jointwear.discovery.left_out import Asked
@@ -122,9 +122,11 @@ def test_both_files_hold_the_share_and_the_page_tells_it(found, robot, monkeypat
         assert part[axis] == pytest.approx(share * all_of_it[axis])
     viscous = written_robot(final).data["joints"][axis]["viscous"] * robot.gear_ratio[axis] ** 2
     assert viscous == pytest.approx(robot.viscous[axis] + share * fitted.delta_friction[axis, 2])
-    words = f"friction and motor inertia at {share:g} {IN_PART}" if share else DRIVE
+    words = f"friction and motor inertia at {share:g} of what was fitted" if share else DRIVE
     mine = [f for f in final.fallbacks if f.axis == axis + 1]
-    assert [(f.model, f.step) for f in mine] == [("augmented", words), ("retuned", words)]
+    assert [(f.model, f.step, f.in_part) for f in mine] == [
+        (model, words, share > 0.0) for model in ("augmented", "retuned")
+    ]
     gap = Gap((1.0,) * 6, (0.8,) * 6, (0.8,) * 6, (0.1,) * 6)
     told = told_fallbacks(replace(final, fallbacks=tuple(mine)), gap)
     assert all(("in part as fitted" in f.kept) == (share > 0.0) for f in told)

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, HELD, OF_LINKS, Step, best_step
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, HELD, OF_LINKS, PutBack, Step, best_step
 from jointwear.discovery.linear import Term
 from jointwear.discovery.steps_back import given_up_of_effects
 from jointwear.discovery.told_fallbacks import told_fallbacks
-from jointwear.discovery.verdict import FallBack, Gap
+from jointwear.discovery.verdict import Gap
 from jointwear.discovery.whitening import INERTIAL
 
 
@@ -96,7 +96,7 @@ def test_an_effect_of_the_whole_arm_is_not_given_up_for_one_axis_where_others_ga
 
 def test_an_effect_of_the_whole_arm_that_is_not_written_is_told():
     body = SimpleNamespace(axis=None, effect="payload")
-    step = FallBack("augmented", 2, 1.29, EVERYTHING)
+    step = PutBack("augmented", 2, 1.29, EVERYTHING)
     assert [f.step for f in given_up_of_effects((step,), [body])] == ["without payload"]
 
 
@@ -109,12 +109,12 @@ def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_k
     spring = SimpleNamespace(named=SimpleNamespace(candidate=SimpleNamespace(axis=0, effect="joint_spring")))
     final = SimpleNamespace(
         fallbacks=(
-            FallBack("retuned", 1, 1.3, HELD),
-            FallBack("retuned", 2, 1.2, DRIVE),
-            FallBack("augmented", 2, 1.2, DRIVE),
-            FallBack("augmented", 1, 1.1, OF_LINKS[0].words),
-            FallBack("augmented", 2, 1.6, OF_LINKS[0].words),
-            FallBack("augmented", 2, 1.3, OF_LINKS[0].words),
+            PutBack("retuned", 1, 1.3, "any words", held=True),
+            PutBack("retuned", 2, 1.2, DRIVE),
+            PutBack("augmented", 2, 1.2, DRIVE),
+            PutBack("augmented", 1, 1.1, OF_LINKS[0].words),
+            PutBack("augmented", 2, 1.6, OF_LINKS[0].words),
+            PutBack("augmented", 2, 1.3, OF_LINKS[0].words),
         ),
         estimates=(spring,),
         delta_friction=fitted,

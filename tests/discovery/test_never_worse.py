@@ -233,7 +233,7 @@ def test_a_joint_that_links_make_worse_is_held_and_the_others_keep_what_it_does_
     effect = Term("effect", {right: idle}, np.ones(1), {right: sigma[right] * idle}, effect=True)
     effects, steps = ([effect], [Step("without it", (effect,))]) if has_effect else ([], list(OF_LINKS))
     kept, given_up = put_back(trial, [links, *effects], {right: steps}, "augmented")
-    assert [(f.axis, f.step) for f in given_up] == [(right + 1, HELD_WITHOUT if has_effect else HELD)]
+    assert [(f.axis, f.step, f.held) for f in given_up] == [(right + 1, HELD_WITHOUT if has_effect else HELD, True)]
     ratio = Asked(trial, kept)(kept).ratio
     assert ratio[right] <= white.problem.settings.not_worse
     assert ratio[lacks] < 0.8

@@ -13,15 +13,11 @@ from collections.abc import Collection
 import numpy as np
 from scipy.special import ndtri
 
-from jointwear.discovery.fallback import DRIVE
+from jointwear.discovery.fallback import DRIVE, PutBack
 from jointwear.discovery.left_out import Asked
 from jointwear.discovery.linear import Term
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import White
-
-#: Last words of what is told of a drive that is written in part.
-IN_PART = "of what was fitted"
 
 
 def drive_shares(white: White, kept: list[Term], open_axes: Collection[int]) -> dict[int, tuple[float, float]]:
@@ -77,14 +73,15 @@ def supported(worth: np.ndarray, settings: Settings) -> float:
     return float(np.clip(share, 0.0, 1.0))
 
 
-def told_shares(shares: dict[int, tuple[float, float]], model: str) -> tuple[FallBack, ...]:
+def told_shares(shares: dict[int, tuple[float, float]], model: str) -> tuple[PutBack, ...]:
     """Return what is said of the drives that a model holds in part."""
     return tuple(
-        FallBack(
+        PutBack(
             model,
             axis + 1,
             float(f"{ratio:.4g}"),
-            f"friction and motor inertia at {share:g} {IN_PART}" if share else DRIVE,
+            f"friction and motor inertia at {share:g} of what was fitted" if share else DRIVE,
+            in_part=share > 0.0,
         )
         for axis, (share, ratio) in shares.items()
     )

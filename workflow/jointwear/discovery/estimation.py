@@ -20,7 +20,7 @@ from jointwear.discovery.candidates import (
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.drive_shares import drive_shares, told_shares
 from jointwear.discovery.effect_estimates import Estimate, estimate_effect, misfits
-from jointwear.discovery.fallback import put_back
+from jointwear.discovery.fallback import PutBack, put_back
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.linear import Fit, Term
@@ -30,7 +30,6 @@ from jointwear.discovery.references import effect_term, reference_of, with_refer
 from jointwear.discovery.refine import refine, simplest
 from jointwear.discovery.sound_fit import make_links_sound, make_sound
 from jointwear.discovery.steps_back import as_kept, given_up_of_effects, plainer_forms, steps_of
-from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL, White
 from jointwear.robots.inertia import mass_direction
 
@@ -60,7 +59,7 @@ class Final:
     retuned_inertial: np.ndarray
     unwritten: tuple[Estimate, ...] = ()
     suspects: tuple[Suspected, ...] = ()
-    fallbacks: tuple[FallBack, ...] = ()
+    fallbacks: tuple[PutBack, ...] = ()
     misfits: tuple[str, ...] = ()
 
 
@@ -86,7 +85,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     misfit = misfit_of(white, white.fit([*found, *mass_terms]))
     unwritten: tuple[Estimate, ...] = ()
     suspects: tuple[Suspected, ...] = tuple(outcome.suspects)
-    fallbacks: tuple[FallBack, ...] = ()
+    fallbacks: tuple[PutBack, ...] = ()
     while True:
         base, refined = _whole_model(white, refined, forms, mass_terms)
         terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]

@@ -15,7 +15,6 @@ from jointwear.discovery import assumed
 from jointwear.discovery.left_out import Asked, LeftOut
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import misfit_of
-from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL, White
 
 #: Words of the step that gives up what was fitted to the drive of a joint.
@@ -32,6 +31,26 @@ HELD_WITHOUT = f"{OWN}, and {FELT}"
 CLOSER, LINKS = "inertia of the links closer to that given", "inertia of the links as given"
 #: Standard deviations, over that of their prior, that are left to corrections of the links before they are given up.
 HALVINGS = tuple(0.5**k for k in range(1, 8))
+
+
+@dataclass(frozen=True)
+class PutBack:
+    """One step by which a model was put back on an axis, as it was taken; the verdict tells those of an axis as one.
+
+    Attributes
+    ----------
+    axis : 1-based. ratio : error on records left out, over that of the given robot, that led to it.
+    step : what was given up, in words.
+    held : of the links the axis keeps no change that it feels. in_part : its drive is written as a share of what was
+        fitted.
+    """
+
+    model: str
+    axis: int
+    ratio: float
+    step: str
+    held: bool = False
+    in_part: bool = False
 
 
 @dataclass(frozen=True)
@@ -94,7 +113,7 @@ OF_LINKS = (*(Step(CLOSER, links=width) for width in HALVINGS), Step(LINKS, link
 
 def put_back(
     white: White, terms: list[Term], steps: dict[int, list[Step]], model: str, open_axes: Collection[int] = ()
-) -> tuple[list[Term], tuple[FallBack, ...]]:
+) -> tuple[list[Term], tuple[PutBack, ...]]:
     """Give up parts of a model until no axis is predicted worse than by the given robot.
 
     Parameters
@@ -129,7 +148,8 @@ def put_back(
             held.add(axis)
         if ratio[axis] > limit or axis in open_axes:
             # Elsewhere the parameters follow noise alone: that they stay as given is no loss to tell of.
-            given_up.append(FallBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words))
+            is_held = step.hold is not None
+            given_up.append(PutBack(model, axis + 1, float(f"{ratio[axis]:.4g}"), step.words, held=is_held))
         kept = step.taken_off(kept)
         asked = ask(kept)
 

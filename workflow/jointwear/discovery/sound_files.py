@@ -12,13 +12,12 @@ import numpy as np
 
 from jointwear.discovery.effect_estimates import Estimate
 from jointwear.discovery.estimation import Final, finalise
-from jointwear.discovery.fallback import OWN
+from jointwear.discovery.fallback import OWN, PutBack
 from jointwear.discovery.left_out import mean_squares
 from jointwear.discovery.leftovers import left_open
 from jointwear.discovery.outcome import Outcome, Suspected
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.steps_back import WITHOUT
-from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import INERTIAL
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
 
@@ -118,7 +117,7 @@ def _as_given(final: Final, kind: str, bad: dict[int, float], alone: bool = Fals
     for told, effects in (("named but not written:", named), (WITHOUT, doubtful)):
         if effects:
             words += f"; {told} {', '.join(dict.fromkeys(e.named.candidate.effect for e in effects))}"
-    given_up = tuple(FallBack(kind, axis + 1, float(f"{r:.4g}"), words) for axis, r in bad.items())
+    given_up = tuple(PutBack(kind, axis + 1, float(f"{r:.4g}"), words) for axis, r in bad.items())
     final = replace(final, fallbacks=final.fallbacks + given_up, suspects=final.suspects + suspects)
     if kind == "retuned":
         return replace(final, retuned_friction=friction, retuned_inertial=inertial)
@@ -154,7 +153,7 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
     doubtful, suspects = _suspected(final.outcome, list(left_out))
     named = tuple(e for e in left_out if not any(e is x for x in doubtful))
     given_up = tuple(
-        FallBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), form.format(e.named.candidate.effect))
+        PutBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), form.format(e.named.candidate.effect))
         for effects, form in ((named, "{} named but not written"), (doubtful, f"{WITHOUT} {{}}"))
         for e in effects
         if (axis := e.named.candidate.axis) is not None

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, HELD_WITHOUT, OF_LINKS, OWN, Step
+from jointwear.discovery.fallback import DRIVE, EVERYTHING, HELD_WITHOUT, OF_LINKS, OWN, PutBack, Step
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.references import effect_term
 from jointwear.discovery.refine import free_parameters
-from jointwear.discovery.verdict import FallBack
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
@@ -68,7 +67,7 @@ def as_kept(refined, plainer: list[tuple[Candidate, Term]], left: set[int]):
     return (one, *found[0]) if found else refined
 
 
-def given_up_of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -> tuple[FallBack, ...]:
+def given_up_of_effects(given_up: tuple[PutBack, ...], lost: list[Candidate]) -> tuple[PutBack, ...]:
     """Return what was given up of effects, those that went with everything else of their joint by their names."""
     result = []
     for step in given_up:
@@ -77,5 +76,5 @@ def given_up_of_effects(given_up: tuple[FallBack, ...], lost: list[Candidate]) -
         if step.step.startswith(WITHOUT):
             result.append(step)
         elif step.step in (EVERYTHING, OWN, HELD_WITHOUT) and own:
-            result.append(replace(step, step=f"{WITHOUT} {', '.join(own)}"))
+            result.append(replace(step, step=f"{WITHOUT} {', '.join(own)}", held=False))
     return tuple(result)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.drive_shares import IN_PART
 from jointwear.discovery.estimation import Final
-from jointwear.discovery.fallback import FELT
+from jointwear.discovery.fallback import PutBack
 from jointwear.discovery.verdict import FallBack, Gap, GivenUp
 
 #: Between the steps that were taken one after the other.
@@ -23,33 +21,37 @@ def told_fallbacks(final: Final, gap: Gap) -> tuple[FallBack, ...]:
     ----------
     gap : errors of the files on held-out motion.
     """
-    found: dict[tuple[str, int], list[FallBack]] = {}
+    found: dict[tuple[str, int], list[PutBack]] = {}
     for one in final.fallbacks:
         found.setdefault((one.model, one.axis), []).append(one)
     result = []
     for (model, axis), steps in sorted(found.items()):
         given, written = gap.nominal[axis - 1], getattr(gap, model)[axis - 1]
         result.append(
-            replace(
-                steps[0],
+            FallBack(
+                model=model,
+                axis=axis,
+                ratio=steps[0].ratio,
                 step=THEN.join(dict.fromkeys(s.step for s in steps)),
                 steps=tuple(GivenUp(s.step, s.ratio) for s in steps),
-                kept=_kept(final, model, axis - 1, any(FELT in s.step for s in steps)),
+                kept=_kept(final, model, axis - 1, steps),
                 held_out=float(f"{written / given:.4g}") if given and written is not None else None,
             )
         )
     return tuple(result)
 
 
-def _kept(final: Final, model: str, axis: int, held: bool) -> str:
-    """Return in words what a file holds for a 0-based axis; `held`: of the links only what the axis does not feel."""
+def _kept(final: Final, model: str, axis: int, steps: list[PutBack]) -> str:
+    """Return in words what a file holds for a 0-based axis on which these steps were taken."""
     augmented = model == "augmented"
     drive = (final.delta_friction if augmented else final.retuned_friction)[axis]
     links = final.delta_inertial if augmented else final.retuned_inertial
     effects = [e.named.candidate.effect for e in final.estimates if e.named.candidate.axis in (axis, None)]
-    felt = ", but for what this joint feels" if held and np.any(links) else ""
-    in_part = any(f.step.endswith(IN_PART) for f in final.fallbacks if (f.model, f.axis) == (model, axis + 1))
-    words = [f"friction and motor inertia {_as(drive, in_part)}", f"inertia of the links {_as(links)}{felt}"]
+    felt = ", but for what this joint feels" if any(s.held for s in steps) and np.any(links) else ""
+    words = [
+        f"friction and motor inertia {_as(drive, any(s.in_part for s in steps))}",
+        f"inertia of the links {_as(links)}{felt}",
+    ]
     return ", ".join(words + (list(dict.fromkeys(effects)) if augmented else []))
 
 

@@ -182,10 +182,9 @@ class GivenUp:
 class FallBack:
     """An axis on which a model was put back because it predicted records left out worse than the given robot.
 
-    In a verdict there is one for each model and axis. On an axis on which structure is left that nothing explains, or
-    on which a model gains and loses by turns, it is put back too, in whole or in part: `ratio` may be below 1. An
-    effect may be named and yet not written: it is there, but its torque carries so much noise that the file is better
-    without.
+    There is one for each model and axis. On an axis on which structure is left that nothing explains, or on which a
+    model gains and loses by turns, it is put back too, in whole or in part: `ratio` may be below 1. An effect may be
+    named and yet not written: it is there, but its torque carries so much noise that the file is better without.
 
     Attributes
     ----------
@@ -200,9 +199,9 @@ class FallBack:
     axis: int
     ratio: float
     step: str
-    steps: tuple[GivenUp, ...] = ()
-    kept: str = ""
-    held_out: float | None = None
+    steps: tuple[GivenUp, ...]
+    kept: str
+    held_out: float | None
 
 
 @dataclass(frozen=True)
