@@ -11,6 +11,7 @@ from monitor_logs import LENGTH, START, columns, flagged, layout, make_log, mode
 from jointwear.files.errors import InputError
 from jointwear.measurement import checks
 from jointwear.measurement.flags import DISQUALIFYING, Flag
+from jointwear.monitor.inspection import ALL_LOGS, Inspector
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.read_findings import reading_findings
 from jointwear.running.script import with_suggestion
@@ -68,6 +69,7 @@ def test_wrong_values_in_a_later_log_refuse_its_windows(tmp_path, good, kind):
     found = read(path, good)
     assert len(found.refused) == 1
     assert WRONG[kind].split(".*")[0] in found.refused[0]
+    assert found.refused[0].endswith(ALL_LOGS)
     assert (found.statistics.count == 0).all()
     assert not found.statistics.judgeable.any()
 
@@ -84,6 +86,13 @@ def test_wrong_values_from_the_middle_of_a_log_on(tmp_path, good):
     assert found.refused[0].endswith("where the others are right, mend this log alone")
     assert (found.statistics.count[:3, :5] > 0).all()
     assert (found.statistics.count[5:] == 0).all()
+
+
+def test_a_remedy_that_is_no_key_is_told_as_it_is(good):
+    inspector = Inspector(model(), survey_of(good), "log.csv")
+    for remedy in ("write 'torque' of this log as the first log has it", "record longer"):
+        inspector.tell(checks.Refused("reason", remedy))
+        assert inspector.refused[-1] == f"reason; {remedy}"
 
 
 def test_one_fault_of_many_parts_is_told_once(tmp_path, good):

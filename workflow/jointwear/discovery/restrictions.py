@@ -41,6 +41,7 @@ def motion_restrictions(problem, clock: str = "s") -> list[str]:
             "no axis moves for long enough to be judged",
             "record motion of every joint, away from rest, for several seconds, 20 times a second or more; if that was "
             f"done, state the unit of the time, as units: {{time: {unit}}}",
+            by_keys=True,
         )
     found = []
     for axis in range(n):

@@ -86,6 +86,11 @@ class Reading:
         }[self.kind]
 
     @property
+    def by_keys(self) -> bool:
+        """Whether keys of the configuration mend such a recording; one joint has no unit of its own there."""
+        return self.kind != "unit"
+
+    @property
     def _joints(self) -> str:
         return numbered("joint", [axis + 1 for axis in self.axes])
 

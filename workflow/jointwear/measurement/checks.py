@@ -83,11 +83,17 @@ HOTTEST, COLDEST = 200.0, -100.0
 
 
 class Refused(InputError):
-    """A recording that must not be judged; `suggestion` says what to mend."""
+    """A recording that must not be judged.
 
-    def __init__(self, reason: str, suggestion: str) -> None:
+    Attributes
+    ----------
+    suggestion : what to mend, in words. by_keys : it names keys of the configuration or of the robot file, which hold
+        for all logs of a robot: where others are right, such a key would spoil them.
+    """
+
+    def __init__(self, reason: str, suggestion: str, by_keys: bool = False) -> None:
         super().__init__(reason)
-        self.reason, self.suggestion = reason, suggestion
+        self.reason, self.suggestion, self.by_keys = reason, suggestion, by_keys
 
 
 def check_recording(recording: Recording, robot: Robot) -> list[str]:
@@ -119,6 +125,7 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
             f"{_of_whom(given)}",
             "map the measured columns, or leave the gaps out; velocities and accelerations that are left out under "
             "'variables' are derived",
+            by_keys=True,
         )
     _units(recording, robot, good)
     restrictions = [recording.unread] if recording.unread else []
@@ -196,6 +203,7 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
                 f"limits are {robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like "
                 f"{POSITION_WORDS[unit]}",
                 f"state units: {{position: {unit}}}{alone}",
+                by_keys=True,
             )
     warm = None if recording.temperature is None else recording.temperature[np.isfinite(recording.temperature)]
     if warm is not None and len(warm) and np.median(warm) > HOTTEST:
@@ -203,12 +211,14 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
             f"data set '{recording.name}': the temperature is {np.median(warm):.4g} in the median; it looks like "
             "kelvin",
             "state units: {temperature: K}",
+            by_keys=True,
         )
     if recording.units.get("temperature") == "K" and warm is not None and len(warm) and np.median(warm) < COLDEST:
         raise Refused(
             f"data set '{recording.name}': the temperature is {np.median(warm):.4g} degC in the median; it looks like "
             "degC that is read as kelvin",
             "state units: {temperature: degC}",
+            by_keys=True,
         )
 
 
@@ -388,7 +398,8 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
         others, remedies = "".join(f"; or {r.reason}" for r in also), "".join(f"; or {r.remedy}" for r in also)
         too_much, another = even_so(remains, robot)
         why = f"{_WHY[reading.kind]}{others}{too_much}"
-        raise Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy}{remedies}{another}")
+        by_keys = any(r.by_keys for r in (reading, *also))
+        raise Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy}{remedies}{another}", by_keys)
     return True
 
 

@@ -61,7 +61,9 @@ def check_derivatives(samples: Chunk | Recording, stretch: np.ndarray, name: str
             if not LOWEST < ratio < HIGHEST:
                 hint, remedy = _remedy(role, ratio, samples.units)
                 raise Refused(
-                    f"{name}: the {role} of joint {j + 1} is {ratio:.3g} times the change of its position{hint}", remedy
+                    f"{name}: the {role} of joint {j + 1} is {ratio:.3g} times the change of its position{hint}",
+                    remedy,
+                    by_keys=bool(hint),
                 )
 
 
@@ -79,11 +81,13 @@ def check_rate(recording: Recording, name: str) -> None:
             raise Refused(
                 f"{name}: the time rises by 1 from sample to sample, as numbers of rows do; no motion is resolved",
                 f"write the time of each row [s]; where it is a time, state its unit, as units: {{time: {unit}}}",
+                by_keys=True,
             )
         raise Refused(
             f"{name}: the samples are {np.median(steps):.3g} s apart (allowed: at most {1 / SLOWEST:g} s); "
             "no motion is resolved",
             f"record more often, or state the unit of the time, as units: {{time: {unit}}}",
+            by_keys=True,
         )
 
 
@@ -95,7 +99,8 @@ def _differences(values: np.ndarray, reach: int, order: int) -> np.ndarray:
 
 
 def _remedy(role: str, ratio: float, stated: Mapping[str, str]) -> tuple[str, str]:
-    """Return what the ratio of a derivative to the change of position looks like, and the remedy.
+    """Return what the ratio of a derivative to the change of position looks like, and the remedy, a key
+    where it looks like something.
 
     What is stated in another unit than radians is what is looked at first.
     """

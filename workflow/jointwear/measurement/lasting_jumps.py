@@ -33,4 +33,5 @@ def check_rows_follow(recording: Recording) -> None:
         f"sample {row + 1} ({recording.time[row]:.9g} s) and goes on from there{more}: rows were lost or put in "
         "another order, recordings were joined, or a joint counts anew",
         "mend the rows; where another recording begins there, give it a label of its own under 'trajectory'",
+        by_keys=True,
     )

@@ -66,6 +66,7 @@ def check_model_size(measured: Measured, robot: Robot, name: str, behind_gears: 
         f"{name}: the model of robot '{robot.name}' misses the torque of joint {worst + 1} by {ratio[worst]:.3g} times "
         f"its size; the torque of {largest} is far too large for it",
         f"{remedy}; or state the unit of the torque",
+        by_keys=True,
     )
 
 

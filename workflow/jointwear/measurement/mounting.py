@@ -81,6 +81,7 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
         f"{name}: the torques show gravity along [{told}] of the base frame, robot '{robot.name}' has [{given}]: the "
         f"arm may be mounted on a wall, a ceiling or a slope, or its base frame turned{also}{too_much}",
         f"give 'gravity: [{told}]' in the robot file" + (f"; or {reading.remedy}" if also else "") + another,
+        by_keys=True,
     )
 
 
@@ -117,6 +118,7 @@ def _check_weight(
         f"{name}: the torques hold nothing of gravity, as those from which a controller has taken its own compensation"
         f"{too_much}",
         f"log the whole torque of the motors; or give 'gravity: [0, 0, 0]' in the robot file{another}",
+        by_keys=True,
     )
 
 

@@ -43,6 +43,7 @@ def check_reach(position: np.ndarray, robot: Robot, name: str) -> None:
             f"{robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they are in another unit, or another quantity",
             "state units: {position: deg} where they are degrees, or name the right columns under 'variables'; counts "
             "of an encoder have to be written as angles",
+            by_keys=True,
         )
 
 
@@ -93,6 +94,7 @@ def refusal_of(name: str, unit: str, stated: str) -> Refused:
     return Refused(
         f"{name}: read as {looks} the positions fit the torque, read as {read} they do not; they look like {looks}",
         f"state units: {{position: {unit}}}",
+        by_keys=True,
     )
 
 

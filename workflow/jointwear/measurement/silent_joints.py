@@ -64,6 +64,7 @@ def check_torque_moves(measured: Measured, name: str) -> None:
         raise Refused(
             f"{name}: the torque keeps one value while the axes move",
             "name the column that holds the torque under 'variables'",
+            by_keys=True,
         )
 
 

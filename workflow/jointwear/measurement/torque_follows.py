@@ -31,6 +31,7 @@ def check_follows(measured: Measured, robot: Robot, name: str) -> None:
             f"{name}: the torque does not follow the motion; with scale, friction and load left free "
             f"{100 * np.median(left):.0f} % of its variance remain in the median of the joints",
             "give time, positions and torques of the same rows of one recording, and check the columns of 'variables'",
+            by_keys=True,
         )
 
 

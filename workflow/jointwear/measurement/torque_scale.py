@@ -79,12 +79,13 @@ def check_scale(found: Factors) -> list[str]:
         raise Refused(
             f"{found.name}: the sign of the torque of {numbered('joint', known + 1)} looks flipped against the motion",
             "turn the sign of the torque: give 'scale' with -1 for every joint",
+            by_keys=True,
         )
     scale = _of_most(found.factor, found.left, found.robot.gear_ratio, found.stated)
     if scale is None:
         return _shared(found.factor)
     if _is_likelier(found, _size(found) > np.log(FACTOR)):
-        raise Refused(f"{found.name}: {scale.reason}", scale.remedy)
+        raise Refused(f"{found.name}: {scale.reason}", scale.remedy, by_keys=True)
     return []
 
 
@@ -104,6 +105,7 @@ def check_scale_of_one(found: Factors) -> None:
         f"{found.name}: the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
         "looks like another unit than that of the other joints",
         f"give 'scale' with {1 / factor:.3g} for joint {worst + 1}, 'torque_constant' for each, or its column",
+        by_keys=True,
     )
 
 
@@ -236,6 +238,7 @@ def check_size(measured: Measured, robot: Robot, name: str) -> None:
             f"{name}: the torque of joint {most + 1} is about {factor:.3g} times what the bodies of the model ask "
             "there; it looks like another unit, a current or a share of a rating",
             "state units: {torque: ...}, or give 'torque_constant' in N m/A, or 'scale' in N m of one unit, by axis",
+            by_keys=True,
         )
 
 
@@ -248,8 +251,11 @@ def thinned(measured: Measured) -> Measured:
 
 @dataclass(frozen=True)
 class WrongScale:
-    """The torque of most axes is another multiple of the model's than one; `reason` and `remedy` in words, `left`:
-    share of the squared torque that is left once it is applied, a median over the axes; `unit` that it looks like."""
+    """The torque of most axes is another multiple of the model's than one.
+
+    `reason` and `remedy`, a key, are words. `left`: share of the squared torque that is left once it is applied, a
+    median over the axes; `unit` that it looks like.
+    """
 
     reason: str
     remedy: str

@@ -17,8 +17,8 @@ from jointwear.monitor.survey import Survey
 
 #: Parts that a block with something wrong is looked at in, and the fewest samples of a part.
 PARTS, SMALLEST_PART = 8, 300
-#: What a user has to know who would mend one log by a key.
-ALL_LOGS = "keys of a robot hold for all of its logs: where the others are right, mend this log alone"
+#: What a user has to know who would mend one log by a key, at the end of such a suggestion.
+ALL_LOGS = "; keys of a robot hold for all of its logs: where the others are right, mend this log alone"
 
 
 class Inspector:
@@ -62,10 +62,4 @@ class Inspector:
         # Parts of a log with one fault differ in the numbers of their sentences alone.
         if refusal.suggestion not in self._told:
             self._told.add(refusal.suggestion)
-            self.refused.append(f"{refusal}; {refusal.suggestion}{_of_all_logs(refusal.suggestion)}")
-
-
-def _of_all_logs(suggestion: str) -> str:
-    """Return the end of a suggestion that names keys of the config: they would turn the logs round that are right."""
-    names_key = "'" in suggestion or "units:" in suggestion
-    return f"; {ALL_LOGS}" if names_key and "hold for all logs" not in suggestion else ""
+            self.refused.append(f"{refusal}; {refusal.suggestion}{ALL_LOGS if refusal.by_keys else ''}")

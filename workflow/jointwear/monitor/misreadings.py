@@ -67,14 +67,14 @@ def check_readings(
         check(measured)
     except Refused as refusal:
         if scale is not None and "motor" not in refusal.reason:
-            raise Refused(f"{name}: {scale.reason}", scale.remedy) from None
+            raise Refused(f"{name}: {scale.reason}", scale.remedy, by_keys=True) from None
         lighter = without_load(measured, robot)
         if lighter is None:
             raise
         check(lighter)
     # A heavy load multiplies the bodies of a wrist: a log is not refused for a load that nobody has to state.
     if scale is not None and not loaded:
-        raise Refused(f"{name}: {scale.reason}", scale.remedy)
+        raise Refused(f"{name}: {scale.reason}", scale.remedy, by_keys=True)
     check_size(thin, robot, name)
 
 

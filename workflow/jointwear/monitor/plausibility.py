@@ -94,6 +94,7 @@ def check_first(
             f"{name}: the model explains nothing of the torque of most axes (it leaves {np.median(known):.3g} times "
             "the squared torque); it looks like a current, a share of a rating or another unit",
             "give 'torque_constant' in N m/A, 'scale', or 'units: {torque: ...}', or another robot file",
+            by_keys=True,
         )
     return [float(x) if np.isfinite(x) else None for x in left]
 
@@ -154,7 +155,7 @@ class LaterCheck:
             return self._marks()
         reading = self._read_otherwise(parts, usable, plain)
         if reading is not None and self._is_likelier(reading, parts, usable):
-            raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy)
+            raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
         self._check_scale(measured, parts, usable, plain)
         if whole:
             self._check_shared_scale(parts, usable, plain)
@@ -345,7 +346,8 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
     try:
         check_recording(recording, robot)
     except Refused as refusal:
-        raise Refused(str(refusal).replace(f"data set '{name}'", name, 1), refusal.suggestion) from None
+        told = str(refusal).replace(f"data set '{name}'", name, 1)
+        raise Refused(told, refusal.suggestion, refusal.by_keys) from None
     check_axes(name, robot, against)
 
 
