@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -124,17 +125,23 @@ def write_bag(
 
 
 def survey_of(path, **entry) -> Survey:
-    """Survey of a first log; of a file with the same content, read in the same way, it is made once a process."""
+    """Survey of a first log; see :func:`survey_once`."""
+    return survey_once(str(path), layout(**entry), model(), LENGTH)
+
+
+def survey_once(path: str, *how) -> Survey:
+    """Survey a log as `survey_log` does; of a file with the same content, read in the same way, once a process."""
     log = Path(path)
     if not log.is_file():
-        return survey_log(str(path), layout(**entry), model(), LENGTH)
-    made = _SURVEYS.setdefault((log.suffix, log.read_bytes(), repr(sorted(entry.items()))), [])
-    if not made:
-        made.append(survey_log(str(path), layout(**entry), model(), LENGTH))
-    return replace(made[0], log=str(path))
+        return survey_log(path, *how)
+    reading, arm, *more = how
+    key = log.suffix, log.read_bytes(), pickle.dumps((reading, arm.robot, more))
+    if key not in _SURVEYS:
+        _SURVEYS[key] = survey_log(path, *how)
+    return replace(_SURVEYS[key], log=path)
 
 
-_SURVEYS: dict[tuple[str, bytes, str], list[Survey]] = {}
+_SURVEYS: dict[tuple[str, bytes, bytes], Survey] = {}
 
 
 def read(path, first=None, **entry):

@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from monitor_logs import ROBOT, START, columns, make_log, write_parquet
+from monitor_logs import ROBOT, START, columns, make_log, survey_once, write_parquet
 from monitor_states import EVIL, HOURS, WORN
 
+from jointwear.monitor import reading_stages
+from jointwear.monitor.fleet import watch
 from jointwear.monitor.page import write_page
 from jointwear.monitor.reading_stages import accumulate_windows, survey_logs
 from jointwear.monitor.stages import judge_windows
@@ -17,6 +19,22 @@ from jointwear.monitor.state import read_state
 def good(tmp_path_factory):
     """A log in which nothing is wrong."""
     return write_parquet(tmp_path_factory.mktemp("good") / "good.parquet", columns(make_log(48.0)))
+
+
+@pytest.fixture(scope="module")
+def surveyed_once():
+    """The stages survey a first log with the same content, read in the same way, once a process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reading_stages, "survey_log", survey_once)
+        yield
+
+
+@pytest.fixture(scope="module")
+def no_pages():
+    """Pages say what the state says; drawing them would take most of the time of some tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(watch, "write_page", lambda *_: None)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -7,6 +7,7 @@ from monitor_logs import ROBOT, START, columns, make_log, write_parquet
 from jointwear.files.storage import open_dataset
 from jointwear.monitor.fleet import watch
 
+pytestmark = pytest.mark.usefixtures("surveyed_once", "no_pages")
 DAYS, DAY, WORN = 9, 86400.0, 2
 ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "12s", "baseline": {"until": START + DAY * 4}}
 EVENTS = [{"time": START + DAY * 6, "axes": [WORN + 1], "kind": "service", "note": "greased"}]
@@ -49,14 +50,6 @@ def judged(logs, folder, entry=ENTRY):
     row = watch.watch_robot("arm", entry, sorted(logs), folder, page=False)
     assert row["result"] == "judged", row["reason"]
     return said(folder)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def no_pages():
-    """Pages say what the state says; drawing them would take most of the time of these tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(watch, "write_page", lambda *_: None)
-        yield
 
 
 @pytest.fixture(scope="module")

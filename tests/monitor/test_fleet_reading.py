@@ -11,7 +11,9 @@ from monitor_logs import ROBOT, START, columns, make_log, write_csv, write_parqu
 from jointwear.monitor.fleet import reading, watch
 from jointwear.monitor.fleet.plan import seen
 from jointwear.monitor.fleet.watch import watch_robot, watch_robots
+from jointwear.monitor.page import write_page
 
+pytestmark = pytest.mark.usefixtures("surveyed_once", "no_pages")
 ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "12s", "baseline": {"windows": 8}}
 
 
@@ -172,7 +174,8 @@ def test_a_first_log_that_is_refused_is_not_read_as_a_later_one(logs, tmp_path, 
     assert (mended["logs_read"], mended["refused_logs"], mended["windows"]) == (1, 0, 15)
 
 
-def test_copies_of_logs_count_once_and_are_told_apart_from_refused_ones(logs, tmp_path):
+def test_copies_of_logs_count_once_and_are_told_apart_from_refused_ones(logs, tmp_path, monkeypatch):
+    monkeypatch.setattr(watch, "write_page", write_page)
     plain = watched(logs, tmp_path)
     copies = [shutil.copy(log, Path(log).with_name(f"copy_{Path(log).name}")) for log in logs]
     found = watched([*logs, *map(str, copies)], tmp_path, page=True)

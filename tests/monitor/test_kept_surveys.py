@@ -5,9 +5,12 @@ from monitor_logs import ROBOT, columns, make_log, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json
+from jointwear.monitor import reading_stages
 from jointwear.monitor.kept_surveys import FILE, MOST, surveyed_log
 from jointwear.monitor.reading_stages import survey_first_log
+from jointwear.monitor.survey import read_survey
 
+pytestmark = pytest.mark.usefixtures("surveyed_once")
 ENTRY = {"window": "12s"}
 
 
@@ -53,8 +56,10 @@ def test_kept_surveys_that_are_damaged_count_as_none(surveyed, tmp_path, content
         survey_first_log(str(tmp_path / "gone.parquet"), ROBOT, ENTRY, survey)
 
 
-def test_the_latest_surveys_are_kept(surveyed, tmp_path):
+def test_the_latest_surveys_are_kept(surveyed, tmp_path, monkeypatch):
     logs, survey = surveyed
+    found = read_survey(survey)
+    monkeypatch.setattr(reading_stages, "survey_log", lambda *_: found)
     for k in range(MOST):
         survey_first_log(logs[0], ROBOT, ENTRY | {"window": f"{13 + k}s"}, survey)
     assert len(read_json(tmp_path / FILE)["surveys"]) == MOST
