@@ -17,9 +17,9 @@ OTHERS = {
         peak_torque.STEPS_OF_MANY peak_torque.ZEROS problem.SMEAR recorded_in_time.SHARES refine.STARTS regimes.BINS
         shared_drives.SHARES saturated.START saturated.SHARP shared_delay.STEPS shared_delay.ASKED sound_links.BARRIER
         spectra.LONGEST
-        spectra.SHORTEST spectra.SPAN structure.KNOTS structure.KNOTS_OF_OTHERS structure.FEWEST_KNOTS
-        structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS structure.SURROUNDINGS structure.FASTEST_CHIRP
-        structure.SLOW_SWEEP structure.WIDEST_SWEEP structure.COARSER encoder_step.NEAREST
+        spectra.SHORTEST spectra.SPAN spectra.SURROUNDINGS structure.KNOTS structure.KNOTS_OF_OTHERS
+        structure.FEWEST_KNOTS structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS residual_lines.FASTEST_CHIRP
+        residual_lines.SLOW_SWEEP residual_lines.WIDEST_SWEEP residual_lines.COARSER encoder_step.NEAREST
         encoder_step.WIDER in_its_place.SIZES effect_estimates.PERIODS
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS
     """,

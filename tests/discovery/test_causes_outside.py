@@ -16,7 +16,7 @@ from jointwear.discovery.explained import explained, explained_elsewhere
 from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, nearly_all, stand_alone
 from jointwear.discovery.linear import Term
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.structure import strongest_line
+from jointwear.discovery.residual_lines import strongest_line
 
 RATE, SAMPLES, RECORDS = 100.0, 1100, 3
 

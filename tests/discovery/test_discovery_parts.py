@@ -12,7 +12,7 @@ from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.noise import WIDE, Whitener, estimate, simulate, stable, whitenable
 from jointwear.discovery.scan import gain_about_one
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.structure import hats
+from jointwear.effects.tables import hats
 from jointwear.files.errors import InputError
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording, elapsed_time, split

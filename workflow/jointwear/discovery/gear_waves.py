@@ -6,8 +6,8 @@ import numpy as np
 
 from jointwear.discovery.noise import estimate
 from jointwear.discovery.ridge_fit import RidgeFit
-from jointwear.discovery.spectra import around
-from jointwear.discovery.structure import KNOTS, STILL, SURROUNDINGS
+from jointwear.discovery.spectra import SURROUNDINGS, around
+from jointwear.discovery.structure import KNOTS, STILL
 from jointwear.effects.motor_waves import ORDER, ORDERS
 
 #: Waves in the whole travel from which on one is not structure over the position, which has knots for fewer.

@@ -18,7 +18,8 @@ from jointwear.discovery.in_its_place import better_in_its_place
 from jointwear.discovery.instruments import torque_noise
 from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
 from jointwear.discovery.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.structure import Basis, Line, chance_of, strongest_line, where_strongest
+from jointwear.discovery.residual_lines import Line, chance_of, strongest_line, where_strongest
+from jointwear.discovery.structure import Basis
 from jointwear.discovery.tolerance import with_tolerances
 from jointwear.discovery.unresolved_steps import at_unresolved_steps
 from jointwear.discovery.whitening import White

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.structure import SURROUNDINGS
-
 #: Longest and shortest piece, in samples, of which spectra are taken, and its length [s] between: runs of samples that
 #: can be judged end at reversals, and at a low rate are short. Pieces overlap by half.
 LONGEST, SHORTEST, SPAN = 128, 16, 0.64
 #: Pieces from which spectra say something.
 FEWEST = 8
+#: Neighbouring frequencies that a line has to stand out of.
+SURROUNDINGS = 64
 
 
 def piece_of(rate: float) -> int:
