@@ -21,35 +21,45 @@ OTHERS = {
         structure.FEWEST_KNOTS structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS residual_lines.FASTEST_CHIRP
         residual_lines.SLOW_SWEEP residual_lines.WIDEST_SWEEP residual_lines.COARSER encoder_step.NEAREST
         encoder_step.WIDER in_its_place.SIZES effect_estimates.PERIODS
-        gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS
+        gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS noise.POINTS
+        noise_spectrum.DAMPED references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP refine.SHORTER
+        instruments.LOWER peak_torque.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
     "a bound on time": """
         leftovers.SPEEDS
         base.MOST_FREE base.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
         posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS
-        time_lines.MOST gear_waves.MOST
+        time_lines.MOST gear_waves.MOST base.ROUNDS noise_spectrum.ROUNDS_OF_LAGS refine.ROUNDS
     """,
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
         noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES shared_drives.FEWEST
-        shared_drives.FEWEST_EACH spectra.FEWEST
+        shared_drives.FEWEST_EACH spectra.FEWEST noise.FEWEST noise.FEWEST_EACH residual_lines.FEWEST
     """,
     "rounding, of numbers and of their digits in a log": """
         base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL
         encoder_step.CLOSE encoder_step.FLOATS encoder_step.FINEST fast_waves.LEAST instruments.RIDGE peak_torque.STILL
         problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE ridge_fit.RIDGE ridge_fit.FEW_DIGITS noise.SETTLE
         sound_links.ENOUGH sound_links.NOTHING structure.STILL
+        base.BELOW base.STILL_BELOW references.FINEST references.DIGITS peak_torque.LEAST_SPREAD
+        peak_torque.LARGEST_SPREAD largest_torque.LEAST_MOTION identifiability.RIDGE linear.FREE whitening.TOLD
     """,
     "half, which is most of something, or no price at all": """
         decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED shared_drives.UNEXPLAINED
         slow_noise.PRICE instruments.FEIGNED
     """,
     "of a fit that is stored with its source": "calibration.COARSE calibration.LEAST_LEFT",
+    "which rivals are told as tied with a name, and asked where it is not likely": """
+        posterior.TIED_NATS posterior.TIED_SHARE
+    """,
     "what a page, a table or a sentence says": """
         drawing.CROWDED findings.LONGEST_LIST findings.FEWEST_ALIKE findings.MOST_ALIKE largest_torque.NOT_BESIDE
         preflight.GAP preflight.MOVING restrictions.FEW_RECORDS restrictions.APART restrictions.TURNED
         reversals.SLOWEST reversals.MISSING experiment.DURATION experiment.RATE experiment.HARMONICS experiment.TRIALS
+        experiment.SLOWEST experiment.EVERY experiment.LEAST_HARMONIC experiment.TRAVEL experiment.MOST_TRAVEL
+        experiment.SEEN experiment.FASTER experiment.ALLOWED experiment.WARMING experiment.FREE largest_torque.ENDS
+        leftovers.STRONG leftovers.NEAR page.NARROW preflight.SPEED written_robot.WIDTH
     """,
 }
 NUMBERS = (int, float)
@@ -77,6 +87,28 @@ def test_no_limit_stands_outside_the_two_records(folder):
     assert len(listed) == len(set(listed))
     found = {n for p in folder.glob("*.py") if p.name not in ("assumed.py", "settings.py") for n in numbers_of(p)}
     assert found == set(listed)
+
+
+#: What needs no name: none, one, a half, a double, an octave either way, mm or ms, a bound on what is computed. Counts.
+PLAIN, COUNT, ROUND_OFF = (0.0, 0.5, 1.0, 2.0, 4.0, 1e3, 1e6), 10, 1e-6
+
+
+def test_no_number_hides_in_a_function(folder):
+    """A number has a name, or its reason in a comment beside it; lengths of drawings speak for themselves."""
+    hidden = []
+    for path in folder.glob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        lines, tree = text.splitlines(), ast.parse(text)
+        told = {id(c) for f in ast.walk(tree) if isinstance(f, ast.JoinedStr) for c in ast.walk(f)}
+        for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+            for node in ast.walk(function):
+                if not isinstance(node, ast.Constant) or type(node.value) not in NUMBERS or id(node) in told:
+                    continue
+                size = abs(node.value)
+                plain = size in PLAIN or size <= ROUND_OFF or (isinstance(size, int) and size <= COUNT)
+                if not plain and not any("#" in line for line in lines[node.lineno - 2 : node.lineno]):
+                    hidden.append(f"{path.name}:{node.lineno}: {node.value}")
+    assert not [place for place in hidden if not place.startswith("drawing.py")]
 
 
 def test_every_assumption_has_its_meaning_and_is_asked(folder):

@@ -27,6 +27,10 @@ INERTIAL_ERRORS = (1e-5, 0.3, 1.0)
 MOST_FREE = 6
 #: Width of the prior of a parameter that is left as it is, and halvings of an interval of widths: of rounding only.
 NOTHING, HALVINGS = 1e-12, 40
+#: Times its size by which a correction may take a parameter below zero before it is held, and after: of rounding only.
+BELOW, STILL_BELOW = 1.001, 1.01
+#: How often it is asked which parameters would be negative: to hold one moves the others.
+ROUNDS = 4
 
 
 def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
@@ -86,9 +90,9 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
     std = best[1].copy()
     sign = np.array([-1.0 if k == 1 else 1.0 for _, k in places])
     # A parameter that would have to be negative goes to zero if the data ask for that, else it is not what is wrong.
-    for _ in range(4):
+    for _ in range(ROUNDS):
         theta = weigh(std)[1]
-        negative = np.flatnonzero((sign * theta[drives] < -1.001 * size) & (std[drives] > NOTHING))
+        negative = np.flatnonzero((sign * theta[drives] < -BELOW * size) & (std[drives] > NOTHING))
         if not len(negative):
             break
         for k in negative:
@@ -97,7 +101,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
             without[drives[k]] = NOTHING
             std = held if size[k] > 0 and weigh(held)[0] > weigh(without)[0] + needed else without
     theta = weigh(std)[1]
-    std[drives[sign * theta[drives] < -1.01 * size]] = NOTHING
+    std[drives[sign * theta[drives] < -STILL_BELOW * size]] = NOTHING
     gone = {place for place, w in places.items() if std[w.start] <= NOTHING}
     chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False) if t.drive not in gone]
     return chosen, best[2]

@@ -207,6 +207,7 @@ def positive(values: np.ndarray) -> float:
         return 0.5
     ranks = np.argsort(np.argsort(np.abs(values))) + 1.0
     excess = float(ranks[values > 0].sum()) - count * (count + 1) / 4
+    # The variance of that sum where half of the values lie above zero by chance.
     return float(ndtr(excess / np.sqrt(count * (count + 1) * (2 * count + 1) / 24)))
 
 

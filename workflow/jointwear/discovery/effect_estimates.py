@@ -24,6 +24,8 @@ from jointwear.effects import get_effect
 ON_BOUND = 1e-6
 #: Factors on (period / 2 pi)^2 at which a swing that is damped less is looked for.
 PERIODS = np.geomspace(0.5, 2.0, 21)
+#: Times its load by which it is asked whether columns follow the load, and the relative step of a derivative.
+MORE_LOAD, STEP = 1.01, 1e-4
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def links_error(white: White, fit: Fit, candidate: Candidate) -> float:
     state = problem.train_state
     axis = problem.judged if candidate.axis is None else candidate.axis
     if candidate.axis is not None:
-        more = replace(state, load=1.01 * state.load, torque=1.01 * state.torque)
+        more = replace(state, load=MORE_LOAD * state.load, torque=MORE_LOAD * state.torque)
         columns = effect.columns(state, axis, candidate.source, candidate.nonlinear)
         if np.allclose(effect.columns(more, axis, candidate.source, candidate.nonlinear), columns, rtol=1e-6):
             return 0.0
@@ -265,7 +267,7 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
     std: dict[str, float] = {}
     jacobian = {name: np.zeros(own) for name in parameters}
     for k in range(own):
-        step = 1e-4 * max(abs(coefficients[k]), float(np.sqrt(covariance[k, k])), 1e-12)
+        step = STEP * max(abs(coefficients[k]), float(np.sqrt(covariance[k, k])), 1e-12)
         moved = coefficients[:own].copy()
         moved[k] += step
         after = effect.parameters_of(candidate.nonlinear, moved)

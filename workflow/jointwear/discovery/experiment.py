@@ -13,8 +13,17 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import gravity_regressor, inertial_regressor, to_joint_frame
 from jointwear.robots.robot import Robot
 
-DURATION, RATE, HARMONICS = 20.0, 50.0, 5
-TRIALS = 60
+#: Length [s], rate [Hz] and harmonics of a motion, its slowest turns, and how many are tried. Every so many samples one
+#: is looked at.
+DURATION, RATE, HARMONICS, SLOWEST, TRIALS, EVERY = 20.0, 50.0, 5, (1, 2, 3), 60, 4
+#: Least size of a harmonic over that of the others; part of the travel of a joint on either side, and most of it [rad].
+LEAST_HARMONIC, TRAVEL, MOST_TRAVEL = 0.2, 0.4, 1.0
+#: Quantile of the speeds that were seen, times which a joint may move, and a speed [rad/s] that it may have anyway.
+SEEN, FASTER, ALLOWED = 0.99, 1.2, 0.3
+#: Rise of temperature [K] over a motion.
+WARMING = 15.0
+#: Standard deviations of their prior by which the links are left free.
+FREE = 10.0
 
 
 @dataclass(frozen=True)
@@ -40,8 +49,8 @@ def fourier_motion(robot: Robot, fastest: np.ndarray, rng: np.random.Generator) 
     n = robot.joints
     q, v, a = np.zeros((3, len(time), n))
     for j in range(n):
-        sine, cosine = rng.standard_normal((2, HARMONICS)) * rng.uniform(0.2, 1.0, HARMONICS)
-        w = 2 * np.pi / DURATION * rng.choice([1, 2, 3]) * np.arange(1, HARMONICS + 1)
+        sine, cosine = rng.standard_normal((2, HARMONICS)) * rng.uniform(LEAST_HARMONIC, 1.0, HARMONICS)
+        w = 2 * np.pi / DURATION * rng.choice(SLOWEST) * np.arange(1, HARMONICS + 1)
         s, c = np.sin(np.outer(time, w)), np.cos(np.outer(time, w))
         x, dx, ddx = (
             s @ sine + c @ cosine,
@@ -49,8 +58,8 @@ def fourier_motion(robot: Robot, fastest: np.ndarray, rng: np.random.Generator) 
             -((s * w**2) @ sine + (c * w**2) @ cosine),
         )
         middle, half = 0.5 * (x.max() + x.min()), 0.5 * np.ptp(x)
-        travel = 0.4 * (robot.upper[j] - robot.lower[j])
-        size = min(min(travel, 1.0) / half, fastest[j] / np.abs(dx).max())
+        travel = TRAVEL * (robot.upper[j] - robot.lower[j])
+        size = min(min(travel, MOST_TRAVEL) / half, fastest[j] / np.abs(dx).max())
         centre = 0.5 * (robot.lower[j] + robot.upper[j])
         slack = max(travel - size * half, 0.0)
         q[:, j] = centre + rng.uniform(-1, 1) * slack + size * (x - middle)
@@ -71,7 +80,7 @@ def _share(state: State, regressor: np.ndarray, factor: np.ndarray, first: Candi
 
     v = state.velocity[:, axis]
     base = np.stack([v > 0, v < 0, v, state.acceleration[:, axis]], axis=1).astype(float)
-    base = np.concatenate([base, 10.0 * (regressor[:, axis] @ factor)], axis=1)
+    base = np.concatenate([base, FREE * (regressor[:, axis] @ factor)], axis=1)
     target, rival = columns(first), columns(second)
     full = np.concatenate([base, rival], axis=1)
     full = full / np.maximum(np.linalg.norm(full, axis=0), 1e-12)
@@ -99,8 +108,9 @@ def propose(outcome: Outcome, seed: int = 0) -> Experiment | None:
         return None
     problem = outcome.problem
     robot, dynamics = problem.robot, Dynamics(problem.robot)
-    speed = np.array([np.quantile(np.abs(problem.state.velocity[:, j]), 0.99) for j in range(robot.joints)])
-    speed = np.maximum(1.2 * speed, 0.3)
+    speed = np.array([np.quantile(np.abs(problem.state.velocity[:, j]), SEEN) for j in range(robot.joints)])
+    speed = np.maximum(FASTER * speed, ALLOWED)
+    # Numbers that no other stage draws.
     rng = np.random.default_rng(np.random.SeedSequence([seed, 91]))
     train = problem.train
     now = _share(problem.train_state, problem.regressor[train], problem.factor, *pair)
@@ -109,11 +119,11 @@ def propose(outcome: Outcome, seed: int = 0) -> Experiment | None:
     best: tuple[float, tuple] | None = None
     for _ in range(TRIALS):
         time, q, v, a = fourier_motion(robot, speed, rng)
-        thin = slice(None, None, 4)
+        thin = slice(None, None, EVERY)
         regressor = inertial_regressor(dynamics, q[thin], v[thin], a[thin])
         last = regressor[:, :, -10:] @ tip
-        # Effects of temperature need warming up besides motion: 15 K over the experiment.
-        temperature = None if warm is None else warm + 15.0 * (time[thin, None] / DURATION - 0.5)
+        # Effects of temperature need warming up besides motion.
+        temperature = None if warm is None else warm + WARMING * (time[thin, None] / DURATION - 0.5)
         state = make_state(
             robot,
             q[thin],

@@ -14,6 +14,9 @@ from jointwear.discovery.candidates import Dictionary
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
+#: Ridge, over the squares of all columns of a rival together, of what it takes off the others.
+RIDGE = 1e-6
+
 
 @dataclass(frozen=True)
 class Visible:
@@ -87,7 +90,7 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
 
 def _left_by(full: np.ndarray, rival: slice, starts: np.ndarray, energies: np.ndarray) -> np.ndarray:
     """Return the energies (k,) of families, which start at `starts` (k + 1,) of a Gram matrix, less what one takes."""
-    inner = full[rival, rival] + np.eye(rival.stop - rival.start) * (1e-6 * np.trace(full[rival, rival]) + 1e-12)
+    inner = full[rival, rival] + np.eye(rival.stop - rival.start) * (RIDGE * np.trace(full[rival, rival]) + 1e-12)
     taken = np.sum(full[rival] * np.linalg.solve(inner, full[rival]), axis=0)
     return np.maximum(energies - np.add.reduceat(taken, starts[:-1]), 0.0)
 

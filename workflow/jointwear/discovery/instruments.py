@@ -30,8 +30,8 @@ from jointwear.statistics.runs import runs
 FEIGNED = 0.5
 #: Dead time [s] up to which the noise of a late torque is asked for: the longest one that a search starts from.
 LATE = 0.02
-#: Frequencies at which spectra are compared, and cut-offs that are tried.
-FREQUENCIES, CUTOFFS = 512, 80
+#: Frequencies at which spectra are compared, cut-offs that are tried, and how far below the highest the lowest is.
+FREQUENCIES, CUTOFFS, LOWER = 512, 80, 100
 #: Times the samples at one end that a record must have for its ends to be held.
 SHORT = 4
 #: Ridge of the regression that takes off a column what the base regression explains, as a share of its energy.
@@ -228,7 +228,7 @@ def swing_cutoff(
     below = (1.0 - square) ** 2 + (2.0 * damping) ** 2 * square
     share = density / white.density(frequency, rate)
     speaks, size = -square * (1.0 - square) / below * share, square**2 / below * share
-    for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS):
+    for cutoff in np.geomspace(HIGHEST * rate, HIGHEST * rate / LOWER, CUTOFFS):
         gain = zero_phase_gain(frequency, cutoff, rate)
         product, total = max(float(np.mean(speaks * gain)), 0.0), energy + np.mean(size * gain**2)
         if 0.5 * len(white.rows) * product**2 <= FEIGNED * total:
@@ -253,7 +253,7 @@ def _highest(white: Whitener, shared: np.ndarray, frequency: np.ndarray, rate: f
         that of the residual, at `frequency` (k,) [Hz]: the part along the noise of the residual, and the square of all
         of it. rate : [Hz] of the samples. energy : mean square of the whitened column without noise.
     """
-    cutoffs = np.geomspace(HIGHEST * rate, HIGHEST * rate / 100, CUTOFFS)
+    cutoffs = np.geomspace(HIGHEST * rate, HIGHEST * rate / LOWER, CUTOFFS)
     gain = zero_phase_gain(frequency, cutoffs[:, None], rate)
     product, total = gain @ shared[0] / len(frequency), energy + gain**2 @ shared[1] / len(frequency)
     harmless = (0.5 * len(white.rows) * product**2 <= FEIGNED * total) | (total == 0)

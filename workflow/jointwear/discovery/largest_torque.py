@@ -18,6 +18,10 @@ from jointwear.effects import State, get_effect
 
 #: Speed, over that from which the largest torque is stated, at which no sample lies beside a reversal any more.
 NOT_BESIDE = 3.0
+#: Quantiles of what is drawn between which the torque lies with the confidence that a verdict states.
+ENDS = (0.025, 0.975)
+#: Share of a peak in which all of its rate of torque is noise that motion is left at least.
+LEAST_MOTION = 1e-3
 
 
 @dataclass(frozen=True)
@@ -101,8 +105,8 @@ def largest_torque(
         cutoff = cutoffs.late if effect.shifts(candidate.nonlinear) else cutoffs.timing
         measured = problem.measured
         calm = largest(band_limited(test, candidate.axis, cutoff, measured.rate, measured.vague_ends))
-        sampled = sampled * np.clip(calm / peak, 1e-3, 1.0) ** rng.uniform(size=DRAWS)
-    low, high = np.quantile(sampled, [0.025, 0.975])
+        sampled = sampled * np.clip(calm / peak, LEAST_MOTION, 1.0) ** rng.uniform(size=DRAWS)
+    low, high = np.quantile(sampled, ENDS)
     return peak, float(min(low, peak)), float(max(high, peak))
 
 

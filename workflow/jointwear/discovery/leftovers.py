@@ -34,6 +34,8 @@ MOST = 0.5
 LINE = "line over time"
 #: Constant speeds of one joint that are left out, one after the other, each with a wave of its own.
 SPEEDS = 4
+#: Shares of the largest from which a column of a basis, and a sample by its columns, tells where structure sits.
+STRONG, NEAR = 0.7, 0.5
 
 
 def unexplained(
@@ -237,9 +239,9 @@ def _without_outliers(fit: Fit, sigmas: float, unknown: Mapping[int, np.ndarray]
 def _where(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float]:
     """Return the range of the argument that the strongest columns of a basis cover, of those that hold anything."""
     size = np.abs(seen.b) / np.sqrt(np.maximum(np.diag(seen.gram), 1e-12))
-    strong = np.flatnonzero(seen.good)[size > 0.7 * size.max()]
+    strong = np.flatnonzero(seen.good)[size > STRONG * size.max()]
     height = np.abs(basis.columns.T[strong].take(rows, axis=1))
-    chosen = height.max(axis=0) > 0.5 * height.max()
+    chosen = height.max(axis=0) > NEAR * height.max()
     values = basis.values[rows][chosen]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+#: Share of the square of a direction of columns that other terms have to leave for it to be free.
+FREE = 1e-3
+
 
 @dataclass(frozen=True)
 class Term:
@@ -180,6 +183,6 @@ def _free(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[np.ndarray
     """Return eigenvalues (f,) of the scaled H in the free directions, b in them (f,), and the directions (k, f)."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(full), 1e-300))
     values, vectors = np.linalg.eigh(scale[:, None] * gram * scale)
-    keep = values > 1e-3
+    keep = values > FREE
     directions = scale[:, None] * vectors[:, keep]
     return values[keep], directions.T @ b, directions

@@ -16,6 +16,10 @@ HIGHEST_ORDER_DERIVED = 16
 WIDE = 32
 #: Samples after which noise that is drawn has settled.
 SETTLE = 200
+#: Samples that a noise model needs, in all and for each of its coefficients: with fewer its order is lower.
+FEWEST, FEWEST_EACH = 200, 30
+#: Frequencies over which the gain of a noise model is taken.
+POINTS = 2049
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,7 @@ def _gain(lags: np.ndarray) -> float:
     """Innovation variance over marginal variance of an autoregressive model, by its spectrum."""
     if not len(lags):
         return 1.0
-    frequencies = np.linspace(0, np.pi, 2049)
+    frequencies = np.linspace(0, np.pi, POINTS)
     transfer = 1 - np.exp(-1j * np.outer(frequencies, np.arange(1, len(lags) + 1))) @ lags
     return 1.0 / float(np.mean(1 / np.maximum(np.abs(transfer) ** 2, 1e-9)))
 
@@ -98,7 +102,7 @@ def estimate(
     The order, up to `highest`, is chosen by the Bayesian information criterion on the same samples for all orders.
     """
     rows = whitenable(usable, trajectory, highest)
-    while highest and len(rows) < max(200, 30 * highest):
+    while highest and len(rows) < max(FEWEST, FEWEST_EACH * highest):
         highest -= 1
         rows = whitenable(usable, trajectory, highest)
     # One triangle holds the squares that are left at every order: what its last column holds from there on.

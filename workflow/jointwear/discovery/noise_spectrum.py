@@ -28,6 +28,8 @@ from jointwear.discovery.noise import (
 
 #: Rounds in which the model is moved, and drawings of its noise in each.
 ROUNDS, DRAWS = 5, 8
+#: The same where a model of few coefficients is found by these, and the part of a step that is taken after the first.
+ROUNDS_OF_LAGS, DAMPED = 3, 0.7
 #: Cells of a spectrum, its bands (narrow where the fit took most), and points of a density.
 CELLS, BANDS, POINTS = 128, 16, 512
 #: Samples with predecessors from which on spectra are compared, in all and of a record.
@@ -177,12 +179,12 @@ def _by_lags(
     order, rows = len(white.lags), white.rows
     wanted = np.array([*white.lags, np.log(white.sigma)])
     trial = wanted.copy()
-    for step in range(3):
+    for step in range(ROUNDS_OF_LAGS):
         model = Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
         left = take_off(coloured(model, drive_of(order)))
         fits = [regress(left[:, k], rows, order) for k in range(left.shape[1])]
         came_out = np.mean([[*lags, 0.5 * np.log(variance)] for lags, variance in fits], axis=0)
-        trial = np.array([*model.lags, trial[-1]]) + (wanted - came_out) * (1.0 if step == 0 else 0.7)
+        trial = np.array([*model.lags, trial[-1]]) + (wanted - came_out) * (1.0 if step == 0 else DAMPED)
     return Whitener(rows, stable(trial[:-1], radius), float(np.exp(trial[-1])))
 
 

@@ -27,6 +27,8 @@ _PARAMETERS = {
     "coulomb_negative": "negative Coulomb friction",
     "viscous": "viscous friction",
 }
+#: Share of the error of the given robot below which a gap is too narrow for a part of it to be told.
+NARROW = 0.05
 
 
 def lead(content: dict[str, Any]) -> list[str]:
@@ -95,7 +97,7 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
         )
     root = {k: v**0.5 for k, v in total.items()}
     width = root["nominal"] - root["noise_floor"]
-    if width <= 0.05 * root["nominal"]:
+    if width <= NARROW * root["nominal"]:
         return None
     return tuple(1 - (root[k] - root["noise_floor"]) / width for k in ("retuned", "augmented"))
 

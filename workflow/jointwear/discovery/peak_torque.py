@@ -32,18 +32,20 @@ STEPS_OF_ONE, STEPS_OF_MANY = np.linspace(-2.5, 2.5, 11), np.linspace(-2.0, 2.0,
 ZEROS = 13
 #: Share of the largest carrier of an effect below which a sample says nothing of its argument but rounding.
 STILL = 0.01
+#: Step of the logarithm of a parameter over which the curvature of the evidence is taken, and the least and the largest
+#: standard deviation of it that is believed.
+STEP, LEAST_SPREAD, LARGEST_SPREAD = 0.05, 1e-4, 1.0
 
 
 def spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
     """Return the standard deviation of the logarithm of a nonlinear parameter from the curvature of the evidence."""
-    h = 0.05
 
     def at(shift):
         value = float(candidate.nonlinear[parameter.name]) * np.exp(shift)
         return evidence_at(white, fit, replace(candidate, nonlinear={**candidate.nonlinear, parameter.name: value}))
 
-    curvature = -(at(h) - 2 * at(0.0) + at(-h)) / h**2
-    return float(np.clip(1 / np.sqrt(max(curvature, 1e-9)), 1e-4, 1.0))
+    curvature = -(at(STEP) - 2 * at(0.0) + at(-STEP)) / STEP**2
+    return float(np.clip(1 / np.sqrt(max(curvature, 1e-9)), LEAST_SPREAD, LARGEST_SPREAD))
 
 
 @dataclass(frozen=True)

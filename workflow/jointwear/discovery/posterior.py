@@ -16,6 +16,8 @@ from jointwear.discovery.whitening import White
 
 #: Rivals of one effect that are weighed with the tolerance of their form.
 BEAM = 8
+#: A rival is tied with a name that is less ahead of it than so many nats, or than this share of its own.
+TIED_NATS, TIED_SHARE = 2.0, 0.01
 
 
 def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored], float]) -> Named:
@@ -37,7 +39,7 @@ def weigh(outcome: Outcome, one: Named, with_form: Callable[[White, Fit, Scored]
     close = contenders(found, white.problem.settings)[:BEAM]
     scores = {s.candidate.key: with_form(white, fit, s) for s in close}
     own = scores.get(one.candidate.key, one.evidence)
-    margin = max(2.0, 0.01 * own)
+    margin = max(TIED_NATS, TIED_SHARE * own)
     ties = [
         s.candidate for s in close if s.candidate.key != one.candidate.key and scores[s.candidate.key] > own - margin
     ]

@@ -38,6 +38,8 @@ from jointwear.robots.robot import Robot, load_robot
 GAP = 1.5
 #: Share of the samples of an axis in motion below which more motion is asked for.
 MOVING = 0.3
+#: Share of the samples below whose speed the stated one lies.
+SPEED = 0.95
 
 
 @dataclass(frozen=True)
@@ -192,7 +194,7 @@ def _joints(recording: Recording, problem: Problem, noise: list[float | None]) -
             Joint(
                 axis=j + 1,
                 travel=six_digits(np.ptp(values)),
-                speed=six_digits(np.quantile(np.abs(measured.velocity[:, j]), 0.95)),
+                speed=six_digits(np.quantile(np.abs(measured.velocity[:, j]), SPEED)),
                 moving=six_digits(np.mean(measured.usable[:, j])),
                 encoder_step=float(step) if np.isfinite(step) else None,
                 cutoff=six_digits(cutoff) if np.isfinite(cutoff) else None,

@@ -14,6 +14,12 @@ from jointwear.discovery.refine import evidence_at, refine
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
+#: Temperatures at which a search for a reference starts, the part of their range that its first step is, its last step
+#: [K], and by how much a step shortens.
+STARTS, PARTS, FINEST, SHORTER = 13, 16, 0.01, 0.4
+#: Digits of a reference [degC].
+DIGITS = 3
+
 
 def reference_of(candidate: Candidate) -> str:
     """Return the nonlinear parameter at which the torque of a candidate vanishes, empty where it has none."""
@@ -35,18 +41,18 @@ def with_references(white, base, refined, forms, others, error):
         margin = assumed.BEYOND * (high - low)
 
         def at(temperature, candidate=candidate, fit=fit, name=name):
-            moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), 3)})
+            moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), DIGITS)})
             return evidence_at(white, fit, moved), moved
 
-        value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, 13)), key=lambda x: x[0])
-        step = (high - low) / 16
-        while step > 0.01:
+        value, moved = max((at(t) for t in np.linspace(low - margin, high + margin, STARTS)), key=lambda x: x[0])
+        step = (high - low) / PARTS
+        while step > FINEST:
             around = [at(moved.nonlinear[name] + sign * step) for sign in (1, -1)]
             best = max(around, key=lambda x: x[0])
             if best[0] > value:
                 value, moved = best
             else:
-                step *= 0.4
+                step *= SHORTER
         moved = refine(white, fit, moved)
         value = evidence_at(white, fit, moved)
         if fit.evidence + value > Fit(white.targets, [*base, *rest, term]).evidence:

@@ -15,6 +15,8 @@ from jointwear.effects import Parameter, get_effect
 
 #: How many values of the one parameter in which a torque is nearly linear the search may start from.
 STARTS = 16
+#: First step of the logarithm of a parameter, by how much one that finds nothing shortens, and rounds.
+FIRST_STEP, SHORTER, ROUNDS = 0.25, 0.45, 7
 
 
 def free_parameters(candidate: Candidate) -> list[Parameter]:
@@ -74,14 +76,14 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
         return _likeliest(white, fit, found)
     candidate = best_start(white, fit, candidate)
     best, value = candidate, evidence_at(white, fit, candidate)
-    step = {p.name: 0.25 for p in free}
+    step = {p.name: FIRST_STEP for p in free}
     bounds = {p.name: (p.lower, p.upper) for p in free}
     if on_all_axes(candidate):
         # A swing outside the range of the grid is none that these data could show.
         grid = effect.grid(white.problem.train_state, candidate.axis)
         sizes = [g[effect.scaled] for g in grid if set(g) == set(candidate.nonlinear)]
         bounds[effect.scaled] = (min(sizes), max(sizes))
-    for _ in range(7):
+    for _ in range(ROUNDS):
         for p in free:
             for sign in (1.0, -1.0):
                 trial_value = float(best.nonlinear[p.name]) * np.exp(sign * step[p.name])
@@ -92,7 +94,7 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
                     best, value = trial, got
                     break
             else:
-                step[p.name] *= 0.45
+                step[p.name] *= SHORTER
     return best
 
 

@@ -31,6 +31,8 @@ from jointwear.statistics.runs import runs
 
 #: Label of the term of the corrections of the links, which all axes share.
 INERTIAL = "inertial"
+#: What the data tell of a direction of the links, over what its prior does, from which it is a coefficient.
+TOLD = 1e-2
 #: Axis -> fold (m,) of each whitened row.
 Folds = Callable[[int], np.ndarray]
 
@@ -286,7 +288,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
     rank = problem.factor.shape[1]
     gram = sum((x.T @ x for x in inertial.values()), np.zeros((rank, rank)))
     values, vectors = np.linalg.eigh(gram)
-    directions = vectors[:, values > 1e-2]
+    directions = vectors[:, values > TOLD]
     if directions.shape[1]:
         blocks = {axis: x @ directions for axis, x in inertial.items()}
         raw = {axis: x @ directions for axis, x in raw_inertial.items()}

@@ -23,6 +23,8 @@ from jointwear.robots.robot import Robot, robot_from_data
 
 #: libyaml writes a file of the size of a robot's twenty times as fast.
 _Dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+#: Longest line of a robot file [characters].
+WIDTH = 120
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class WrittenRobot:
             beside = path.with_suffix(".urdf")
             replace_text(beside, self.urdf + "\n")
             data = {key: beside.name if key == "urdf" else value for key, value in data.items()}
-        replace_text(path, yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120))
+        replace_text(path, yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=WIDTH))
 
     @contextmanager
     def robot(self) -> Iterator[Robot]:
