@@ -23,9 +23,8 @@ _REMEDIES = {
     "motor inertia": "give 'motor_inertia' at the motor in kg m2: that at the joint over the square of the gear ratio",
     "friction": "give 'coulomb' and 'viscous' at the motor: those at the joint over the gear ratio, and its square",
 }
-
-
-#: What it asks for where the torque is that of a sensor behind the gears, which does not feel the motors.
+#: What it asks for where the torque is that of a sensor behind the gears, which does not feel the motors. Coulomb
+#: friction that is more than all torque there was left out before (`behind_gears.py`); viscous friction comes here.
 _BEHIND_GEARS = "leave out 'coulomb' and 'viscous' of motor and gear: 'torque_kind' says that it is measured behind"
 
 

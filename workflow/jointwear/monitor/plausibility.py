@@ -42,8 +42,6 @@ from jointwear.robots.robot import Robot
 
 #: Samples that a check looks at, in one piece: enough motion, quickly checked.
 LOOK = 6000
-#: Samples of them that are compared with the model.
-THINNED = 1500
 #: Share of the squared torque of an axis below which the model counts as right.
 RIGHT = 0.02
 #: Share, as a median over the axes, above which the model and the torque have nothing to do with each other: expecting
@@ -87,7 +85,8 @@ def check_first(
             name,
             chunk.units,
         )
-    left = explained(Dynamics(robot), *_thinned(measured))
+    thin = thinned(measured)
+    left = explained(Dynamics(robot), thin.parts, thin.usable)
     known = left[np.isfinite(left)]
     if len(known) >= FEWEST_AXES and np.median(known) > MOST_LEFT:
         raise Refused(
@@ -143,7 +142,8 @@ class LaterCheck:
         _check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
         check_rows_are_new(chunk, stretch, self._name)
-        parts, usable = _thinned(measured)
+        samples = thinned(measured)
+        parts, usable = samples.parts, samples.usable
         self._last = self._growth(parts, usable)
         plain = float(np.nansum(self._last))
         if self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
@@ -156,13 +156,13 @@ class LaterCheck:
         reading = self._read_otherwise(parts, usable, plain)
         if reading is not None and self._is_likelier(reading, parts, usable):
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
-        self._check_scale(measured, parts, usable, plain)
+        self._check_scale(measured, samples, plain)
         if whole:
             self._check_shared_scale(parts, usable, plain)
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
-            parts, usable = _thinned(lighter)
-            self._lost &= self._hardly(self._growth(parts, usable), parts, usable)
+            thin = thinned(lighter)
+            self._lost &= self._hardly(self._growth(thin.parts, thin.usable), thin.parts, thin.usable)
         # What befell most torques befell the others too, though they may resemble what they were.
         self._lost |= self._lost.sum() > MOST_LOST * np.isfinite(self._last).sum()
         return self._marks()
@@ -174,14 +174,18 @@ class LaterCheck:
         """Return the axes (n,) whose torque the model hardly explains any more."""
         return (growth > FAR_WORSE) & (explained(self._dynamics, parts, usable) > HARDLY)
 
-    def _check_scale(self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
+    def _check_scale(self, measured: Measured, samples: Measured, plain: float) -> None:
         """Check that no other scale of the torque explains a piece as well as the first log.
+
+        Parameters
+        ----------
+        samples : of `measured`, thinned. plain : growth of what the model leaves of them, summed over axes.
 
         Raises
         ------
         Refused : with the factors.
         """
-        robot, samples = self._dynamics.robot, thinned(measured)
+        robot, parts, usable = self._dynamics.robot, samples.parts, samples.usable
         scale, free = off_scale(samples, robot), off_scale(samples, robot, load_free=True)
         # Another load at the flange multiplies the bodies of the axes too, and leaves the factors beside it at one.
         if scale is None or free is None:
@@ -194,8 +198,9 @@ class LaterCheck:
         # A load is as good a cause where the torque without it is explained as well: one of tons takes the bodies' part
         # of a torque in mN m, and leaves that of friction.
         lighter = without_load(measured, robot)
-        if lighter is not None and off_scale(thinned(lighter), robot) is None:
-            left = self._left_over(*_thinned(lighter), np.ones_like(scale))
+        thin = None if lighter is None else thinned(lighter)
+        if thin is not None and off_scale(thin, robot) is None:
+            left = self._left_over(thin.parts, thin.usable, np.ones_like(scale))
             if left - self._left_over(parts, usable, scale) < WORSE:
                 return
         # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
@@ -236,7 +241,10 @@ class LaterCheck:
     def _explains_loaded(self, measured: Measured, scale: np.ndarray, plain: float) -> bool:
         """Return :meth:`_explains` of a scale (n,) with the load taken off that then shows."""
         lighter = without_load(replace(measured, torque=measured.torque / scale), self._dynamics.robot)
-        return lighter is not None and self._explains(*_thinned(lighter), np.ones_like(scale), plain)
+        if lighter is None:
+            return False
+        thin = thinned(lighter)
+        return self._explains(thin.parts, thin.usable, np.ones_like(scale), plain)
 
     def _explains(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray, plain: float) -> bool:
         """Return whether the torque over a scale (n,) is explained as in the first log, unlike as it is."""
@@ -319,12 +327,6 @@ def _measured(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.n
         rate=1.0,
         speed_floor=dead_band,
     )
-
-
-def _thinned(measured: Measured) -> tuple[np.ndarray, np.ndarray]:
-    """Return position, velocity, acceleration and torque (k, 4, n) of about THINNED samples, and which are usable."""
-    step = max(1, len(measured.time) // THINNED)
-    return measured.parts[::step], measured.usable[::step]
 
 
 def _check_units(measured: Measured, robot: Robot, name: str, units: Mapping[str, str]) -> None:
