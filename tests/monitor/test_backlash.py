@@ -10,8 +10,9 @@ from monitor_windows import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.backlash import BACKLASH, FEWEST_TURNS, backlash_series, hidden_because
-from jointwear.monitor.judge import CHANGED, judge
+from jointwear.monitor.judge import judge
 from jointwear.monitor.model import ModelTorque
+from jointwear.monitor.records import CHANGED
 from jointwear.monitor.reversals import SLOWEST, pulses, reach_of
 from jointwear.monitor.windows import merge
 from jointwear.studies.shop_floor.cell import draw_cell

@@ -11,11 +11,10 @@ from jointwear.monitor.condition import UNRESOLVED, axis_conditions
 from jointwear.monitor.drawing import _rests_on
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.table import table_row
-from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.loud import LOUD
 from jointwear.monitor.page import write_page
-from jointwear.monitor.records import Reason
+from jointwear.monitor.records import CHANGED, HEALTHY, UNJUDGED, Reason
 from jointwear.monitor.standing import NOTHING, standing
 from jointwear.monitor.state import read_state
 from jointwear.monitor.summaries import axis_summary, headline

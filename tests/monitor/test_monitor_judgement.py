@@ -12,10 +12,10 @@ from monitor_windows import SETTINGS, VISCOUS, motion, residuals, statistics_of
 from jointwear.measurement.flags import Flag
 from jointwear.monitor import judge as judge_module
 from jointwear.monitor.events import Event
-from jointwear.monitor.judge import CHANGED, HEALTHY, UNJUDGED, judge
+from jointwear.monitor.judge import judge
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
-from jointwear.monitor.records import Reason, Teller
+from jointwear.monitor.records import CHANGED, HEALTHY, UNJUDGED, Reason, Teller
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.watching import watch
 

@@ -13,9 +13,10 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import choose_baseline
 from jointwear.monitor.friction import window_friction
-from jointwear.monitor.judge import CHANGED, UNJUDGED, judge
+from jointwear.monitor.judge import judge
 from jointwear.monitor.judge_settings import settings_of
 from jointwear.monitor.page import write_page
+from jointwear.monitor.records import CHANGED, UNJUDGED
 from jointwear.monitor.stages import judge_windows
 from jointwear.monitor.state import read_state, write_state
 from jointwear.monitor.window_files import read_statistics

@@ -7,11 +7,11 @@ import pytest
 from monitor_windows import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.conditions import Conditions, design_of
-from jointwear.monitor.judge import HEALTHY, UNJUDGED, judge
+from jointwear.monitor.judge import judge
 from jointwear.monitor.normal_state import Noise, fit_normal_state
 from jointwear.monitor.program_labels import add_labels, label_text, window_programs
 from jointwear.monitor.programs import labelled_regimes
-from jointwear.monitor.records import Reason
+from jointwear.monitor.records import HEALTHY, UNJUDGED, Reason
 
 
 def labelled(growth, names, seed=0):

@@ -9,7 +9,7 @@ from monitor_logs import RATE, Log, columns, model, read, write_parquet
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.condition import AxisCondition
 from jointwear.monitor.episodes import Episode
-from jointwear.monitor.judge import CHANGED, DETECTORS
+from jointwear.monitor.records import CHANGED, DETECTORS
 from jointwear.monitor.windows import blank_statistics
 from jointwear.monitor.zeros import changed_zero, zero_finding
 from jointwear.robots.trajectory import Task

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.monitor.charts import CLIP, LENGTHS, inflation, run_chart, threshold_for, thresholds_for
 from jointwear.monitor.estimate import Normal
+from jointwear.studies.monitor_study.charts import CLIP, LENGTHS, inflation, run_chart, threshold_for, thresholds_for
 
 
 @given(st.integers(1, 200), st.floats(0.0, 0.98), st.floats(0.0, 1.0))

@@ -5,10 +5,11 @@ from monitor_logs import ROBOT, ROOT, layout, model
 
 from jointwear.measurement.formats import read_log
 from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.judge import CHANGED, UNJUDGED, judge
+from jointwear.monitor.judge import judge
 from jointwear.monitor.judge_settings import settings_of
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.plan import find_logs
+from jointwear.monitor.records import CHANGED, UNJUDGED
 from jointwear.monitor.survey import survey_log
 from jointwear.studies.monitor_study.example import DAYS, HEALTHY_HOURS, START, WORN_AXIS, write_example
 

@@ -13,12 +13,11 @@ from jointwear.monitor.advice import advice
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.episodes import Episode, episodes_of
 from jointwear.monitor.events import events_of
-from jointwear.monitor.judge import CHANGED, DETECTORS, HEALTHY, UNJUDGED
 from jointwear.monitor.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.limits import VISCOUS
 from jointwear.monitor.loud import LOUD
 from jointwear.monitor.present import FEWEST_NOW, NOW, now_windows
-from jointwear.monitor.records import Reason
+from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Reason
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.zeros import ZERO
 

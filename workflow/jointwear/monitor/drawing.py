@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.condition import SHOWN_BY
-from jointwear.monitor.judge import CHANGED, UNJUDGED
+from jointwear.monitor.records import CHANGED, UNJUDGED
 from jointwear.monitor.state import RobotState
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import Margins, new_figure, save

@@ -34,7 +34,7 @@ from jointwear.monitor.present import back_to_normal, error_now
 from jointwear.monitor.programs import program_findings
 from jointwear.monitor.read_findings import driving_findings, reading_findings
 from jointwear.monitor.recall import Recall
-from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Teller, paper_records
+from jointwear.monitor.records import CHANGED, Teller, paper_records
 from jointwear.monitor.scale import ScaleStep, scale_steps
 from jointwear.monitor.seen_growth import coarse_findings, loose_findings
 from jointwear.monitor.series import Series, usual_speed
@@ -243,6 +243,3 @@ def _estimates(
     for name in names:
         std[name] = np.where(np.isfinite(values[name]), std[name], np.nan)
     return values, std, now
-
-
-__all__ = ["CHANGED", "DETECTORS", "HEALTHY", "UNJUDGED", "Judgement", "judge"]

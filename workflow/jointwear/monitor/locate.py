@@ -1,4 +1,4 @@
-"""Which axis changed: probabilities from the charts of all axes.
+"""Which axis changed: probabilities from the evidence of all axes.
 
 Friction acts on its own joint's torque, so that the Coulomb estimates of the axes are independent of each other but
 for the noise they share; no propagation through the arm has to be undone. The evidence for a change of one axis is
@@ -43,7 +43,7 @@ def axis_probability(statistic: np.ndarray, threshold: np.ndarray) -> np.ndarray
 
     Parameters
     ----------
-    statistic : (..., n) of :class:`jointwear.monitor.charts.Trace`, NaN where an axis is not judged.
+    statistic : (..., n) largest standardised change of an axis over its averages, NaN where it is not judged.
     threshold : (..., n). Axes above their own are certain to be told apart: several may wear at once, so that they
         are no rivals of each other, only of the axes below.
     """

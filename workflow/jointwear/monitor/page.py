@@ -15,8 +15,8 @@ from jointwear.monitor.advice import advice
 from jointwear.monitor.condition import SHOWN_BY, UNRESOLVED, AxisCondition, axis_conditions, robot_episodes
 from jointwear.monitor.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.episodes import Episode
-from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.records import DETECTORS
 from jointwear.monitor.standing import standing
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.summaries import axis_summary, headline, told_flags, when, why_unjudged

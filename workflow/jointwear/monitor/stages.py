@@ -16,12 +16,13 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.assembly import Piece, assemble
 from jointwear.monitor.baseline import baseline_of, keep_baseline, with_kept_baseline
 from jointwear.monitor.clocks import clock_findings
-from jointwear.monitor.judge import UNJUDGED, Judgement, judge
+from jointwear.monitor.judge import Judgement, judge
 from jointwear.monitor.judge_settings import settings_of
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.piece_files import read_pieces
 from jointwear.monitor.read_findings import missing_temperature
 from jointwear.monitor.recall import Recall, read_recall, write_recall
+from jointwear.monitor.records import UNJUDGED
 from jointwear.monitor.seen_growth import COARSE, dead_band_findings
 from jointwear.monitor.state import write_alarms, write_state
 from jointwear.monitor.survey import Survey, read_survey

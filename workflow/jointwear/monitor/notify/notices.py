@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from datetime import tzinfo
 from typing import Any
 
-from jointwear.monitor.judge import DETECTORS
 from jointwear.monitor.local_time import duration, log_time
+from jointwear.monitor.records import DETECTORS
 from jointwear.monitor.words import change_words, outlook_words
 
 

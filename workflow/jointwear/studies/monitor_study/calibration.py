@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.charts import run_chart, thresholds_for
 from jointwear.monitor.estimate import Normal
 from jointwear.monitor.forecast import forecast
+from jointwear.studies.monitor_study.charts import run_chart, thresholds_for
 
 HOURS, NORMAL = 240, 120
 

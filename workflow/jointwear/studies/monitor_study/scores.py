@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.charts import Trace, run_chart, thresholds_for
 from jointwear.monitor.estimate import Normal, Sums, coulomb_estimates
 from jointwear.monitor.locate import axis_probability, named_axis
+from jointwear.studies.monitor_study.charts import Trace, run_chart, thresholds_for
 
 
 @dataclass(frozen=True)

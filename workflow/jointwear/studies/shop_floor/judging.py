@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.baseline import choose_baseline
-from jointwear.monitor.judge import UNJUDGED, judge
+from jointwear.monitor.judge import judge
 from jointwear.monitor.judge_settings import settings_of
+from jointwear.monitor.records import UNJUDGED
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.fast_path import nominal_robot
