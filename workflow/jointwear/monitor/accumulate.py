@@ -118,15 +118,7 @@ def window_statistics(
         total.samples[row] += b - a
         total.flags[row] |= np.bitwise_or.reduce(flags[piece], axis=0)
         if temperature is not None:
-            known = np.isfinite(temperature[piece])
-            finite = known.sum(axis=0)
-            before = np.nan_to_num(total.temperature[row]) * total.temperature_count[row]
-            total.temperature_count[row] += finite
-            sums = before + np.where(known, temperature[piece], 0.0).sum(axis=0)
-            with np.errstate(invalid="ignore", divide="ignore"):
-                total.temperature[row] = np.where(
-                    total.temperature_count[row] > 0, sums / total.temperature_count[row], np.nan
-                )
+            _add_temperature(total, row, temperature[piece])
     if settings.reach and m:
         found = around.pulses(fits, left, settings)
         for a, b in itertools.pairwise(edges):
@@ -258,6 +250,16 @@ def _local_fit(gram: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, np.nda
     weights = np.divide(1.0, values, out=np.zeros_like(values), where=seen)
     inner = np.einsum("jpk,jp->jk", vectors, moment * inverse) * weights
     return np.einsum("jpk,jk->jp", vectors, inner) * inverse, seen.sum(axis=1)
+
+
+def _add_temperature(total: WindowStatistics, row: int, temperature: np.ndarray) -> None:
+    """Add one piece to the mean temperature; temperature (k, n) [degC], NaN where unknown."""
+    known = np.isfinite(temperature)
+    before = np.nan_to_num(total.temperature[row]) * total.temperature_count[row]
+    total.temperature_count[row] += known.sum(axis=0)
+    count, sums = total.temperature_count[row], before + np.where(known, temperature, 0.0).sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        total.temperature[row] = np.where(count > 0, sums / count, np.nan)
 
 
 def _add_torque(total: WindowStatistics, row: int, torque: np.ndarray, reference: np.ndarray) -> None:

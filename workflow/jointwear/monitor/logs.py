@@ -151,33 +151,18 @@ def _block_statistics(
     inspector: Inspector,
     path: str,
 ) -> WindowStatistics:
-    chunk, robot = around.chunk, model.robot
+    """Return the statistics of the `kept` samples of a block, with the loads that it shows, read at the time of the
+    first log."""
+    chunk = around.chunk
     measured = without_jumps_of(without_lines(chunk, around.stretch), around.stretch)
     motion = derive_motion(measured, around.stretch, np.array(survey.cutoff))
-    flags = around.flags[:, None] | motion.flags
-    saturated, _ = at_limit(chunk.torque, chunk.position, around.stretch)
-    flags[saturated] |= int(Flag.SATURATED)
-    usable = motion.usable & ~saturated
     marks = inspector(around, motion, kept)
-    flags = flags | marks
-    usable = usable & (marks & int(Flag.REFUSED) == 0)
-    far = outside_limits(measured.position, robot)
-    flags[far] |= int(Flag.OUTSIDE_LIMITS)
-    usable = usable & ~far.any(axis=1)[:, None]
-    frozen = _frozen(chunk.torque, motion.velocity, np.array(survey.dead_band))
-    flags[:, frozen] |= int(Flag.TORQUE_FROZEN)
-    if usable.any():
-        # Only samples of axes that move are held against their gravity torque.
-        moved = (np.abs(motion.velocity) > settings.dead_band).any(axis=1)
-        torque = model(
-            motion.position, motion.velocity, motion.acceleration, chunk.time, motion.temperature, around.stretch, moved
-        )
-    else:
-        zeros = np.zeros_like(chunk.position)
-        torque = ModelTorque(zeros, zeros, zeros)
+    far = outside_limits(measured.position, model.robot)
+    flags, usable = _flagged(around, motion, marks, far, settings.dead_band)
+    torque = _model_torque(model, around, motion, usable, settings.dead_band)
     # An axis whose torque is none says nothing of the load that all axes carry.
     sound = (flags & int(Flag.CONTRADICTED | Flag.TORQUE_FROZEN)) == 0
-    seen, values = _Seen(around, motion, loads, least_mass(robot), settings, survey), chunk.torque
+    seen, values = _Seen(around, motion, loads, least_mass(model.robot), settings, survey), chunk.torque
     loaded, clear = seen.with_loads(torque, values, usable & sound)
     later = seen.later(loaded, values, usable & clear & sound)
     if abs(later) > LARGEST:
@@ -207,6 +192,40 @@ def _block_statistics(
     )
     seen.add_zeros(result, torque, values, usable & sound, model.dynamics, kept)
     return result
+
+
+def _flagged(
+    around: Ordered, motion: Motion, marks: np.ndarray, far: np.ndarray, dead_band: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the flags (m, n) of a block, and which of its samples (m, n) may be used.
+
+    Parameters
+    ----------
+    marks : (m, n) flags of what contradicts the model. far : (m, n) positions outside the limits of their joints.
+    dead_band : (n,) [rad/s].
+    """
+    chunk = around.chunk
+    flags = around.flags[:, None] | motion.flags | marks
+    saturated, _ = at_limit(chunk.torque, chunk.position, around.stretch)
+    flags[saturated] |= int(Flag.SATURATED)
+    flags[far] |= int(Flag.OUTSIDE_LIMITS)
+    flags[:, _frozen(chunk.torque, motion.velocity, dead_band)] |= int(Flag.TORQUE_FROZEN)
+    # Every torque depends on every position.
+    usable = motion.usable & ~saturated & (marks & int(Flag.REFUSED) == 0) & ~far.any(axis=1)[:, None]
+    return flags, usable
+
+
+def _model_torque(
+    model: TorqueModel, around: Ordered, motion: Motion, usable: np.ndarray, dead_band: np.ndarray
+) -> ModelTorque:
+    """Return the torque of the model along a block, zeros if no sample (m, n) is usable; `dead_band` (n,) [rad/s]."""
+    if not usable.any():
+        zeros = np.zeros_like(around.chunk.position)
+        return ModelTorque(zeros, zeros, zeros)
+    # Only samples of axes that move are held against their gravity torque.
+    moved = (np.abs(motion.velocity) > dead_band).any(axis=1)
+    place = motion.position, motion.velocity, motion.acceleration
+    return model(*place, around.chunk.time, motion.temperature, around.stretch, moved)
 
 
 @dataclass(frozen=True)

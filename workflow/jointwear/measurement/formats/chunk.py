@@ -215,43 +215,55 @@ def make_chunk(
             found[role] = converted(array, role, unit, str(path))
         except InputError as error:
             raise InputError(str(error).replace("data set '", "log '", 1)) from None
-    time = found["time"]
-    if not dated and len(time):
-        first = time[np.isfinite(time)][:1]
-        if len(first) and "time" not in layout.units:
-            # Milliseconds, microseconds or nanoseconds since 1970 can be nothing else: no other clock reads so much.
-            size = next((k for k in _EPOCHS if UNIX_TIMES[0] * k <= first[0] < UNIX_TIMES[1] * k), 1.0)
-            time = found["time"] = time / size
-            first = first / size
-        dated = bool(len(first) and UNIX_TIMES[0] <= first[0] < UNIX_TIMES[1])
+    if not dated:
+        found["time"], dated = _in_seconds(found["time"], stated="time" in layout.units)
+    count = len(found["time"])
     for role in JOINT_ROLES:
-        array = found.get(role)
-        if array is None:
-            continue
-        if role == "temperature" and (array.ndim == 1 or array.shape[1] == 1):
-            array = np.broadcast_to(array.reshape(len(time), 1), (len(time), axes))
-        if array.shape == (len(time), axes):
-            array = possible(array, role)
-        elif layout.axes and array.ndim == 2 and array.shape[1] != axes:
-            raise InputError(
-                f"{path}: {role} is of {counted(array.shape[1], 'joint')}, the robot file that 'robot' names "
-                f"has {axes}: {shown(', '.join(layout.joints))}"
-            )
-        else:
-            raise InputError(
-                f"{path}: {role} has shape {array.shape}; {counted(len(time), 'sample')} of "
-                f"{counted(axes, 'joint')} are expected"
-            )
-        if layout.sign is not None and role in _SIGNED:
-            array = array * np.array(layout.sign)
-        found[role] = array
+        if role in found:
+            found[role] = _of_joints(path, role, found[role], count, axes, layout)
     trajectory = found.pop("trajectory", None)
     if trajectory is not None:
         with np.errstate(invalid="ignore"):
             known = (trajectory == np.round(trajectory)) & (np.abs(trajectory) <= LARGEST_LABEL)
         trajectory = np.where(known, trajectory, UNLABELLED).astype(np.int64)
-    program = with_log_name(path, layout, values.get("program"), len(time))
+    program = with_log_name(path, layout, values.get("program"), count)
     return Chunk(**found, trajectory=trajectory, program=program, dated=dated, units=stated, missing=missing)
+
+
+def _in_seconds(time: np.ndarray, stated: bool) -> tuple[np.ndarray, bool]:
+    """Return times (m,) [s], and whether they count from 1970; `stated` says that their unit is."""
+    first = time[np.isfinite(time)][:1]
+    if not len(first):
+        return time, False
+    if not stated:
+        # Milliseconds, microseconds or nanoseconds since 1970 can be nothing else: no other clock reads so much.
+        size = next((k for k in _EPOCHS if UNIX_TIMES[0] * k <= first[0] < UNIX_TIMES[1] * k), 1.0)
+        time, first = time / size, first / size
+    return time, bool(UNIX_TIMES[0] <= first[0] < UNIX_TIMES[1])
+
+
+def _of_joints(path: Path, role: str, array: np.ndarray, count: int, axes: int, layout: Layout) -> np.ndarray:
+    """Return the values (count, axes) of a joint role: one temperature for all joints, impossible values as NaN, the
+    sign that is configured.
+
+    Raises
+    ------
+    InputError : if they have another shape.
+    """
+    if role == "temperature" and (array.ndim == 1 or array.shape[1] == 1):
+        array = np.broadcast_to(array.reshape(count, 1), (count, axes))
+    if array.shape != (count, axes):
+        if layout.axes and array.ndim == 2 and array.shape[1] != axes:
+            raise InputError(
+                f"{path}: {role} is of {counted(array.shape[1], 'joint')}, the robot file that 'robot' names "
+                f"has {axes}: {shown(', '.join(layout.joints))}"
+            )
+        raise InputError(
+            f"{path}: {role} has shape {array.shape}; {counted(count, 'sample')} of {counted(axes, 'joint')} are "
+            "expected"
+        )
+    array = possible(array, role)
+    return array * np.array(layout.sign) if layout.sign is not None and role in _SIGNED else array
 
 
 #: Roles that turn round with an axis.
