@@ -13,13 +13,16 @@ from jointwear.files.json_documents import write_json
 from jointwear.files.json_values import six_digits
 from jointwear.files.storage import open_dataset, read_variable
 from jointwear.robots.robot import load_robot
-from jointwear.studies.recovery.candidates import COMPONENTS, Parameter, candidate
+from jointwear.studies.recovery.candidates import COMPONENTS, Component, Parameter, candidate
 from jointwear.studies.recovery.choice import choose, parts, runner_up
 from jointwear.studies.recovery.fit import ExplanationFit, read_fit
 from jointwear.studies.recovery.plan import NOTHING
 from jointwear.studies.recovery.tables import Tables, read_tables
 
-UNEXPLAINED = 9.0  # mean squared weighted residual: three per cent of the torque in the root mean square
+#: Mean squared weighted residual from which a verdict is unknown: three per cent of the torque in the root mean square.
+UNEXPLAINED = 9.0
+#: Relative standard deviation of a maximum of a published table.
+SCATTER = 0.0045
 
 
 def cells(tables: Tables, fit: ExplanationFit) -> list[dict[str, Any]]:
@@ -64,8 +67,8 @@ def contradictions(tables: Tables, coulomb: np.ndarray) -> list[dict[str, Any]]:
             if not np.array_equal(hours[a, axis], hours[b, axis]):
                 continue
             change = np.diff(tables.maximum[[a, b], axis], axis=1)[:, 0]
-            # 0.45 % scatter of each maximum, four maxima.
-            scatter = 2 * 0.0045 * tables.maximum[[a, b], axis].mean()
+            # That of four maxima.
+            scatter = 2 * SCATTER * tables.maximum[[a, b], axis].mean()
             if abs(change[0] - change[1]) > 3 * scatter:
                 result.append(
                     {
@@ -103,54 +106,19 @@ def build_verdict(
     ensemble : values over the solutions, by parameter, for what is identifiable.
     """
     chosen = choose(fits, transferred)
-    fit, nothing, second = fits[chosen], fits[NOTHING], runner_up(fits, chosen)
+    fit, second = fits[chosen], runner_up(fits, chosen)
     effects, retuned, place = [], [], 0
     for component in candidate(chosen).components:
-        own = range(place, place + len(component.parameters))
-        place += len(component.parameters)
-        estimates = [(component.parameters[k - own.start], fit.effect[k], fit.std[k]) for k in own]
-        others = [n for n in fits if parts(n) and component.name in parts(n)]
-        without = parts(chosen) - {component.name}
-        reduced = "+".join(c.name for c in candidate(chosen).components if c.name in without) or NOTHING
+        own = slice(place, place + len(component.parameters))
+        place = own.stop
+        estimates = list(zip(component.parameters, fit.effect[own], fit.std[own], strict=True))
         if component.kind == "effect":
-            named = {p.name if p.axis is None else f"{p.name}_{p.axis}": _parameter(p, v, s) for p, v, s in estimates}
-            gain = None
-            if chosen in transferred and reduced in transferred:
-                gain = six_digits(1 - transferred[chosen] / transferred[reduced])
-            effects.append(
-                {
-                    "effect": component.name,
-                    "axis": None,
-                    "source_axis": None,
-                    "tie_set": sorted(
-                        {component.name, *component.same_in_slow_motion}, key=lambda n: n != component.name
-                    ),
-                    "parameters": named,
-                    "regime": None,
-                    "evidence_nats": six_digits((fits[reduced].bic - fit.bic) / 2),
-                    "cross_validated_gain": gain,
-                    "candidates_with_it": len(others),
-                }
-            )
+            effects.append(_named_effect(component, estimates, chosen, fits, transferred))
         else:
-            retuned += [
-                {
-                    "parameter": p.name,
-                    "axis": p.axis,
-                    "nominal": p.nominal,
-                    "value": six_digits(v),
-                    "std": six_digits(s),
-                    "unit": p.unit,
-                    "tie_set": [component.name, *component.same_in_slow_motion],
-                    "kind": component.kind,
-                }
-                for p, v, s in estimates
-            ]
+            retuned += _retuned(component, estimates)
     verdict = "effects" if effects else "retuned" if retuned else "none"
     if fit.variance > UNEXPLAINED:
         verdict = "unknown"
-    gap = np.abs(nothing.maximum - tables.maximum), np.abs(fit.maximum - tables.maximum)
-    layout = [f"{c['task']} axis {c['axis']} {c['increase_percent']:g} %" for c in cells(tables, fit)]
     return {
         "dataset": "published tables V and VI",
         "verdict": verdict,
@@ -158,15 +126,7 @@ def build_verdict(
         "effects": effects,
         "retuned": retuned,
         "unexplained": contradictions(tables, coulomb),
-        "gap": {
-            "unit": "N m",
-            "per": "table cell, |reproduced - published| maximum; order in `cells`",
-            "cells": layout,
-            "nominal": [six_digits(x) for x in gap[0].ravel()],
-            "retuned": [six_digits(x) for x in np.abs(_best_retuned(fits).maximum - tables.maximum).ravel()],
-            "augmented": [six_digits(x) for x in gap[1].ravel()],
-            "noise_floor": [six_digits(x) for x in (0.0045 * tables.maximum).ravel()],
-        },
+        "gap": _gap(tables, fits, fit),
         "not_identifiable": _not_identifiable(chosen, ensemble),
         "next_experiment": None,
         "runner_up": {
@@ -178,6 +138,73 @@ def build_verdict(
         "wear_shape": six_digits(fit.shape),
         "mean_square": six_digits(fit.variance),
         "cells": cells(tables, fit),
+    }
+
+
+def _named_effect(
+    component: Component,
+    estimates: Sequence[tuple[Parameter, float, float]],
+    chosen: str,
+    fits: Mapping[str, ExplanationFit],
+    transferred: Mapping[str, float],
+) -> dict[str, Any]:
+    """Return the entry of an effect of the candidate that was `chosen`, with what it is worth against that without it.
+
+    Parameters
+    ----------
+    estimates : its parameters, each with value and standard deviation. fits, transferred : as of :func:`build_verdict`.
+    """
+    without = parts(chosen) - {component.name}
+    reduced = "+".join(c.name for c in candidate(chosen).components if c.name in without) or NOTHING
+    gain = None
+    if chosen in transferred and reduced in transferred:
+        gain = six_digits(1 - transferred[chosen] / transferred[reduced])
+    return {
+        "effect": component.name,
+        "axis": None,
+        "source_axis": None,
+        "tie_set": sorted({component.name, *component.same_in_slow_motion}, key=lambda n: n != component.name),
+        "parameters": {
+            p.name if p.axis is None else f"{p.name}_{p.axis}": _parameter(p, v, s) for p, v, s in estimates
+        },
+        "regime": None,
+        "evidence_nats": six_digits((fits[reduced].bic - fits[chosen].bic) / 2),
+        "cross_validated_gain": gain,
+        "candidates_with_it": sum(component.name in parts(n) for n in fits),
+    }
+
+
+def _retuned(component: Component, estimates: Sequence[tuple[Parameter, float, float]]) -> list[dict[str, Any]]:
+    """Return the entries of the parameters that a component of the model corrects; `estimates` as above."""
+    return [
+        {
+            "parameter": p.name,
+            "axis": p.axis,
+            "nominal": p.nominal,
+            "value": six_digits(v),
+            "std": six_digits(s),
+            "unit": p.unit,
+            "tie_set": [component.name, *component.same_in_slow_motion],
+            "kind": component.kind,
+        }
+        for p, v, s in estimates
+    ]
+
+
+def _gap(tables: Tables, fits: Mapping[str, ExplanationFit], fit: ExplanationFit) -> dict[str, Any]:
+    """Return how far maxima [N m] of the arm as published, retuned and as `fit` says lie from the printed ones."""
+
+    def off(by: ExplanationFit) -> list[float]:
+        return [six_digits(x) for x in np.abs(by.maximum - tables.maximum).ravel()]
+
+    return {
+        "unit": "N m",
+        "per": "table cell, |reproduced - published| maximum; order in `cells`",
+        "cells": [f"{c['task']} axis {c['axis']} {c['increase_percent']:g} %" for c in cells(tables, fit)],
+        "nominal": off(fits[NOTHING]),
+        "retuned": off(_best_retuned(fits)),
+        "augmented": off(fit),
+        "noise_floor": [six_digits(x) for x in (SCATTER * tables.maximum).ravel()],
     }
 
 
