@@ -32,6 +32,9 @@ BELOW, STILL_BELOW = 1.001, 1.01
 #: How often it is asked which parameters would be negative: to hold one moves the others.
 ROUNDS = 4
 
+#: Prior (p,) of the coefficients of a fit -> log evidence, coefficients (p,), Cholesky factor of their precision.
+Weigh = Callable[[np.ndarray], tuple[float, np.ndarray, tuple[np.ndarray, bool]]]
+
 
 def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
     """Return the base terms, one a drive parameter, with the prior under which the data are most likely.
@@ -71,25 +74,55 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
                 std[inertial] *= restraint
             # A parameter that the model gives as zero has no relative error: it is free.
             std[drives] = np.where(size > 0, np.minimum(wide, error * np.maximum(size, 1e-12)), wide)
-            value, theta, factor = weigh(std)
-            for _ in range(MOST_FREE if np.isfinite(error) else 0):
-                pull = np.where(std[drives] < wide, np.abs(theta[drives]) / std[drives] ** 2, 0.0)
-                # By how much the fit pulls at a prior, in units of what noise would make of it.
-                spread = np.maximum(std[drives] ** 2 - np.diag(cho_solve(factor, np.eye(len(std))))[drives], 1e-300)
-                k = int(np.argmax(pull * std[drives] ** 2 / np.sqrt(spread)))
-                if std[drives[k]] >= wide[k]:
-                    break
-                trial = std.copy()
-                trial[drives[k]] = wide[k]
-                got, theta_free, factor_free = weigh(trial)
-                if got < value + needed:
-                    break
-                std, value, theta, factor = trial, got, theta_free, factor_free
+            value, std = _set_free(weigh, std, drives, wide, needed, MOST_FREE if np.isfinite(error) else 0)
             if value > best[0]:
                 best = (value, std, error)
-    std = best[1].copy()
     sign = np.array([-1.0 if k == 1 else 1.0 for _, k in places])
-    # A parameter that would have to be negative goes to zero if the data ask for that, else it is not what is wrong.
+    std = _none_negative(weigh, best[1].copy(), drives, size, sign, needed)
+    gone = {place for place, w in places.items() if std[w.start] <= NOTHING}
+    chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False) if t.drive not in gone]
+    return chosen, best[2]
+
+
+def _set_free(
+    weigh: Weigh, std: np.ndarray, drives: np.ndarray, wide: np.ndarray, needed: float, most: int
+) -> tuple[float, np.ndarray]:
+    """Return the log evidence and the prior (p,) of coefficients of which those that stand out are free.
+
+    Parameters
+    ----------
+    std : (p,) prior. drives : (k,) places of drive parameters, `wide` (k,) the prior of one that is free.
+    needed : log evidence that each has to be worth. most : so many are set free.
+    """
+    value, theta, factor = weigh(std)
+    for _ in range(most):
+        pull = np.where(std[drives] < wide, np.abs(theta[drives]) / std[drives] ** 2, 0.0)
+        # By how much the fit pulls at a prior, in units of what noise would make of it.
+        spread = np.maximum(std[drives] ** 2 - np.diag(cho_solve(factor, np.eye(len(std))))[drives], 1e-300)
+        k = int(np.argmax(pull * std[drives] ** 2 / np.sqrt(spread)))
+        if std[drives[k]] >= wide[k]:
+            break
+        trial = std.copy()
+        trial[drives[k]] = wide[k]
+        got, theta_free, factor_free = weigh(trial)
+        if got < value + needed:
+            break
+        std, value, theta, factor = trial, got, theta_free, factor_free
+    return value, std
+
+
+def _none_negative(
+    weigh: Weigh, std: np.ndarray, drives: np.ndarray, size: np.ndarray, sign: np.ndarray, needed: float
+) -> np.ndarray:
+    """Return a prior (p,) under which no parameter of a drive is negative.
+
+    One that would have to be goes to zero if the data ask for that, else it is not what is wrong.
+
+    Parameters
+    ----------
+    std : (p,) prior. drives : (k,) places of the parameters, of `size` and `sign` (k,). needed : log evidence by which
+        the data have to ask.
+    """
     for _ in range(ROUNDS):
         theta = weigh(std)[1]
         negative = np.flatnonzero((sign * theta[drives] < -BELOW * size) & (std[drives] > NOTHING))
@@ -102,9 +135,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
             std = held if size[k] > 0 and weigh(held)[0] > weigh(without)[0] + needed else without
     theta = weigh(std)[1]
     std[drives[sign * theta[drives] < -STILL_BELOW * size]] = NOTHING
-    gone = {place for place, w in places.items() if std[w.start] <= NOTHING}
-    chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False) if t.drive not in gone]
-    return chosen, best[2]
+    return std
 
 
 def doubted_links(white: White, fit: Fit) -> np.ndarray:
@@ -140,7 +171,7 @@ def weighed_links(white: White, fit: Fit) -> list[tuple[float, np.ndarray, np.nd
     return weighed
 
 
-def _under_priors(fit: Fit) -> Callable[[np.ndarray], tuple[float, np.ndarray, tuple[np.ndarray, bool]]]:
+def _under_priors(fit: Fit) -> Weigh:
     """Return what weighs a prior (p,) of the coefficients of a fit.
 
     It gives the log evidence up to a constant, the coefficients (p,) and the Cholesky factor of their precision.
@@ -156,7 +187,7 @@ def _under_priors(fit: Fit) -> Callable[[np.ndarray], tuple[float, np.ndarray, t
     return weigh
 
 
-def _to_zero(weigh: Callable, std: np.ndarray, place: int, size: float) -> float:
+def _to_zero(weigh: Weigh, std: np.ndarray, place: int, size: float) -> float:
     """Return the width of the prior of one parameter under which its correction is no larger than the parameter."""
     low, high = np.log(NOTHING), np.log(std[place])
     for _ in range(HALVINGS):

@@ -123,25 +123,39 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     shares = drive_shares(white, kept, nameless)
     delta_friction = _in_part(final.delta_friction, shares)
     fallbacks += told_shares(shares, "augmented")
-    masses = [n for n in named if n.candidate.effect == LINK_MASS]
-    mass_terms = [t for n in masses for t in n.terms]
-    alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
-    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), steps_of(plain, alone, [], [], masses, [])
-    alone, retuned_given_up = put_back(plain, [*alone, *mass_terms], steps, "retuned", nameless)
-    retuned = Fit(plain.targets, alone)
-    beside = make_links_sound(plain, retuned, masses)
-    friction, _, inertial = _base_of(plain, retuned, masses)
-    retuned_shares = drive_shares(plain, alone, nameless)
+    friction, inertial, retuned_given_up = _retuned(
+        outcome, plain, [n for n in named if n.candidate.effect == LINK_MASS], without
+    )
     return replace(
         final,
         delta_friction=delta_friction,
-        retuned_friction=_in_part(friction, retuned_shares),
-        retuned_inertial=inertial + beside,
-        fallbacks=fallbacks + retuned_given_up + told_shares(retuned_shares, "retuned"),
+        retuned_friction=friction,
+        retuned_inertial=inertial,
+        fallbacks=fallbacks + retuned_given_up,
         unwritten=unwritten,
         suspects=suspects,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
     )
+
+
+def _retuned(
+    outcome: Outcome, plain: White, masses: list[Named], without: frozenset[str]
+) -> tuple[np.ndarray, np.ndarray, tuple[PutBack, ...]]:
+    """Return what retuning alone corrects of drives (n, 4) and links (10 n,), and what of it was put back.
+
+    Parameters
+    ----------
+    masses : masses of links that have a name; `without` as of :func:`finalise`.
+    """
+    mass_terms = [t for n in masses for t in n.terms]
+    alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
+    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), steps_of(plain, alone, [], [], masses, [])
+    alone, given_up = put_back(plain, [*alone, *mass_terms], steps, "retuned", nameless)
+    fit = Fit(plain.targets, alone)
+    beside = make_links_sound(plain, fit, masses)
+    friction, _, inertial = _base_of(plain, fit, masses)
+    shares = drive_shares(plain, alone, nameless)
+    return _in_part(friction, shares), inertial + beside, given_up + told_shares(shares, "retuned")
 
 
 def _in_part(friction: np.ndarray, shares: dict[int, tuple[float, float]]) -> np.ndarray:

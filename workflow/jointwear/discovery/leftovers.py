@@ -84,27 +84,25 @@ def unexplained(
             continue
         line = _line(white, fit, axis)
         if line is not None:
-            entry = Unexplained(
-                axis,
-                LINE,
-                "Hz",
-                line.frequency,
-                line.frequency + abs(line.rate),
-                max(line.p_value, 1e-300),
-                line.power,
-            )
+            p, end = max(line.p_value, 1e-300), line.frequency + abs(line.rate)
+            entry = Unexplained(axis, LINE, "Hz", line.frequency, end, p, line.power)
             profile.append(entry)
-            rows, rate = white.whiteners[axis].rows, problem.measured.rate
-            density = float(white.whiteners[axis].density(np.array([line.frequency]), rate)[0])
-            if (
-                line.p_value < settings.unexplained_p
-                and line.power > settings.accept
-                and line.power / len(rows) * density * rate > least
-                and _shown_as_motion(white, axis, line, density) > settings.accept
-            ):
+            if _line_matters(white, axis, line, least):
                 found.append(entry)
     found.sort(key=lambda u: -u.nats)
     return found, profile
+
+
+def _line_matters(white: White, axis: int, line: Line, least: float) -> bool:
+    """Return whether a line over time is significant, no error of the motion, and of more than `least` [(N m)^2]."""
+    settings, rate = white.problem.settings, white.problem.measured.rate
+    density = float(white.whiteners[axis].density(np.array([line.frequency]), rate)[0])
+    return (
+        line.p_value < settings.unexplained_p
+        and line.power > settings.accept
+        and line.power / len(white.whiteners[axis].rows) * density * rate > least
+        and _shown_as_motion(white, axis, line, density) > settings.accept
+    )
 
 
 def _line(white: White, fit: Fit, axis: int) -> Line | None:

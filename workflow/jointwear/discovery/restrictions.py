@@ -22,8 +22,8 @@ FEW_RECORDS, APART = 5, 3.0
 TURNED = 0.1
 
 
-def motion_restrictions(problem, clock: str = "s") -> list[str]:
-    """Return in words which axes are at rest, and whether the held-out motion moves.
+def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
+    """Return in words which axes are at rest, which velocities were put right, and what the temperature cannot show.
 
     Parameters
     ----------
@@ -33,7 +33,6 @@ def motion_restrictions(problem, clock: str = "s") -> list[str]:
     ------
     Refused : where no axis moves enough to be judged.
     """
-    n = problem.robot.joints
     if not problem.judged:
         steps = np.diff(problem.measured.time)[np.diff(problem.measured.trajectory) == 0]
         unit = likely_unit(float(np.median(steps)) if len(steps) else None, clock)
@@ -43,35 +42,50 @@ def motion_restrictions(problem, clock: str = "s") -> list[str]:
             f"done, state the unit of the time, as units: {{time: {unit}}}",
             by_keys=True,
         )
+    found = _not_judged(problem) + unseen_slow_motion(problem.measured, problem.judged) + _at_rest_in_test(problem)
+    return found + _late_velocities(problem.measured.velocity_lag) + _of_temperature(problem)
+
+
+def _not_judged(problem: Problem) -> list[str]:
+    """Return in words of which joints nothing can be said, and why."""
     found = []
-    for axis in range(n):
-        if axis not in problem.judged:
-            silent = np.ptp(problem.measured.torque[:, axis]) == 0.0
-            if silent:
-                why = "has a torque that keeps one value"
-            elif np.ptp(problem.measured.position[problem.train, axis]) > TURNED:
-                why = "turns too slowly in the training trajectories for the noise of its position"
-            else:
-                why = "is at rest in the training trajectories"
-            found.append(f"joint {axis + 1} {why}: nothing can be said about its drive")
-    found += unseen_slow_motion(problem.measured, problem.judged)
+    for axis in range(problem.robot.joints):
+        if axis in problem.judged:
+            continue
+        if np.ptp(problem.measured.torque[:, axis]) == 0.0:
+            why = "has a torque that keeps one value"
+        elif np.ptp(problem.measured.position[problem.train, axis]) > TURNED:
+            why = "turns too slowly in the training trajectories for the noise of its position"
+        else:
+            why = "is at rest in the training trajectories"
+        found.append(f"joint {axis + 1} {why}: nothing can be said about its drive")
+    return found
+
+
+def _at_rest_in_test(problem: Problem) -> list[str]:
+    """Return in words which joints that are judged do not move in the held-out motion."""
     moving = problem.measured.usable[problem.test].any(axis=0)
     if not moving.any():
-        found.append("no joint moves in the test trajectories: the gap on held-out motion is unknown")
-    else:
-        for axis in np.flatnonzero(~moving):
-            if axis in problem.judged:
-                found.append(f"joint {axis + 1} is at rest in the test trajectories")
-    lag = problem.measured.velocity_lag
+        return ["no joint moves in the test trajectories: the gap on held-out motion is unknown"]
+    return [f"joint {axis + 1} is at rest in the test trajectories" for axis in problem.judged if not moving[axis]]
+
+
+def _late_velocities(lag: np.ndarray | None) -> list[str]:
+    """Return in words by how much given velocities lagged (n,) [s] their positions, or ran ahead."""
+    found = []
     for late, way in ((True, "behind"), (False, "ahead of")):
         moved = [] if lag is None else np.flatnonzero(lag > 0 if late else lag < 0)
         if len(moved):
             most = 1e3 * np.abs(lag[moved]).max()
             joints = numbered("joint", moved + 1)
             found.append(f"given velocities are up to {most:.2g} ms {way} their positions ({joints}): put right")
+    return found
+
+
+def _of_temperature(problem: Problem) -> list[str]:
+    """Return in words where the temperature says nothing that the trajectories do not say too."""
     if not problem.state.has_temperature:
-        found.append("no temperature was recorded: effects of temperature cannot be seen")
-        return found
+        return ["no temperature was recorded: effects of temperature cannot be seen"]
     record = np.asarray(problem.train_state.record)
     labels = np.unique(record)
     warm = problem.train_state.temperature
@@ -84,13 +98,14 @@ def motion_restrictions(problem, clock: str = "s") -> list[str]:
             continue
         if np.ptp(means) > SMALLEST_SPREAD and np.std(means) > APART * np.mean(within):
             coincide.append(axis + 1)
-    if coincide:
-        found.append(
-            f"the temperature of {numbered('joint', coincide)} differs between the {len(labels)} training "
-            "trajectories and hardly within them: what changes with temperature cannot be told from what differs "
-            "between these trajectories"
-        )
-    return found
+    if not coincide:
+        return []
+    told = (
+        f"the temperature of {numbered('joint', coincide)} differs between the {len(labels)} training "
+        "trajectories and hardly within them: what changes with temperature cannot be told from what differs "
+        "between these trajectories"
+    )
+    return [told]
 
 
 def beyond_the_time(problem: Problem, written: Iterable[Candidate]) -> list[str]:

@@ -31,9 +31,7 @@ def sound_files(problem: Problem, outcome: Outcome) -> Written:
     The first that does is taken: the whole model; without the effects of the axes that are worse; with the links left
     as they are; and at last the robot as it was given.
     """
-    written = write_files(problem, finalise(outcome))
-    if _worse(problem, written[2]["augmented"]):
-        written = _without_harmful(problem, *written)
+    written = _without_harmful(problem, *write_files(problem, finalise(outcome)))
     bad = [kind for kind in written[1] if _worse(problem, written[2][kind])]
     if bad:
         rigid = write_files(problem, finalise(outcome, frozenset({INERTIAL})))
