@@ -16,9 +16,9 @@ import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.monitor.dispersion import Q80
-from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.records import DETECTORS, UNJUDGED, record
 from jointwear.monitor.series import Series
+from jointwear.monitor.shift_forecast import Forecast
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
 

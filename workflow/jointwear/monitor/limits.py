@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.monitor.dispersion import Q80
-from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.parts import (
     LEAST_VISCOUS,
     VISCOUS_CLEAR,
@@ -18,7 +17,7 @@ from jointwear.monitor.parts import (
     viscous_scale,
     wander,
 )
-from jointwear.monitor.shift_forecast import forecast_shifts
+from jointwear.monitor.shift_forecast import Forecast, forecast_shifts
 from jointwear.monitor.watching import Watch
 
 COULOMB, VISCOUS = "coulomb friction", "viscous friction"

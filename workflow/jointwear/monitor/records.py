@@ -13,13 +13,13 @@ import numpy as np
 from jointwear.monitor.decision import TOLERATED
 from jointwear.monitor.dispersion import Q80
 from jointwear.monitor.events import Event
-from jointwear.monitor.forecast import Forecast
 from jointwear.monitor.limits import COULOMB, NOTHING, VISCOUS, Limits
 from jointwear.monitor.locate import honest_probability
 from jointwear.monitor.paper_detector import paper_alarms
 from jointwear.monitor.parts import viscous_episodes
 from jointwear.monitor.series import Series, loud_windows
 from jointwear.monitor.shared_error import FINDING
+from jointwear.monitor.shift_forecast import Forecast
 from jointwear.monitor.watching import Watch
 from jointwear.monitor.windows import WindowStatistics
 

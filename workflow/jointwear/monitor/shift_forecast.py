@@ -10,9 +10,9 @@ open the limit may never be reached.
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
-from jointwear.monitor.forecast import Forecast
+import numpy as np
 
 #: Bend of growth over the whole way to the limit; mean and standard deviation of its prior. Of the way and not of what
 #: is past: at an alarm a small part of the way is gone, on which any law is nearly straight, and a prior of the bend
@@ -37,6 +37,15 @@ _POINTS = ((-1.35, 0.25), (0.0, 0.5), (1.35, 0.25))
 UNEVEN = 0.25
 #: A limit farther away than this many times the history may never be reached.
 FARTHEST = 30.0
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Hours to the limit: median and 80 % interval; infinite where it may never be reached, 0 where it is."""
+
+    hours: float
+    low: float
+    high: float
 
 
 def forecast_shifts(

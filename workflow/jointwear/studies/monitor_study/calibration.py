@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.monitor.estimate import Normal
-from jointwear.monitor.forecast import forecast
 from jointwear.studies.monitor_study.charts import run_chart, thresholds_for
+from jointwear.studies.monitor_study.forecast import forecast
 
 HOURS, NORMAL = 240, 120
 

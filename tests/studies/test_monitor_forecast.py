@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.forecast import forecast
+from jointwear.studies.monitor_study.forecast import forecast
 
 
 @settings(deadline=None, max_examples=25)

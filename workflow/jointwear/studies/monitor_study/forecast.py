@@ -1,4 +1,7 @@
-"""Hours until the friction of an axis reaches a limit, growth law unknown.
+"""Hours until the friction of an axis reaches a limit, growth law unknown, from window to window.
+
+The study of the monitor asks it of its estimates; what the monitor itself tells, from shift to shift, is
+:mod:`jointwear.monitor.shift_forecast`.
 
 Bayesian average over growth laws f(t), each scaled to 1 at the time of issue so that its factor A is the growth of
 now, with the same flat prior A > 0 for all:
@@ -17,10 +20,10 @@ the width of the interval comes from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.special import log_ndtr, ndtr
+
+from jointwear.monitor.shift_forecast import Forecast
 
 #: Exponents of the power laws: from straight to the steep growth before a failure.
 EXPONENTS = tuple(np.geomspace(1.0, 6.0, 10))
@@ -32,15 +35,6 @@ CONSTANTS = (0.15, 0.25, 0.4, 0.7)
 LAW_ERROR = 0.03
 #: Times looked at: from now to this many times the history ahead.
 FARTHEST, _TIMES = 20.0, 160
-
-
-@dataclass(frozen=True)
-class Forecast:
-    """Hours to the limit: median and 80 % interval; infinite where it may never be reached, 0 where it is."""
-
-    hours: float
-    low: float
-    high: float
 
 
 def forecast(
