@@ -300,6 +300,16 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
             unknown.append(_followed(white, without, candidate, spreads, set(std)))
         std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
-    fitted = Fitted(candidate, form, coefficients, covariance, own, parameters, std, spreads, lost)
+    fitted = Fitted(
+        candidate=candidate,
+        form=form,
+        coefficients=coefficients,
+        covariance=covariance,
+        own=own,
+        parameters=parameters,
+        std=std,
+        spreads=spreads,
+        lost=lost,
+    )
     peak, low, high = largest_torque(white, [*base, *others], fitted, rng)
     return Estimate(named, parameters, std, coefficients, form, peak, low, high)

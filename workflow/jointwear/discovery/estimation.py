@@ -320,7 +320,18 @@ def _fitted(
     friction, _, inertial = _base_of(white, fit, masses)
     inertial += beside
     std = _base_of(weak, known, [])[1]
-    return Final(outcome, weak, doubt * misfit, fit, tuple(estimates), friction, std, inertial, friction, inertial)
+    return Final(
+        outcome=outcome,
+        white=weak,
+        misfit=doubt * misfit,
+        fit=fit,
+        estimates=tuple(estimates),
+        delta_friction=friction,
+        std_friction=std,
+        delta_inertial=inertial,
+        retuned_friction=friction,
+        retuned_inertial=inertial,
+    )
 
 
 def _base_of(white: White, fit: Fit, masses: list[Named]):

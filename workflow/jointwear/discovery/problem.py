@@ -115,16 +115,16 @@ class Problem:
             speed = float(np.median(np.abs(state.velocity[used, axis])))
             fastest = 2 * np.pi * self.measured.band / max(speed, 1e-9)
             result[axis] = gear_orders(
-                self.discrepancy[self.train, axis],
-                RidgeFit(columns, used, None),
-                state.position[:, axis],
-                torque,
-                used,
-                label,
-                self.robot.gear_ratio[axis],
-                fastest,
-                self.settings.accept,
-                float(self.encoder_steps[axis]),
+                residual=self.discrepancy[self.train, axis],
+                take_off=RidgeFit(columns, used, None),
+                position=state.position[:, axis],
+                torque=torque,
+                used=used,
+                label=label,
+                gear_ratio=self.robot.gear_ratio[axis],
+                fastest=fastest,
+                accept=self.settings.accept,
+                encoder_step=float(self.encoder_steps[axis]),
             )
         return tuple(result)
 

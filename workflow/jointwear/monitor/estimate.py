@@ -30,6 +30,8 @@ POOLED_FREEDOM = 200.0
 PRIOR_SHARE = {"coulomb": 0.5, "offset": 0.5, "viscous": 0.5, "gravity": 0.2, "inertial": 0.2}
 #: Lags [windows] over which the correlation of normal windows is looked at, and laws that are tried for its decay.
 LAGS, MEMORIES = 24, np.array([0.3, 0.6, 0.8, 0.9, 0.95, 0.98])
+#: Standard deviations from which a correlation is there: one in a hundred of independent windows by chance.
+CLEAR = 2.6
 _TINY = 1e-9
 
 
@@ -118,8 +120,8 @@ class Normal:
 
     `held` (..., n, 5): coefficients of the pooled regression; `free` (n, 5); `variance` (..., n) noise [N2 m2];
     `mean` (..., n): mean of the Coulomb estimate; `spread` (..., n): variance of the windows about it over what the
-    noise explains; `memory` (..., n): correlation of neighbouring windows, 0 unless clearly there;
-    `weight` (..., n): sum of inverse variances; `windows` (n,): number of windows that count.
+    noise explains; `slow`, `memory` (..., n): the correlation of windows k apart is slow memory^k, both 0 unless it is
+    clearly there; `weight` (..., n): sum of inverse variances; `windows` (n,): number of windows that count.
     """
 
     held: np.ndarray
@@ -222,14 +224,24 @@ def learn_normal(sums: Sums, scale: np.ndarray, price: float = PRICE) -> Normal:
     spread = np.where(windows > 1, np.maximum((z**2).sum(axis=-2) / degrees, _TINY), 1.0)
     memory, slow = _memory(z / np.sqrt(spread)[..., None, :], good)
     least = windows.reshape(-1, windows.shape[-1]).min(axis=0)
-    return Normal(held, free, variance, mean, spread, memory, slow, total / spread, least)
+    return Normal(
+        held=held,
+        free=free,
+        variance=variance,
+        mean=mean,
+        spread=spread,
+        memory=memory,
+        slow=slow,
+        weight=total / spread,
+        windows=least,
+    )
 
 
 def _memory(z: np.ndarray, good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return memory and slow share (..., n) of standardised windows z (..., w, n), 0 where not `good`.
 
     The law slow memory^k is fitted to the autocorrelations of the first :data:`LAGS` lags, if lag 1 or the mean over
-    half of the lags lies 2.6 standard deviations above that of independent windows: one in a hundred by chance.
+    half of the lags lies :data:`CLEAR` standard deviations above that of independent windows.
     """
     count = z.shape[-2]
     lags = min(LAGS, count // 4)
@@ -243,7 +255,7 @@ def _memory(z: np.ndarray, good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rho = np.stack(found)
     half = max(lags // 2, 1)
     root_count = np.sqrt(good.sum(axis=-2))
-    clear = (rho[0] * root_count > 2.6) | (rho[:half].mean(axis=0) * np.sqrt(half) * root_count > 2.6)
+    clear = (rho[0] * root_count > CLEAR) | (rho[:half].mean(axis=0) * np.sqrt(half) * root_count > CLEAR)
     laws = MEMORIES[:, None] ** np.arange(1, lags + 1)
     shares = np.clip(np.tensordot(laws, rho, 1) / (laws**2).sum(axis=1).reshape(-1, *[1] * (rho.ndim - 1)), 0.0, 1.0)
     error = ((rho[None] - shares[:, None] * laws.reshape(*laws.shape, *[1] * (rho.ndim - 1))) ** 2).sum(axis=1)

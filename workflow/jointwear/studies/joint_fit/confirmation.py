@@ -146,17 +146,17 @@ def judged(
     distance += weights.lag * (pairs - float(signs.mean()))
     probability = np.isfinite(onset).mean(axis=-1)
     return Confirmed(
-        probability,
-        hour,
-        maximum,
-        variation,
-        signs,
-        right.mean(axis=0),
-        kl_maximum,
-        kept,
-        located,
-        alarms,
-        distance,
+        probability=probability,
+        hour=hour,
+        maximum=maximum,
+        variation=variation,
+        signs=signs,
+        right_pairs=right.mean(axis=0),
+        kl_maximum=kl_maximum,
+        kept=kept,
+        located=located,
+        alarms=alarms,
+        distance=distance,
     )
 
 

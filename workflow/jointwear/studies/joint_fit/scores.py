@@ -58,15 +58,15 @@ def score(found: Mapping[str, np.ndarray], paper: Paper, at: int = 0) -> Scores:
     torque = np.abs(found["maximum"][:, at] / np.where(moving, tables.maximum.swapaxes(1, 2), 1.0) - 1)[:, moving]
     variation = np.abs(found["variation"][:, at] - tables.variation.swapaxes(1, 2))[:, moving]
     return Scores(
-        right.sum(axis=(1, 2, 3)),
-        np.nanmedian(late.reshape(len(late), -1), axis=1),
-        np.median(torque, axis=1),
-        torque.max(axis=1),
-        np.median(variation, axis=1),
-        variation.max(axis=1),
-        np.median(found["signs"], axis=1),
-        np.median(found["kl_maximum"], axis=1),
-        found["hour"][:, 0, 0, 0],
+        cells=right.sum(axis=(1, 2, 3)),
+        hour_error=np.nanmedian(late.reshape(len(late), -1), axis=1),
+        torque_median=np.median(torque, axis=1),
+        torque_worst=torque.max(axis=1),
+        variation_median=np.median(variation, axis=1),
+        variation_worst=variation.max(axis=1),
+        signs=np.median(found["signs"], axis=1),
+        kl=np.median(found["kl_maximum"], axis=1),
+        figure_3=found["hour"][:, 0, 0, 0],
     )
 
 

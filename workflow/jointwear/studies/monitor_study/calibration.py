@@ -55,9 +55,16 @@ def draw_history(random: np.random.Generator) -> History:
 def _normal(std: float) -> Normal:
     zero, one = np.zeros(1), np.ones(1)
     return Normal(
-        np.zeros((1, 5)), np.zeros((1, 5), dtype=bool), one, zero, one, zero, zero, NORMAL / std**2 * one,
-        np.array([NORMAL]),
-    )  # fmt: skip
+        held=np.zeros((1, 5)),
+        free=np.zeros((1, 5), dtype=bool),
+        variance=one,
+        mean=zero,
+        spread=one,
+        memory=zero,
+        slow=zero,
+        weight=NORMAL / std**2 * one,
+        windows=np.array([NORMAL]),
+    )
 
 
 def coverage(seed: int, histories: int, share: float, later: int = 24) -> dict[str, np.ndarray]:

@@ -77,15 +77,15 @@ def choose(outcomes: Outcomes, target: Target, seed: int, seen: Sequence[int] = 
     honest = pooled(taken(outcomes, reporting))
     onset = honest.onset[best]
     return Choice(
-        best,
-        penalty,
-        cells,
-        choosing,
-        reporting,
-        pooled_scores(choosing),
-        pooled_scores(reporting),
-        np.isfinite(onset).mean(axis=-1),
-        median_hour(onset),
+        reading=best,
+        penalty=penalty,
+        agreement=cells,
+        choosing=choosing,
+        reporting=reporting,
+        chosen_score=pooled_scores(choosing),
+        honest_score=pooled_scores(reporting),
+        probability=np.isfinite(onset).mean(axis=-1),
+        hour=median_hour(onset),
     )
 
 

@@ -181,7 +181,20 @@ def explain(poses: PoseSet, experiment: SharedExperiment, analysis: Analysis, re
         observed, expected = np.zeros((2, 2 * hours - 1)), np.zeros(2 * hours - 1)
     share = np.divide(signs[:, 0], signs[:, 1], out=np.full(2, np.nan), where=signs[:, 1] > 0)
     lags = np.arange(1 - hours, hours)
-    return LagRule(right, wrong, nothing, runs, named, edges, rise_right, rise_runs, lags, observed, expected, share)
+    return LagRule(
+        right=right,
+        wrong=wrong,
+        nothing=nothing,
+        runs=runs,
+        named=named,
+        rise_edges=edges,
+        rise_right=rise_right,
+        rise_runs=rise_runs,
+        lags=lags,
+        observed=observed,
+        expected=expected,
+        sign_right=share,
+    )
 
 
 def write_lag_rule(

@@ -217,7 +217,17 @@ def build_ensemble(
     start, stop, phase, shape, effect = whole.split(whole.physical(point))
     predicted = whole.predict(point)
     cost = 0.5 * (whole.residuals(point) ** 2).sum(axis=1)
-    return Ensemble(start, stop, phase, outward, shape, effect, cost, predicted.maximum, predicted.variation)
+    return Ensemble(
+        start=start,
+        stop=stop,
+        phase=phase,
+        outward=outward,
+        shape=shape,
+        effect=effect,
+        cost=cost,
+        maximum=predicted.maximum,
+        variation=predicted.variation,
+    )
 
 
 def tolerable_segment_times(

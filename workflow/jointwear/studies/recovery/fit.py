@@ -135,20 +135,20 @@ def describe(problem: TableProblem, point: np.ndarray, start_cost: np.ndarray) -
         covariance = inverse * 2 * cost / (problem.data_count - parameters) / np.outer(norm, norm)
         std = np.sqrt(np.maximum(np.diag(covariance)[-len(effect) :], 0.0))
     return ExplanationFit(
-        problem.candidate.name,
-        start,
-        stop,
-        phase,
-        problem.outward,
-        float(shape),
-        effect,
-        std,
-        predicted.maximum[0],
-        predicted.variation[0],
-        cost,
-        problem.data_count,
-        parameters,
-        np.asarray(start_cost),
+        candidate=problem.candidate.name,
+        start=start,
+        stop=stop,
+        phase=phase,
+        outward=problem.outward,
+        shape=float(shape),
+        effect=effect,
+        std=std,
+        maximum=predicted.maximum[0],
+        variation=predicted.variation[0],
+        cost=cost,
+        data=problem.data_count,
+        parameters=parameters,
+        start_cost=np.asarray(start_cost),
     )
 
 

@@ -115,9 +115,18 @@ def _sensed(
     torque[lost, :, cell.missing[rows][lost]] = np.nan
     velocity += VELOCITY_NOISE * np.array(cell.arm.speed) * noise[:, ::-1]
     return Signals(
-        job, rows, begin, path, override, still, cell.samples[rows],
-        quantum * np.round(position / quantum), velocity, torque, measured_temperature(cell)[rows],
-    )  # fmt: skip
+        job=job,
+        index=rows,
+        begin=begin,
+        phase=path,
+        override=override,
+        still=still,
+        samples=cell.samples[rows],
+        position=quantum * np.round(position / quantum),
+        velocity=velocity,
+        torque=torque,
+        temperature=measured_temperature(cell)[rows],
+    )
 
 
 def _begin(cell: Cell) -> np.ndarray:
