@@ -16,6 +16,8 @@ from jointwear.statistics.runs import runs
 SHORTEST = 24
 #: Share of the rate from which on nothing is left to filter.
 HIGHEST = 0.45
+#: The same where a rate was reduced, or where it is not known up to where a signal reaches.
+SAFELY = 0.4
 #: Share of a step that a filter has to have forgotten: a signal is continued by so many samples beyond its ends. Near
 #: Nyquist that takes many, however short the period: continued by less, a joint that moves at an end of its record gets
 #: an acceleration there that is wrong by ten times itself.

@@ -19,7 +19,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.even_steps import evenly, pieces_of
-from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass, zero_phase_gain
+from jointwear.measurement.filtering import HIGHEST, SAFELY, SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
 from jointwear.measurement.jumps import without_jumps
 from jointwear.measurement.missing_samples import bridge, long_gaps
@@ -29,8 +29,12 @@ from jointwear.measurement.velocity_lag import put_in_time
 
 #: Rates above this are decimated [Hz], to about TARGET.
 HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
-#: Samples below this share of the speed of the axis (95 % quantile), and below this speed [rad/s], count as rest.
+#: Samples below this share of the speed of the axis, and below this speed [rad/s], count as rest.
 SLOW_SHARE, SLOW = 0.02, 0.02
+#: Share of the samples that are slower than what counts as the speed of an axis.
+FAST = 0.95
+#: Samples of a piece of which the spectrum is taken, pieces half of which overlap, and of the shortest.
+PIECE, SHORTEST_PIECE = 256, 64
 #: Periods of the cut-off after which the transient of the filter at an end has fallen to a thousandth.
 TRANSIENT = 3.0
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
@@ -104,19 +108,19 @@ def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float
     The spectrum is taken of the second difference and divided by its gain: the range of a position spectrum is so
     wide that the side lobes of any window would hide the floor.
     """
-    frequencies = np.fft.rfftfreq(256, 1 / rate)[1:]
+    frequencies = np.fft.rfftfreq(PIECE, 1 / rate)[1:]
     power, weight = np.zeros(len(frequencies)), 0
     for x in signals:
         second = np.diff(x, 2)
-        if len(second) < 64:
+        if len(second) < SHORTEST_PIECE:
             continue
-        size = min(len(second), 256)
-        pieces, window = sliding_window_view(second, size)[::128], np.hanning(size)
-        spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window, 256)[:, 1:]
+        size = min(len(second), PIECE)
+        pieces, window = sliding_window_view(second, size)[:: PIECE // 2], np.hanning(size)
+        spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window, PIECE)[:, 1:]
         power += np.sum(np.abs(spectra) ** 2, axis=0) * 2 / (rate * np.sum(window**2))
         weight += len(pieces)
     if not weight:
-        return 0.0, 0.4 * rate
+        return 0.0, SAFELY * rate
     power /= weight * (2 * np.sin(np.pi * frequencies / rate)) ** 4
     floor = float(np.median(power[2 * len(power) // 3 :]))
     smooth = np.exp(np.convolve(np.log(np.pad(power, 1, mode="edge") + 1e-300), np.ones(3) / 3, mode="valid"))
@@ -146,7 +150,7 @@ def measure(recording: Recording) -> Measured:
     out_rate = rate / factor
     cutoff, floor = _cutoffs(raw)
     if factor > 1:
-        cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), 0.4 * out_rate)
+        cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), SAFELY * out_rate)
     # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
     splines = factor == 1 and bool(np.max(raw.reach, initial=0.0) < RESOLVED * rate) and bool(raw.finite.all())
     if splines:
@@ -167,7 +171,7 @@ def measure(recording: Recording) -> Measured:
         velocity, fused = fuse(raw.time, raw.pieces, raw.position, raw.velocity, floors, rate)
         raw = replace(raw, velocity=velocity)
         # What the positions show is in these velocities too, though their own floor may hide where it ends.
-        highest = 0.4 * out_rate if factor > 1 else 0.45 * rate
+        highest = SAFELY * out_rate if factor > 1 else HIGHEST * rate
         cutoff = np.where(fused, np.clip(2.0 * raw.reach, cutoff, np.maximum(cutoff, highest)), cutoff)
     parts = [
         _reduced(raw, p, cutoff, factor, splines)
@@ -181,7 +185,7 @@ def measure(recording: Recording) -> Measured:
     )
     speed_floor = floor
     if parts:
-        fast = np.array([np.quantile(np.abs(velocity[:, j]), 0.95) for j in range(n)])
+        fast = np.array([np.quantile(np.abs(velocity[:, j]), FAST) for j in range(n)])
         # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
         slow = np.minimum(SLOW_SHARE * fast, SLOW)
         speed_floor = np.maximum(np.maximum(5 * floor, slow), 1e-6)
@@ -305,7 +309,7 @@ def _cutoffs(raw: _Raw) -> tuple[np.ndarray, np.ndarray]:
     velocity (n,) [rad/s]."""
     rate = raw.rate
     density, end = raw.spectra[2 if raw.velocity is None else 1]
-    cutoff = np.clip(2.0 * end, LOWEST_CUTOFF, 0.45 * rate) if raw.derived else np.full(len(end), np.nan)
+    cutoff = np.clip(2.0 * end, LOWEST_CUTOFF, HIGHEST * rate) if raw.derived else np.full(len(end), np.nan)
     limit = np.where(np.isfinite(cutoff), cutoff, 0.5 * rate)
     # Differentiation multiplies the noise density by (2 pi f)^2.
     scale = (2 * np.pi) ** 2 * limit**3 / 3 if raw.velocity is None else limit
@@ -340,7 +344,7 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
     if raw.derived or factor > 1:
         clear = min(CLEAR * 0.5 / min(cutoff[np.isfinite(cutoff)], default=np.inf), LONGEST_END)
         for j in range(n):
-            known = cutoff[j] if np.isfinite(cutoff[j]) else 0.4 * rate / factor
+            known = cutoff[j] if np.isfinite(cutoff[j]) else SAFELY * rate / factor
             # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.
             # The torque of a joint is that of the accelerations of all joints.
             reaches = max(END * 0.5 / known, clear) if splines else TRANSIENT / known

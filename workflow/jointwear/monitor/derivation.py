@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from jointwear.measurement.filtering import SHORTEST, low_pass
+from jointwear.measurement.filtering import SAFELY, SHORTEST, low_pass
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.turns import unwrapped
@@ -80,7 +80,7 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
                 out_velocity[part] = velocity[part]
             continue
         rate = (b - a - 1) / (time[-1] - time[0])
-        limit = np.minimum(cutoff, 0.4 * rate)
+        limit = np.minimum(cutoff, SAFELY * rate)
         if given_v:
             out_velocity[part] = velocity[part]
         due.append(_Derived(part, time, velocity[part] if given_v else position[part], limit, not given_v))

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.special import gammaln
 
 from jointwear.monitor.normal_state import Noise
+from jointwear.statistics.known import OVER_MEDIAN
 
 #: Normal quantile of an 80 % interval.
 Q80 = 1.2815515655446004
@@ -76,11 +77,11 @@ def within_shifts(residual: np.ndarray, variance: np.ndarray, shift: np.ndarray)
     e = np.full(own.shape, np.nan)
     e[own] = residual[rows]
     e = (e - _medians(e, counts)) * np.sqrt(counts / (counts - 1))[:, None]
-    size = 3 * np.maximum(1.4826 * _medians(np.abs(e), counts), 1e-9)
+    size = 3 * np.maximum(OVER_MEDIAN * _medians(np.abs(e), counts), 1e-9)
     c = np.where(own, np.minimum(np.maximum(e, -size), size), 0.0)
     lags = (c[:, 1:] * c[:, :-1]).sum(axis=1) / (counts - 1)
     powers = (c * c).sum(axis=1) / counts
-    scatter = (1.4826 * float(np.median(np.abs(e[own])))) ** 2
+    scatter = (OVER_MEDIAN * float(np.median(np.abs(e[own])))) ** 2
     # The mean of a shift takes part of a slow variation with it; two windows' worth of correlation is given back.
     memory = lags.sum() / max(powers.sum(), 1e-300) + 2.0 / max(counts.mean(), 4.0)
     told = float(np.nanmedian(variance[np.isfinite(residual)]))

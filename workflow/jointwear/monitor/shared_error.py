@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.statistics.known import known_median
+from jointwear.statistics.known import OVER_MEDIAN, known_median
 
 #: Degrees of freedom of the location, and rounds of reweighting.
 FREEDOM, ROUNDS = 3.0, 12
@@ -121,7 +121,7 @@ def _usual(location: np.ndarray, error: np.ndarray) -> float:
     known = np.isfinite(error)
     if known.sum() < 3:
         return LEAST**2
-    size = (1.4826 * float(np.median(np.abs(location[known])))) ** 2
+    size = (OVER_MEDIAN * float(np.median(np.abs(location[known])))) ** 2
     return max(size - float(np.median(error[known])), LEAST**2)
 
 

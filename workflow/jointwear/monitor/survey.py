@@ -16,6 +16,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
 from jointwear.measurement.clock import Clock, Ordered
+from jointwear.measurement.filtering import SAFELY
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.formats.chunk import RowsLeftOut, joined
 from jointwear.measurement.motion import spectral_floor
@@ -223,15 +224,15 @@ def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> t
     """
     n = chunk.position.shape[1]
     if rate < SLOWEST_RATE:
-        return np.full(n, 0.4 * rate), np.zeros(n)
-    cutoff, noise = np.full(n, min(0.4 * rate, HIGHEST_CUTOFF)), np.zeros(n)
+        return np.full(n, SAFELY * rate), np.zeros(n)
+    cutoff, noise = np.full(n, min(SAFELY * rate, HIGHEST_CUTOFF)), np.zeros(n)
     source = unwrapped(chunk.position) if chunk.velocity is None else chunk.velocity
     edges = np.flatnonzero(np.diff(stretch)) + 1
     missing = np.flatnonzero(np.diff(chunk.time) * rate > MISSING) + 1
     for j in range(n):
         density, end = spectral_floor(_pieces(source[:, j], edges, missing, rate), rate)
         if derived:
-            cutoff[j] = min(2.0 * end, 0.4 * rate, HIGHEST_CUTOFF)
+            cutoff[j] = min(2.0 * end, SAFELY * rate, HIGHEST_CUTOFF)
         limit = cutoff[j] if derived else 0.5 * rate
         scale = (2 * np.pi) ** 2 * limit**3 / 3 if chunk.velocity is None else limit
         noise[j] = np.sqrt(density * scale)

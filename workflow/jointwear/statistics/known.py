@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+#: Standard deviation of a normal law over the median of its absolute values.
+OVER_MEDIAN = 1.4826
+
 
 def known_median(values: np.ndarray, axis: int | None = None) -> np.ndarray:
     """Return the median of the finite values along an axis, NaN where there are none.
