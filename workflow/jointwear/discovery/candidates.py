@@ -56,7 +56,7 @@ class Group:
     squares: np.ndarray
 
     def of(self, chosen: np.ndarray) -> Group:
-        """Return those of the candidates that are `chosen`, a mask over all of the axis."""
+        """Return those of the candidates that are `chosen`, a mask (c,) over all of the axis."""
         kept = chosen[self.members]
         return Group(self.members[kept], self.places[kept], self.std[kept], self.squares[kept])
 
@@ -106,7 +106,7 @@ class Dictionary:
     _groups: dict[int, list[Group]] = field(default_factory=dict, repr=False)
 
     def products(self, axis: int, columns: np.ndarray) -> Products:
-        """Return the sums of products of a matrix of this dictionary, on one axis."""
+        """Return the sums of products of a matrix (m, k) of this dictionary, on one axis."""
         return self._products.setdefault(id(columns), Products(axis, columns))
 
     def groups(self, axis: int) -> list[Group]:
@@ -194,7 +194,7 @@ def fitted_torque(white: White, fit: Fit, candidate: Candidate, blocks: dict, st
 
 
 def raw_blocks(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
-    """Return the unwhitened columns of any candidate on the rows of the whitened ones."""
+    """Return axis -> unwhitened columns (m, k) [N m] of any candidate, on the rows of the whitened ones."""
     problem = white.problem
     if candidate.effect == LINK_MASS:
         torque = problem.link_mass_torque(candidate.axis)

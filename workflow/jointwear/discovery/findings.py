@@ -111,7 +111,12 @@ def listed(unexplained: list[Unexplained]) -> list[Unexplained]:
 
 
 def measure_gap(problem: Problem, torques: Mapping[str, np.ndarray], floor: Iterable[float | None]) -> Gap:
-    """Return the RMS error of every model over moving samples of the test trajectories, with the noise floor."""
+    """Return the RMS error of every model over moving samples of the test trajectories, with the noise floor.
+
+    Parameters
+    ----------
+    torques : model -> torque (m, n) [N m]. floor : RMS of the noise [N m] of each axis, None where it is not judged.
+    """
     usable = problem.measured.usable & problem.test[:, None]
 
     def errors(kind: str) -> tuple[float | None, ...]:

@@ -144,7 +144,8 @@ def gain(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarray:
 
 
 def gain_of_one(b: np.ndarray, gram: np.ndarray) -> float:
-    """Return the nats that one column with b = X'r and gram X'M X adds with a coefficient of one, not fitted."""
+    """Return the nats that one column with b = X'r (1,) and gram X'M X (1, 1) adds with a coefficient of one, not
+    fitted."""
     return float(b[0] - 0.5 * gram[0, 0])
 
 
@@ -157,7 +158,13 @@ def posterior_mean(b: np.ndarray, gram: np.ndarray, std: np.ndarray) -> np.ndarr
 
 
 def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float, int]:
-    """Return b' H^-1 b over the directions that the terms leave free, and their number."""
+    """Return b' H^-1 b over the directions that the terms leave free, and their number.
+
+    Parameters
+    ----------
+    b : (k,) products of columns with what the terms leave. gram : (k, k) H, of the columns less the terms. full :
+        (k, k) of the columns themselves.
+    """
     values, turned, _ = _free(b, gram, full)
     return float(np.sum(turned**2 / values)), len(values)
 
@@ -174,7 +181,8 @@ def solved(b: np.ndarray, gram: np.ndarray) -> tuple[float, np.ndarray]:
 
 
 def least_squares(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> np.ndarray:
-    """Return the coefficients (k,) H^-1 b over the directions that the terms leave free."""
+    """Return the coefficients (k,) H^-1 b over the directions that the terms leave free; arguments as of
+    :func:`chi_square`."""
     values, turned, vectors = _free(b, gram, full)
     return vectors @ (turned / values)
 

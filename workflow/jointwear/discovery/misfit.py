@@ -46,12 +46,12 @@ def tempered(white: White, misfit: np.ndarray) -> White:
 
 
 def divided(term: Term, misfit: np.ndarray) -> Term:
-    """Return a term whose whitened columns belong to the problem that is :func:`tempered`."""
+    """Return a term whose whitened columns belong to the problem that is :func:`tempered` by a misfit (n,)."""
     return replace(term, blocks=_divided(term.blocks, misfit))
 
 
 def masses_of(dictionary: Dictionary, misfit: np.ndarray, effect: str) -> Dictionary:
-    """Return the whole-arm candidates of one effect for the problem that is :func:`tempered`."""
+    """Return the whole-arm candidates of one effect for the problem that is :func:`tempered` by a misfit (n,)."""
     whole = [(c, _divided(blocks, misfit), std) for c, blocks, std in dictionary.whole if c.effect == effect]
     return Dictionary({}, {}, whole)
 

@@ -86,7 +86,8 @@ def _gain(lags: np.ndarray) -> float:
 
 
 def whitenable(usable: np.ndarray, trajectory: np.ndarray, order: int) -> np.ndarray:
-    """Return the samples whose `order` predecessors are usable and of the same trajectory."""
+    """Return the samples (m,), of `usable` and `trajectory` (N,), whose `order` predecessors are usable and of the same
+    trajectory."""
     good = usable.copy()
     for lag in range(1, order + 1):
         good[lag:] &= usable[:-lag] & (trajectory[lag:] == trajectory[:-lag])
@@ -99,7 +100,8 @@ def estimate(
 ) -> Whitener:
     """Fit the noise model of one axis to a residual (N,).
 
-    The order, up to `highest`, is chosen by the Bayesian information criterion on the same samples for all orders.
+    Samples that are `usable` (N,) are fitted, within their `trajectory` (N,). The order, up to `highest`, is chosen by
+    the Bayesian information criterion on the same samples for all orders.
     """
     rows = whitenable(usable, trajectory, highest)
     while highest and len(rows) < max(FEWEST, FEWEST_EACH * highest):
@@ -147,7 +149,7 @@ def coloured(white: Whitener, drive: list[np.ndarray]) -> np.ndarray:
 
 
 def stable(lags: np.ndarray, largest: float) -> np.ndarray:
-    """Return the coefficients shrunk until no pole is larger than `largest`."""
+    """Return the coefficients (p,) shrunk until no pole is larger than `largest`."""
     if not len(lags):
         return lags
     radius = float(np.max(np.abs(np.roots([1.0, *(-lags)]))))

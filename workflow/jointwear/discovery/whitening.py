@@ -232,27 +232,27 @@ class White:
 
     @cached_property
     def raw_targets(self) -> list[np.ndarray]:
-        """Discrepancy [N m] of every axis on the rows of the whitened targets, below what is noise of derivatives."""
+        """Discrepancy (m,) [N m] of every axis on the rows of its targets, below what is noise of derivatives."""
         train = self.problem.discrepancy[self.problem.train]
         return [np.zeros(0) if w is None else self.raw(axis, train[:, axis]) for axis, w in enumerate(self.whiteners)]
 
     def folds(self, axis: int) -> np.ndarray:
-        """Return the fold of cross-validation of each whitened row of `axis`, in order of time.
+        """Return the fold (m,) of cross-validation of each whitened row of `axis`, in order of time.
 
         A fold is a record; fewer than three records are cut into contiguous blocks.
         """
         return self.problem.fold_of_sample[self.whiteners[axis].rows]
 
     def parts(self, axis: int) -> np.ndarray:
-        """Return the part, out of at least four, that a name has to predict, of each whitened row of `axis`."""
+        """Return the part (m,), out of at least four, that a name has to predict, of each whitened row of `axis`."""
         return self.problem.part_of_sample[self.whiteners[axis].rows]
 
     def halves(self, axis: int) -> np.ndarray:
-        """Return the half of its record that each whitened row of `axis` is in, numbered over all records."""
+        """Return the half (m,) of its record that each whitened row of `axis` is in, numbered over all records."""
         return self.problem.half_of_sample[self.whiteners[axis].rows]
 
     def blocks(self, axis: int) -> np.ndarray:
-        """Return the block of time, within its record, of each whitened row of `axis`."""
+        """Return the block of time (m,), within its record, of each whitened row of `axis`."""
         return self.problem.block_of_sample[self.whiteners[axis].rows]
 
 
@@ -334,7 +334,7 @@ def bridged(columns: np.ndarray, usable: np.ndarray, record: np.ndarray) -> np.n
 
 
 def link_mass_blocks(white: White, link: int) -> dict[int, np.ndarray]:
-    """Return whitened columns for the mass and inertia of `link` growing by 100 %."""
+    """Return axis -> whitened column (m, 1) for the mass and inertia of `link` growing by 100 %."""
     problem = white.problem
     torque = problem.link_mass_torque(link)
     return {

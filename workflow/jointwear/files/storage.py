@@ -82,6 +82,10 @@ def create_dataset(
         `time` is for dates alone (CF 1.8, section 4.4); durations take another name, such as `instant`.
     attributes : global attributes, such as :func:`jointwear.files.provenance.attributes` gives them; what the CF
         conventions ask of every file is added.
+
+    Raises
+    ------
+    InputError : naming the file, where it cannot be written.
     """
     path = Path(path)
     part = path.with_name(path.name + ".part")

@@ -241,7 +241,13 @@ def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
-    """Return for each axis the part of the squared torque that the model leaves, sizes of friction left free."""
+    """Return for each axis the part (n,) of the squared torque that the model leaves, sizes of friction left free; NaN
+    where fewer than `FEWEST` samples can be judged.
+
+    Parameters
+    ----------
+    parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
+    """
     rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3)))
     return _left(dynamics.robot, rigid, parts, usable, range(parts.shape[2]))
 
@@ -264,10 +270,11 @@ def explained_otherwise(
     usable: np.ndarray,
     refuted: Callable[[Reading, np.ndarray], bool] | None = None,
 ) -> Iterator[tuple[Reading, np.ndarray]]:
-    """Yield every other reading of the axes with what :func:`explained` says of it.
+    """Yield every other reading of the axes with what :func:`explained` says of it, (n,).
 
     Parameters
     ----------
+    parts, usable : as of :func:`explained`.
     refuted : whether a reading that leaves so much, or more, is none: it is left out where a part of the samples tells.
         Default: all are yielded.
     """
@@ -314,7 +321,12 @@ def total_left(left: np.ndarray, floor: float) -> float:
 
 
 def best_reading(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple[float, Reading]:
-    """Return the likeliest of the other readings of the axes that leave least, with its log likelihood [nats]."""
+    """Return the likeliest of the other readings of the axes that leave least, with its log likelihood [nats].
+
+    Parameters
+    ----------
+    parts, usable : as of :func:`explained`.
+    """
     scores = [(total_left(left, RIGHT), reading) for reading, left in explained_otherwise(dynamics, parts, usable)]
     likelihood, robot = Likelihood(dynamics, FEWEST), dynamics.robot
     best = [reading for _, reading in sorted(scores, key=lambda x: x[0])[:BEST]]

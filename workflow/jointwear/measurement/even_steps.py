@@ -29,7 +29,12 @@ SHORTEST = 24
 
 
 def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
-    """Return the uninterrupted pieces of a log: runs of one label, cut where more than `GAP` steps are missing."""
+    """Return the uninterrupted pieces of a log: runs of one label, cut where more than `GAP` steps are missing.
+
+    Parameters
+    ----------
+    time : (m,) [s]. trajectory : (m,) labels.
+    """
     result = []
     for run in runs(trajectory):
         steps = np.diff(time[run])

@@ -23,7 +23,7 @@ ABSOLUTE_ZERO = -273.15
 
 
 def possible(values: np.ndarray, role: str) -> np.ndarray:
-    """Return values of a role, in the unit of the project, with NaN in place of those that no arm can have."""
+    """Return values (m, ...) of a role, in the unit of the project, with NaN in place of those that no arm can have."""
     with np.errstate(invalid="ignore"):
         absurd = np.abs(values) > ABSURD[role]
         if role == "temperature":
@@ -102,7 +102,7 @@ def check_clock(path: str | Path, time: np.ndarray, stated: str = "s") -> None:
 
     Parameters
     ----------
-    stated : unit that the times [s] were read in.
+    time : (m,) [s]. stated : unit that the times were read in.
 
     Raises
     ------

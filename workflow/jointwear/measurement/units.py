@@ -87,7 +87,11 @@ def spelled(role: str, unit: str) -> str:
 
 
 def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
-    """Return values of a role in the unit of the project.
+    """Return values of a role in the unit of the project, of the shape that they have.
+
+    Parameters
+    ----------
+    unit : that they are in; None for that of the project. name : of the data set, for messages.
 
     Raises
     ------

@@ -66,6 +66,11 @@ def check_first(
 ) -> list[float | None]:
     """Check the first log; return for each axis the share of its squared torque that the model leaves, or None.
 
+    Parameters
+    ----------
+    stretch : (m,) label of the uninterrupted run that each sample belongs to. motion : along the samples.
+    dead_band : (n,) [rad/s]. name : of the log, for messages.
+
     Raises
     ------
     Refused : names the axis and what it looks like, with a suggestion.
