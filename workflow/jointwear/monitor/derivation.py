@@ -28,6 +28,8 @@ from jointwear.measurement.turns import unwrapped
 EVEN = 0.05
 #: Longest bridge, in usual steps of what is bridged.
 BRIDGE = 2.5
+#: Periods of the cut-off that the edge of a filter reaches into a piece.
+REACH = 1.2
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
         if given_v:
             out_velocity[part] = velocity[part]
         due.append(_Derived(part, time, velocity[part] if given_v else position[part], limit, not given_v))
-        reach = min(int(np.ceil(1.2 * rate / limit.min())) + 1, (b - a) // 4)
+        reach = min(int(np.ceil(REACH * rate / limit.min())) + 1, (b - a) // 4)
         usable[a : a + reach] = False
         usable[b - reach : b] = False
         for j in np.flatnonzero(hole.any(axis=0)):

@@ -25,6 +25,9 @@ from jointwear.robots.robot import Robot
 PRIOR = {"coulomb": 3.0, "offset": 0.2, "viscous": 3.0, "gravity": 0.3, "inertial": 0.3}
 #: An estimate hardly narrower than its prior shows nothing.
 SHOWN = 0.3
+#: Friction that stands for that of an axis without any in the robot file, over its largest torque; and the least share
+#: of its samples that count as independent.
+STANDS_FOR, INDEPENDENT = 0.1, 1e-3
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,7 @@ def window_friction(statistics: WindowStatistics, robot: Robot, baseline: int) -
     speed = _usual_speed(statistics, baseline)
     level = (np.abs(robot.coulomb_positive) + np.abs(robot.coulomb_negative)) / 2
     nominal = level + np.abs(robot.viscous) * speed
-    size = np.where(nominal > 0, nominal, 0.1 * statistics.torque_reference)
+    size = np.where(nominal > 0, nominal, STANDS_FOR * statistics.torque_reference)
     per_speed = size / np.where(speed > 0, speed, 1.0)
     # Columns become Coulomb (the sum of both directions), offset (their difference), and the rest.
     turn = np.eye(5)
@@ -66,7 +69,7 @@ def window_friction(statistics: WindowStatistics, robot: Robot, baseline: int) -
     independent = statistics.effective_count / np.maximum(statistics.count, 1)
     seen = (statistics.freedom > 0) & (statistics.residual_square > 0) & statistics.judgeable
     w, j = np.nonzero(seen)
-    weight = (np.maximum(independent, 1e-3)[w, j] / statistics.noise_variance[w, j])[:, None]
+    weight = (np.maximum(independent, INDEPENDENT)[w, j] / statistics.noise_variance[w, j])[:, None]
     own, aim = prior[j], wanted[j]
     known = np.eye(5) / own[:, None] ** 2
     precision = weight[..., None] * gram[w, j] + known

@@ -13,6 +13,8 @@ import numpy as np
 #: another axis, as robots on which two axes begin to wear in one month are rarer than the false alarms that the stated
 #: rate allows in it; and while all axes move together, where what they share may not be all taken out.
 SECOND, TOGETHER = 0.2, 1.0
+#: Largest statistic, and exponent, of which an exponential is taken: beyond, it is certain all the same.
+LARGEST, STEEPEST = 30.0, 700.0
 
 
 def honest_probability(statistic: np.ndarray, threshold: np.ndarray, together: bool = False) -> np.ndarray:
@@ -33,7 +35,7 @@ def honest_probability(statistic: np.ndarray, threshold: np.ndarray, together: b
     odds[(excess > -np.inf) & (np.arange(len(z)) != excess.argmax())] = SECOND
     alone = axis_probability(statistic, threshold)
     with np.errstate(over="ignore"):
-        chance = np.exp(np.minimum(threshold**2 - np.minimum(z, 30.0) ** 2, 700.0) / 2) / odds
+        chance = np.exp(np.minimum(threshold**2 - np.minimum(z, LARGEST) ** 2, STEEPEST) / 2) / odds
     # Both are odds against this axis.
     return np.where(alone > 0, 1.0 / (1.0 / np.where(alone > 0, alone, 1.0) + chance), 0.0)
 
@@ -48,7 +50,7 @@ def axis_probability(statistic: np.ndarray, threshold: np.ndarray) -> np.ndarray
         are no rivals of each other, only of the axes below.
     """
     z = np.nan_to_num(statistic)
-    evidence = np.where(np.isfinite(statistic), np.exp(np.minimum(z, 30.0) ** 2 / 2), 0.0)
+    evidence = np.where(np.isfinite(statistic), np.exp(np.minimum(z, LARGEST) ** 2 / 2), 0.0)
     rivals = np.where(z > threshold, 0.0, evidence)
     others = rivals.sum(axis=-1, keepdims=True) - rivals
     total = evidence + others

@@ -43,6 +43,10 @@ from jointwear.robots.flange import FlangeLoad
 
 #: Samples of a block, and samples around it that are read along for filters and reversals.
 BLOCK, HALO = 40_000, 400
+#: Blocks whose statistics are put together at a time.
+TOGETHER = 32
+#: Samples of a torque that keeps one value, and of motion of its joint either way, from which it is frozen.
+FEWEST_FROZEN, FEWEST_MOVING = 200, 20
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,7 @@ def log_statistics(
             time = around.chunk.time[kept]
             span = [min(span[0], float(time.min())), max(span[1], float(time.max()))]
             parts.append(_block_statistics(around, kept, model, loads, survey, settings, inspector, path))
-            if len(parts) >= 32:
+            if len(parts) >= TOGETHER:
                 parts = [merge(parts)]
     except InputError as error:
         refused.append(str(error))
@@ -296,15 +300,15 @@ class _Seen:
         return LoadsOnMotion(self.loads, self.motion.position, self.motion.velocity, self.motion.acceleration)
 
 
-def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray, fewest: int = 200) -> np.ndarray:
+def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray) -> np.ndarray:
     """Return the axes (n,) whose torque keeps one value though they move both ways."""
-    if len(torque) < fewest:
+    if len(torque) < FEWEST_FROZEN:
         return np.zeros(torque.shape[1], dtype=bool)
     # One value throughout shows in the first samples already: mostly nothing is left to look at.
-    first = torque[:fewest]
+    first = torque[:FEWEST_FROZEN]
     same = ~(np.isfinite(first[0]) & np.isfinite(first) & (first != first[0])).any(axis=0)
     for j in np.flatnonzero(same):
         known = torque[np.isfinite(torque[:, j]), j]
         same[j] = len(known) > 0 and np.ptp(known) == 0
     both = (velocity > dead_band).sum(axis=0), (velocity < -dead_band).sum(axis=0)
-    return same & (np.minimum(*both) > 20)
+    return same & (np.minimum(*both) > FEWEST_MOVING)

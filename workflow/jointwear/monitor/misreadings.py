@@ -28,6 +28,8 @@ from jointwear.robots.robot import Robot
 DEGREES_LEFT, RADIANS_LEFT = 0.05, 0.3
 #: Factor by which revolutions must leave less of two axes than rad.
 FAR_LESS = 10.0
+#: Share of the positions whose largest counts, and times the limit of its joint that it may be as revolutions.
+NEARLY_ALL, WITHIN = 0.99, 1.1
 
 
 def check_readings(
@@ -118,7 +120,7 @@ def left_in_turns(measured: Measured, robot: Robot) -> float | None:
     Most of the torque of a slow axis is friction, which tells nothing of the unit: two axes have to.
     """
     reach = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
-    if np.any(2 * np.pi * np.quantile(np.abs(measured.position), 0.99, axis=0) > 1.1 * reach):
+    if np.any(2 * np.pi * np.quantile(np.abs(measured.position), NEARLY_ALL, axis=0) > WITHIN * reach):
         return None
     rad = left_as_read(measured, robot)
     if not np.isfinite(rad).any() or np.nanmax(rad) < RADIANS_LEFT:

@@ -30,6 +30,9 @@ CARRIED = 0.5
 LARGEST_STEP = 3.0
 #: Fewest runs that a threshold may rest on; beyond, the tail goes on as that of a Student law.
 FEWEST = 25
+#: The grid on which axes share runs: the ratio of two of its sizes next to each other, the least spread and deviations,
+#: and the least and the most windows of a shift.
+RATIO, LEAST_SPREAD, LEAST_NORMAL, LEAST_WITHIN, FEWEST_WINDOWS, MOST_WINDOWS = 1.2, 0.1, 0.001, 0.0005, 4, 32
 
 
 @dataclass(frozen=True)
@@ -50,14 +53,14 @@ class Axis:
         """Return it on a coarse grid, so that axes and robots share runs; rounded up, to the safe side."""
 
         def up(value: float, least: float) -> float:
-            return float(least * 1.2 ** np.ceil(np.log(max(value, least) / least) / np.log(1.2) - 1e-9))
+            return float(least * RATIO ** np.ceil(np.log(max(value, least) / least) / np.log(RATIO) - 1e-9))
 
         return Axis(
             up(self.between, FLOOR),
-            round(max(self.spread, 0.1), 1),
-            up(self.normal, 0.001),
-            up(self.within, 0.0005),
-            int(np.clip(2 ** round(np.log2(max(self.windows, 1))), 4, 32)),
+            round(max(self.spread, LEAST_SPREAD), 1),
+            up(self.normal, LEAST_NORMAL),
+            up(self.within, LEAST_WITHIN),
+            int(np.clip(2 ** round(np.log2(max(self.windows, 1))), FEWEST_WINDOWS, MOST_WINDOWS)),
         )
 
 

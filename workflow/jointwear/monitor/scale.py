@@ -23,6 +23,8 @@ CLEAR, LEAST, ALIKE, AGAINST = 1.0, 0.01, 0.5, 2.5
 TOGETHER, FEWEST_TOGETHER = 4.0, 3
 #: Share of the axes whose friction must step with it: a load or a program moves the bodies of all axes alone.
 MOST = 0.5
+#: Change of the gravity torque, as a share, below which hardly anything of it is left: no scale is told from that.
+LEAST_LEFT = -0.9
 _GRAVITY, _INERTIAL = COLUMNS.index("gravity"), COLUMNS.index("inertial")
 #: Standard deviation of a window's scale above which it shows nothing.
 COARSEST = 0.25
@@ -53,7 +55,7 @@ def scale_series(sums: Sums, pooled: np.ndarray) -> Series:
     free[:, _INERTIAL] = False
     value, variance = column_estimate(joined, np.zeros((n, len(COLUMNS))), free, pooled, _GRAVITY)
     with np.errstate(invalid="ignore"):
-        known = (variance > 0) & (variance < COARSEST**2) & (value > -0.9)
+        known = (variance > 0) & (variance < COARSEST**2) & (value > LEAST_LEFT)
         logs = np.where(known, np.log1p(np.where(known, value, 0.0)), np.nan)
     spread = np.where(known, variance / (1 + np.where(known, value, 0.0)) ** 2, np.nan)
     return Series(logs, spread, np.ones(n), np.ones(n))

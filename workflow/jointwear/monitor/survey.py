@@ -40,6 +40,8 @@ NOISE, SHARE, LEAST = 5.0, 0.02, 1e-3
 #: Travel [rad] of the first log up to which an axis counts as at rest in it: brakes, servo and wind move it less, and
 #: a program that moves an axis moves it further.
 AT_REST = 0.05
+#: Share of the samples that are slower than the fast speed of an axis.
+FAST = 0.95
 #: Fewest samples of a piece that shows a spectrum, most pieces that are looked at, and usual steps after which a sample
 #: is missing before the next: closed up, two neighbours a step apart look like noise.
 SHORTEST_PIECE, MOST_PIECES, MISSING = 64, 200, 1.5
@@ -49,6 +51,9 @@ LOUDEST_PIECE = 10.0
 LAG_LOOK, BLOCK_LOOK = 40_000, 30_000
 #: Length of a block in times that the noise remembers, and fewest blocks in the motion of a window.
 BLOCK_TIMES, FEWEST_BLOCKS = 5.0, 30
+#: The memory of noise: samples of an axis from which it is asked, longest lag, pairs that a lag needs, and correlation
+#: below which it is forgotten.
+FEWEST_SAMPLES, LONGEST_LAG, FEWEST_PAIRS, FORGOTTEN = 50, 400, 20, 0.05
 
 
 @dataclass(frozen=True)
@@ -267,7 +272,7 @@ def _dead_band(motion: Motion, noise: np.ndarray, given: Any) -> tuple[np.ndarra
     if given is not None:
         return np.broadcast_to(np.asarray(given, dtype=float), (n,)).copy(), np.zeros(n, dtype=bool)
     speed = np.where(motion.usable, np.abs(motion.velocity), np.nan)
-    fast = np.array([np.nanquantile(s, 0.95) if np.isfinite(s).any() else 0.0 for s in speed.T])
+    fast = np.array([np.nanquantile(s, FAST) if np.isfinite(s).any() else 0.0 for s in speed.T])
     position = np.where(motion.usable, motion.position, np.nan)
     moves = np.array([np.isfinite(q).any() and np.nanmax(q) - np.nanmin(q) > AT_REST for q in position.T])
     if moves.any():
@@ -294,7 +299,7 @@ def _block_length(first: _First, length: float) -> float:
     memory = 1.0
     for j in range(v.shape[1]):
         u = used[:, j]
-        if u.sum() < 50:
+        if u.sum() < FEWEST_SAMPLES:
             continue
         design = np.stack([v[:, j] > 0, v[:, j] < 0, v[:, j], gravity[:, j], inertial[:, j]], axis=1)
         fit = np.linalg.lstsq(design[u].astype(float), residual[u, j], rcond=1e-9)[0]
@@ -305,18 +310,18 @@ def _block_length(first: _First, length: float) -> float:
     return float(max(min(BLOCK_TIMES * memory * step, in_motion / FEWEST_BLOCKS), 2 * step))
 
 
-def _memory(error: np.ndarray, used: np.ndarray, stretch: np.ndarray, longest: int = 400) -> float:
-    """Return 1 + 2 sum of the autocorrelations up to the first below 0.05, in samples."""
+def _memory(error: np.ndarray, used: np.ndarray, stretch: np.ndarray) -> float:
+    """Return 1 + 2 sum of the autocorrelations up to the first below FORGOTTEN, in samples; arrays (m,)."""
     power, total = float(np.sum(error**2)) / max(int(used.sum()), 1), 1.0
     if power <= 0:
         return total
-    for lag in range(1, min(longest, len(error) - 1)):
+    for lag in range(1, min(LONGEST_LAG, len(error) - 1)):
         pair = used[lag:] & used[:-lag] & (stretch[lag:] == stretch[:-lag])
         pairs = int(pair.sum())
-        if pairs < 20:
+        if pairs < FEWEST_PAIRS:
             break
         rho = float(np.sum(error[lag:] * error[:-lag] * pair)) / pairs / power
-        if rho < 0.05:
+        if rho < FORGOTTEN:
             break
         total += 2 * rho
     return total

@@ -22,6 +22,8 @@ from jointwear.monitor.watched_axis import Start, WatchedAxis
 FALL_RATE = 0.5
 #: Most rounds in which services are looked for.
 _MOST_TURNS = 8
+#: Windows of a shift, and standard deviation of the normal state [log], where the baseline does not say.
+_USUAL_WINDOWS, _USUAL_NORMAL = 8.0, 0.01
 
 
 @dataclass(frozen=True)
@@ -270,11 +272,11 @@ def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int)
 def _null_of(axis: AxisNormal, shift: np.ndarray, baseline: np.ndarray) -> Axis:
     """Return what the null runs of one axis depend on."""
     rows = np.isfinite(axis.series_value) & baseline
-    usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else 8.0
+    usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else _USUAL_WINDOWS
     noise = float(np.nanmedian(axis.noise))
     within = np.sqrt(noise * float(inflated(usual, axis.dispersion.memory)) / usual)
     left = axis.fit.left_out_variance
-    normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else 0.01
+    normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else _USUAL_NORMAL
     return Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual)).rounded()
 
 

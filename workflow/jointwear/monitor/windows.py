@@ -38,6 +38,8 @@ REGRESSORS = ("positive", "negative", "velocity", "gravity", "inertial")
 #: Bins of the torque histogram from -SPAN to +SPAN times the reference torque; 120 bins fall on [0, 1], so that 12
 #: (or 10, 15, 20, 24 ...) coarse bins are sums of whole fine ones.
 HISTOGRAM_BINS, HISTOGRAM_SPAN = 288, 1.2
+#: Highest correlation from sample to sample that noise is taken to have.
+MOST_CORRELATED = 0.999
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,7 @@ class WindowStatistics:
     @property
     def effective_count(self) -> np.ndarray:
         """Number of independent samples that tell as much as `count` first-order autoregressive ones, (w, n)."""
-        rho = np.clip(self.autocorrelation, 0.0, 0.999)
+        rho = np.clip(self.autocorrelation, 0.0, MOST_CORRELATED)
         return self.count * (1 - rho) / (1 + rho)
 
     @property

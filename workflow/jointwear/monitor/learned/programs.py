@@ -18,6 +18,8 @@ from scipy.spatial import cKDTree
 POINTS = 120
 #: Distance that is near, as a share of the span of the whole motion of the axes.
 NEAR = 0.03
+#: Quantiles between which positions tell the travel.
+ENDS = 0.005, 0.995
 #: Share of the path of one piece that must lie near the other.
 SHARED = 0.5
 
@@ -32,7 +34,7 @@ def programs_of(positions: Sequence[np.ndarray]) -> np.ndarray:
     if not positions:
         return np.zeros(0, dtype=int)
     whole = np.concatenate(positions)
-    low, high = np.nanquantile(whole, 0.005, axis=0), np.nanquantile(whole, 0.995, axis=0)
+    low, high = (np.nanquantile(whole, end, axis=0) for end in ENDS)
     span = float(np.max(high - low))
     if not span > 0:
         return np.zeros(len(positions), dtype=int)
