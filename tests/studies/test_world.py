@@ -11,6 +11,7 @@ from jointwear.studies.challenge.reliability import reliability
 from jointwear.studies.challenge.stored import write_stored_page
 from jointwear.studies.tallies import QUESTIONS
 from jointwear.studies.world import answers, packages
+from jointwear.studies.world.control import CONTROLLERS, Controller, Reader, Reference
 from jointwear.studies.world.plan import BATCH, COUNTS, EFFECTS, OUTSIDE, batches, cases, part_batches
 from jointwear.studies.world.scores import TARGETS, WORDS, score
 from jointwear.studies.world.stages import summary
@@ -50,6 +51,32 @@ def test_the_plants_know_nothing_of_what_searches(root):
             for name in [getattr(node, "module", None) or "", *(alias.name for alias in node.names)]
         ]
         assert not [w for w in words if w.startswith(("jointwear.discovery", "jointwear.effects"))], path.name
+
+
+def test_a_controller_reads_whole_steps_and_answers_to_them():
+    clock = np.arange(3000) * 1e-3
+    position = np.stack([0.3 * np.sin(2 * clock), 0.2 * np.cos(3 * clock)], axis=1)
+    velocity = np.gradient(position, 1e-3, axis=0)
+    steps = np.array([1e-3, 2e-4])
+
+    def controller(kind, read):
+        still = Reference(*np.zeros((3, len(clock), 2)))
+        return Controller(kind, still, np.array([2.0, 1.0]), 20.0, 1e-3, Reader(read, 1e-3))
+
+    for kind in CONTROLLERS:
+        fine, coarse = controller(kind, np.full(2, 1e-12)), controller(kind, steps)
+        known = np.array([coarse.reader.read(q, v) for q, v in zip(position, velocity, strict=True)])
+        assert np.abs(known[:, 0] / steps - np.round(known[:, 0] / steps)).max() < 1e-6
+        # The speed of the motion is right in the mean, where it is smoothed over a few samples alone.
+        assert np.abs((known[:, 1] - velocity).mean(axis=0)).max() < 5e-3
+        answered = coarse.answer_to_steps(position)
+        assert not controller(kind, np.zeros(2)).answer_to_steps(position).any()
+        coarse.restart()
+        asked, without = (
+            np.array([c.torque(k, position[k], velocity[k]) for k in range(len(clock))]) for c in (coarse, fine)
+        )
+        # What is left is what the integral of the second law has added up.
+        assert np.all((asked - without - answered).std(axis=0) < 0.2 * answered.std(axis=0))
 
 
 def test_choosing_and_report_cases_have_other_seeds():

@@ -19,11 +19,14 @@ CIRCUMSTANCES = (
     "arm",
     "rate",
     "bits",
+    "bits_read",
     "link_side",
     "torque_kind",
+    "motors_in_file",
     "controller",
     "motion",
     "velocity",
+    "velocity_lag",
     "inertial_error",
 )
 #: Half width of a 95 % interval in standard deviations.

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
@@ -63,7 +64,7 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
     nominal = (kind.drives.coulomb, kind.drives.viscous, kind.drives.armature)
     drives = DriveParameters(*(np.array(x, dtype=float) for x in nominal))
     gear = np.array(kind.drives.gear, dtype=float)
-    told_drives = drives if setting.torque != "link_sensor" else DriveParameters(*np.zeros((3, chain.joints)))
+    told_drives = drives if setting.motors_in_file else DriveParameters(*np.zeros((3, chain.joints)))
     robot = write_robot(folder, case.name, chain, told_drives, gear if setting.gear_known else np.ones_like(gear))
     believed = write_robot(folder / "truth", "believed", chain, drives, gear)
     real_chain, real_drives, wrong = real_arm(case, setting, chain, drives, rng)
@@ -73,17 +74,16 @@ def generate(case: Case, folder: str | Path, seed: int = SEED) -> WorldCase:
     heat = temperatures(rng, setting.recordings, chain.joints)
     scales = scales_of(setting, believed, real_chain, real_drives, references, starts)
     hidden = draw_hidden_things(subjects, scales, rng) if case.kind in ("single", "two", "outside") else []
-    controllers = controllers_of(setting, believed, references)
+    controllers = controllers_of(setting, believed, gear, references)
     make = Maker(setting, real_chain, real_drives, controllers, starts, heat)
     logs = make.logs(hidden)
     clean = make.channel(logs, hidden)
     true = _Samples.of(logs, clean, setting.sub)
     deviation = setting.noise * true.torque.std(axis=0)
-    step = _encoder_step(setting, gear)
-    recording = _logged(case.name, setting, true, deviation, step, rng)
-    felt = felt_noise(
-        deviation, step, np.diag(Dynamics(believed).mass_matrix(true.position.mean(axis=0))), setting.rate
-    )
+    step = setting.encoder_step(setting.bits, gear)
+    recording = _logged(case.name, setting, true, _shown_velocity(logs, setting), deviation, step, rng)
+    seen = np.hypot(deviation, make.answer_to_steps(logs))
+    felt = felt_noise(seen, step, np.diag(Dynamics(believed).mass_matrix(true.position.mean(axis=0))), setting.rate)
     judge = Judge(setting, robot, real, felt, heat, starts, rng)
     facts = _circumstances(case, setting) | {"noise": deviation.tolist(), "wrong_parameter": wrong, "effects": []}
     if hidden:
@@ -120,19 +120,36 @@ class _Samples:
         return cls(joined("time"), label, *motion, np.concatenate(parts), joined("temperature"))
 
 
+def _shown_velocity(logs: Sequence[Log], setting: Setting) -> np.ndarray:
+    """Return the velocity (k, n) [rad/s] that a controller shows of the logged samples, without noise."""
+    keep = np.exp(-setting.step / setting.velocity_lag) if setting.velocity_lag else 0.0
+    shown = []
+    for log in logs:
+        # The logged speed belongs to the same instant as the position.
+        now = log.velocity + setting.step / 2 * log.acceleration
+        late, _ = lfilter([1 - keep], [1.0, -keep], now, axis=0, zi=keep * now[:1])
+        shown.append(late[:: setting.sub])
+    return np.concatenate(shown)
+
+
 def _logged(
-    name: str, setting: Setting, true: _Samples, deviation: np.ndarray, step: np.ndarray, rng: np.random.Generator
+    name: str,
+    setting: Setting,
+    true: _Samples,
+    velocity: np.ndarray,
+    deviation: np.ndarray,
+    step: np.ndarray,
+    rng: np.random.Generator,
 ) -> Recording:
     """Return what is logged of the true motion.
 
     Parameters
     ----------
-    deviation : (n,) standard deviation of the torque [N m]. step : (n,) of the encoders [rad].
+    velocity : (k, n) as the controller shows it. deviation : (n,) standard deviation of the torque [N m].
+    step : (n,) of the encoders [rad].
     """
     count = len(true.time) // setting.recordings
     noise = torque_noise(rng, deviation, setting.colour, setting.recordings, count)
-    # The logged speed belongs to the same instant as the position.
-    velocity = true.velocity + setting.step / 2 * true.acceleration
     labels = range(setting.recordings)
     return Recording(
         time=np.round(true.time, 6),
@@ -161,14 +178,17 @@ def _circumstances(case: Case, setting: Setting) -> dict[str, Any]:
         "arm": setting.arm.name,
         "rate": setting.rate,
         "bits": setting.bits,
+        "bits_read": setting.bits_read,
         "link_side": setting.link_side,
         "torque_kind": setting.torque,
+        "motors_in_file": setting.motors_in_file,
         "controller": setting.controller,
         "motion": setting.motion,
         "inertial_error": setting.inertial_error,
         "drive_error": setting.drive_error,
         "gear_known": setting.gear_known,
         "velocity": setting.velocity,
+        "velocity_lag": setting.velocity_lag if setting.velocity else 0.0,
         "temperature": setting.temperature,
         "colour": setting.colour,
     }
@@ -182,10 +202,3 @@ def _held_out(recording: Recording, robot: Robot, true: _Samples) -> Iterator[np
     judged = inside[:, None] & (np.abs(true.velocity[held]) >= REST)
     given = Dynamics(robot).inverse_dynamics(true.position[held], true.velocity[held], true.acceleration[held])
     return (np.where(judged, x, np.nan) for x in (true.torque[held], recording.torque[held], given))
-
-
-def _encoder_step(setting: Setting, gear: np.ndarray) -> np.ndarray:
-    if not setting.bits:
-        return np.zeros_like(gear)
-    turn = 2 * np.pi / 2.0**setting.bits
-    return np.full_like(gear, turn) if setting.link_side else turn / np.abs(gear)

@@ -12,7 +12,7 @@ from jointwear.robots.robot import Robot
 from jointwear.studies.challenge.motion import fourier_path, transfer_paths
 from jointwear.studies.challenge.surroundings import Temperatures
 from jointwear.studies.world.chains import Chain
-from jointwear.studies.world.control import Controller, Reference
+from jointwear.studies.world.control import Controller, Reader, Reference
 from jointwear.studies.world.hidden import Channel, Hidden, Scales
 from jointwear.studies.world.plant import DriveParameters, compile_plant, draft
 from jointwear.studies.world.run import SETTLE, Log, run
@@ -47,8 +47,8 @@ def wanted_motion(setting: Setting, robot: Robot, rng: np.random.Generator) -> l
     return [Wanted(*p.at(clock if settle else np.maximum(clock, 0.0))) for p in paths]
 
 
-def controllers_of(setting: Setting, robot: Robot, references: Sequence[Wanted]) -> list[Controller]:
-    """Return a controller for every recording, which knows the nominal robot."""
+def controllers_of(setting: Setting, robot: Robot, gear: np.ndarray, references: Sequence[Wanted]) -> list[Controller]:
+    """Return a controller for every recording, which knows the nominal robot; `gear` (n,) are the true ratios."""
     dynamics = Dynamics(robot)
     result = []
     for wanted in references:
@@ -58,7 +58,8 @@ def controllers_of(setting: Setting, robot: Robot, references: Sequence[Wanted])
             feed = dynamics.rigid_body_torque(wanted.position, wanted.velocity, wanted.acceleration)
         inertia = np.diag(dynamics.mass_matrix(wanted.position.mean(axis=0)))
         reference = Reference(wanted.position, wanted.velocity, feed)
-        result.append(Controller(setting.controller, reference, inertia, setting.bandwidth, setting.step))
+        reader = Reader(setting.encoder_step(setting.bits_read, gear), setting.step)
+        result.append(Controller(setting.controller, reference, inertia, setting.bandwidth, setting.step, reader))
     return result
 
 
@@ -105,6 +106,14 @@ class Maker:
                 item.build(drafted)
         plant = compile_plant(drafted)
         return run(plant, self.controllers, hidden, self.drives, self.starts, self.heat, self.setting.link_side)
+
+    def answer_to_steps(self, logs: Sequence[Log]) -> np.ndarray:
+        """Return the standard deviation (n,) [N m] of what the controllers command because encoders have steps.
+
+        It is in the torque of a sample, and too fast for what is derived from the positions of a log.
+        """
+        told = [c.answer_to_steps(log.position) for c, log in zip(self.controllers, logs, strict=True)]
+        return np.concatenate(told).std(axis=0)
 
     def channel(self, logs: Sequence[Log], hidden: Sequence[Hidden]) -> list[np.ndarray]:
         """Return the torque (m, n) that the recorder gets of each log, without noise."""
