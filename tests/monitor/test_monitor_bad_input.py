@@ -259,6 +259,21 @@ def test_positions_outside_the_limits_are_not_judged(tmp_path, good):
     assert (found.statistics.count == 0).all()
 
 
+def test_torques_that_stand_far_out_cost_no_window_and_say_so(tmp_path):
+    right, log = write_parquet(tmp_path / "right.parquet", columns(make_log(48.0))), make_log(48.0, seed=2)
+    torque = log.torque.copy()
+    torque[100::200, 1] *= 500.0
+    sound, wrong = (
+        read(write_parquet(tmp_path / name, columns(replace(log, torque=each))), right)
+        for name, each in (("sound.parquet", log.torque), ("wrong.parquet", torque))
+    )
+    assert flagged(wrong, Flag.NOT_FINITE, 1)
+    assert not flagged(wrong, DISQUALIFYING)
+    lost = sound.statistics.count - wrong.statistics.count
+    assert 0 < lost[:, 1].max() < 20
+    assert not np.delete(lost, 1, axis=1).any()
+
+
 @pytest.mark.parametrize("kind", ["spikes", "stops"])
 def test_positions_that_jump_cost_no_window_and_say_so(tmp_path, kind):
     right, log = write_parquet(tmp_path / "right.parquet", columns(make_log(48.0))), make_log(48.0, seed=2)

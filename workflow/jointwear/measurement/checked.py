@@ -18,6 +18,7 @@ from jointwear.measurement.silent_joints import moving_torques, silence_in_words
 from jointwear.measurement.time_scale import check_time_scale
 from jointwear.measurement.torque_follows import check_follows
 from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, thinned, torque_factors
+from jointwear.measurement.torque_spikes import spikes_in_words
 from jointwear.measurement.unsigned_torque import check_torque_has_sign
 from jointwear.robots.robot import Robot
 
@@ -38,7 +39,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     restrictions = [*unusual_parameters(robot), *check_recording(recording, robot)]
     check_reach(recording.position, robot, name)
     check_rows_follow(recording)
-    restrictions += jumps_in_words(recording)
+    restrictions += [*jumps_in_words(recording), *spikes_in_words(recording)]
     check_rate(recording, name)
     measured = moving_torques(recording)
     restrictions += silence_in_words(measured)

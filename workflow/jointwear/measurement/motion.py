@@ -16,6 +16,7 @@ from functools import partial
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import binary_dilation
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.even_steps import evenly, pieces_of
@@ -25,6 +26,7 @@ from jointwear.measurement.jumps import without_jumps
 from jointwear.measurement.missing_samples import bridge, long_gaps
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, smooth, widest_band
+from jointwear.measurement.torque_spikes import without_spikes
 from jointwear.measurement.velocity_lag import put_in_time
 
 #: Rates above this are decimated [Hz], to about TARGET.
@@ -215,7 +217,8 @@ class _Raw:
     """A recording on an even grid, what is missing bridged; arrays (m, n) unless stated.
 
     `pieces` are its uninterrupted stretches, `rate` [Hz]. `velocity` and `acceleration` are None where they were not
-    given; `derived` says that one of them was not. `finite` marks samples that were measured. `reach` (n,) [Hz] up to
+    given; `derived` says that one of them was not. `finite` marks samples whose motion was measured, `felt` those whose
+    torque was. `reach` (n,) [Hz] up to
     which the positions hold a signal, `velocity_lag` (n,) [s] as of :class:`Measured`. `spectra` holds, by how often a
     given signal is to be differentiated, its noise density (n,) [unit^2/Hz] and up to where (n,) [Hz] it reaches.
     """
@@ -230,6 +233,7 @@ class _Raw:
     torque: np.ndarray
     temperature: np.ndarray
     finite: np.ndarray
+    felt: np.ndarray
     reach: np.ndarray
     derived: bool
     velocity_lag: np.ndarray | None
@@ -238,7 +242,7 @@ class _Raw:
 
 def _raw(recording: Recording) -> _Raw:
     """Return a recording on an even grid, its velocities in time with its positions."""
-    recording = without_jumps(recording)
+    recording = without_spikes(without_jumps(recording))
     recording, time = evenly(recording, elapsed_time(recording.time, recording.trajectory))
     pieces = pieces_of(time, recording.trajectory)
     step = float(np.median(np.concatenate([np.diff(time[p]) for p in pieces if p.stop - p.start > 1] or [[1.0]])))
@@ -248,7 +252,7 @@ def _raw(recording: Recording) -> _Raw:
         given = np.asarray(recording.temperature, dtype=float)
         temperature[:] = given[:, None] if given.ndim == 1 else given
     motion = [x for x in (recording.position, recording.velocity, recording.acceleration) if x is not None]
-    finite = np.all([np.isfinite(x) for x in (*motion, recording.torque)], axis=0)
+    finite = np.all([np.isfinite(x) for x in motion], axis=0)
     finite[np.any([long_gaps(x, pieces) for x in motion], axis=0)] = False
     position = bridge(recording.position, pieces)
     velocity = None if recording.velocity is None else bridge(recording.velocity, pieces)
@@ -271,6 +275,7 @@ def _raw(recording: Recording) -> _Raw:
         torque=bridge(recording.torque, pieces),
         temperature=temperature,
         finite=finite,
+        felt=np.isfinite(recording.torque),
         reach=reach,
         derived=recording.velocity is None or recording.acceleration is None,
         velocity_lag=lag,
@@ -353,6 +358,10 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
             # A gap spoils its surroundings as far as the filter reaches.
             for miss in np.flatnonzero(~raw.finite[p][:, j]):
                 ok[max(miss - edge, 0) : miss + edge + 1, j] = False
+    for j in np.flatnonzero(~raw.felt[p].all(axis=0)):
+        # A torque that is missing reaches as far as its filter does; splines and filters of the motion have none of it.
+        around = int(np.ceil(TRANSIENT / limit * rate)) if factor > 1 else 0
+        ok[:, j] &= ~binary_dilation(~raw.felt[p][:, j], np.ones(2 * around + 1))
     keep = slice(factor // 2, None, factor)
     return [x[keep] for x in (t, raw.trajectory[p], q, v, a, tau, raw.temperature[p], ok)]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from jointwear.measurement.formats import Layout, read_log
 from jointwear.measurement.formats.chunk import Chunk, unread_in_words
 from jointwear.measurement.held_rows import without_lines
 from jointwear.measurement.jumps import without_jumps_of
+from jointwear.measurement.torque_spikes import without_spikes_of
 from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.derivation import Motion, derive_motion
@@ -157,6 +158,7 @@ def _block_statistics(
 ) -> WindowStatistics:
     """Return the statistics of the `kept` samples of a block, with the loads that it shows, read at the time of the
     first log."""
+    around = replace(around, chunk=without_spikes_of(around.chunk, around.stretch))
     chunk = around.chunk
     measured = without_jumps_of(without_lines(chunk, around.stretch), around.stretch)
     motion = derive_motion(measured, around.stretch, np.array(survey.cutoff))
