@@ -17,8 +17,9 @@ from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass
 ENDS = 3.0
 #: A lag below this share of the sampling interval, or of this many standard deviations, is none.
 SMALLEST, SIGMAS = 0.05, 5.0
-#: Longest lag that is put right [sampling intervals]: more is another clock than that of the positions.
-LONGEST = 5.0
+#: Longest lag that is put right [s], or [sampling intervals] where these are longer: more is another clock than that of
+#: the positions.
+LONGEST, INTERVALS = 0.05, 5.0
 #: Highest share of the rate at which velocities and positions are compared.
 BAND = 0.2
 #: A lag is found to first order of what is left of it; this often.
@@ -41,6 +42,7 @@ def put_in_time(
     reach : (n,) [Hz] up to which the positions hold a signal. rate : of sampling [Hz].
     """
     moved, lags = velocity.copy(), np.zeros(velocity.shape[1])
+    longest = max(LONGEST, INTERVALS / rate)
     for j in range(velocity.shape[1]):
         band = min(float(reach[j]), BAND * rate)
         edge = int(np.ceil(ENDS / band * rate))
@@ -63,9 +65,9 @@ def put_in_time(
             left = late - first + more * second
             # Samples of a band-limited signal are as many as twice its band per second.
             error = np.sqrt(float(left @ left) / len(left) / power * rate / (2 * band))
-            if abs(lag) * rate > LONGEST:
+            if abs(lag) > longest:
                 break
-        if max(SIGMAS * error, SMALLEST / rate) < abs(lag) <= LONGEST / rate:
+        if max(SIGMAS * error, SMALLEST / rate) < abs(lag) <= longest:
             lags[j] = lag
             for p in pieces:
                 moved[p, j] = _earlier(time[p], velocity[p, j], lag)
