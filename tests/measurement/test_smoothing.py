@@ -63,6 +63,29 @@ def test_a_velocity_that_disagrees_with_the_positions_is_kept(shift):
     assert np.all(rms(found.velocity - v - shift) < 1e-4)
 
 
+@pytest.mark.parametrize("noise", [2e-2, 2e-5])
+def test_derivatives_come_from_the_signal_that_follows_the_motion(noise):
+    """In its own band a velocity that is nearly all noise has the least: its fit follows hardly anything."""
+    time, q, v, a = motion(rate=200.0)
+    shake = 2 * np.pi * 9.0
+    wave, slope = (2e-4 * f(shake * time)[:, None] for f in (np.sin, np.cos))
+    q, v, a = q + wave, v + shake * slope, a - shake**2 * wave
+    given = v + noise * np.random.default_rng(2).standard_normal(v.shape)
+    alone, both = measure(recording(time, q)), measure(recording(time, q, given))
+    assert alone.fitted
+    assert both.fitted
+    inside = slice(60, -60)
+    errors = [rms((found.acceleration - a)[inside]) for found in (alone, both)]
+    frequency = np.linspace(1.0, 8.0, 8)
+    expected = [found.noise.acceleration(frequency) for found in (alone, both)]
+    if noise > 1e-3:
+        np.testing.assert_allclose(errors[1], errors[0])
+        np.testing.assert_allclose(both.cutoff, alone.cutoff)
+        np.testing.assert_allclose(expected[1], expected[0])
+    else:
+        assert np.all(errors[1] < 0.5 * errors[0])
+
+
 def test_given_accelerations_are_kept_and_ends_left_out():
     time, q, v, a = motion()
     found = measure(recording(time, q, v, a))

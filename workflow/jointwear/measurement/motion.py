@@ -159,7 +159,7 @@ def measure(recording: Recording) -> Measured:
         raw = replace(raw, pieces=[p for p in raw.pieces if p.stop - p.start >= SHORTEST])
         splines = bool(raw.pieces)
     if splines:
-        q, v, a, band, noise = _fitted(raw.time, raw.pieces, raw.position, raw.velocity, rate)
+        q, v, a, band, noise, of_positions = _fitted(raw.time, raw.pieces, raw.position, raw.velocity, rate)
         if raw.derived and np.mean(band >= widest_band(rate)) > 0.5:
             # One joint may be too coarse or too slow for its encoder. Where most ask for all the knots there are, it is
             # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
@@ -167,6 +167,8 @@ def measure(recording: Recording) -> Measured:
         else:
             cutoff, floor = band if raw.derived else cutoff, noise
             acceleration = a if raw.acceleration is None else raw.acceleration
+            # Nothing of the noise of given velocities is in accelerations that were made without them.
+            densities[1:, of_positions] = 0.0
             raw = replace(raw, position=q, velocity=v, acceleration=acceleration)
     fused = np.zeros(n, bool)
     if raw.velocity is not None and raw.acceleration is None:
@@ -369,30 +371,34 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
 def _fitted(time, pieces: list[slice], position, velocity, rate: float):
     """Fit splines to positions and, where given, to velocities.
 
-    Each joint's derivatives come from the signal that gives them with less noise; from the velocities if the two
-    disagree, as a recorder may take them from elsewhere.
+    Each joint's derivatives come from the signal that gives them with less noise, in the band of the signal that
+    follows the motion further: in its own, a signal that is all noise has the least, because its fit follows hardly
+    anything. They come from the velocities if the two disagree, as a recorder may take them from elsewhere.
 
     Returns
     -------
-    position, velocity and acceleration (m, n), the end of the band (n,) [Hz], the noise of the velocity (n,) [rad/s].
+    position, velocity and acceleration (m, n), the end of the band (n,) [Hz], the noise of the velocity (n,) [rad/s],
+    and the joints (n,) whose accelerations were made of the positions.
     """
     rows = np.concatenate([np.arange(p.start, p.stop) for p in pieces])
     one = smooth([(time[p], position[p]) for p in pieces], rate)
     q, v, a = position.copy(), np.zeros_like(position), np.zeros_like(position)
     q[rows], v[rows], a[rows] = one.value, one.first, one.second
     cutoff, noise = one.cutoff, one.derivative_noise(1, rate)
+    better = np.ones(position.shape[1], bool)
     if velocity is None:
-        return q, v, a, cutoff, noise
+        return q, v, a, cutoff, noise, better
     two = smooth([(time[p], velocity[p]) for p in pieces], rate)
     apart = np.sqrt(np.mean((velocity[rows] - one.first) ** 2, axis=0))
     agree = apart <= AGREES * np.hypot(two.noise, noise)
+    band = np.maximum(one.cutoff, two.cutoff)
     for order, target in ((1, v), (2, a)):
-        better = agree & (one.derivative_noise(order, rate) <= two.derivative_noise(order - 1, rate))
+        better = agree & (one.derivative_noise(order, rate, band) <= two.derivative_noise(order - 1, rate, band))
         target[np.ix_(rows, ~better)] = (two.value, two.first)[order - 1][:, ~better]
         cutoff = np.where(better, cutoff, two.cutoff)
         if order == 1:
             noise = np.where(better, noise, two.derivative_noise(0, rate))
-    return q, v, a, cutoff, noise
+    return q, v, a, cutoff, noise, better
 
 
 def _moving(velocity: np.ndarray, trajectory: np.ndarray, floor: np.ndarray, guard: int) -> np.ndarray:

@@ -54,10 +54,13 @@ class Smooth:
         """Frequency (n,) [Hz] at which the band of the fit ends."""
         return 0.5 / self.spacing
 
-    def derivative_noise(self, order: int, rate: float) -> np.ndarray:
-        """Return the standard deviation (n,) of a derivative: white noise of the samples within the band."""
-        power = 2 * order + 1
-        return self.noise * np.sqrt(2 / rate * (2 * np.pi) ** (2 * order) * self.cutoff**power / power)
+    def derivative_noise(self, order: int, rate: float, band: np.ndarray | None = None) -> np.ndarray:
+        """Return the standard deviation (n,) of a derivative: white noise of the samples within the band.
+
+        `band` (n,) [Hz] is another than that of the fit, as that of another signal of the same motion.
+        """
+        power, end = 2 * order + 1, self.cutoff if band is None else band
+        return self.noise * np.sqrt(2 / rate * (2 * np.pi) ** (2 * order) * end**power / power)
 
 
 class _Fit:
