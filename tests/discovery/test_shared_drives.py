@@ -1,9 +1,14 @@
 """Samples in which a drive that two joints share sticks."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 from discovery_cases import COARSE_RATE as RATE
 
 from jointwear.discovery import assumed
+from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.refine import simplest
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_drives import sticking
 
@@ -59,3 +64,39 @@ def test_samples_beside_reversals_of_a_dragging_neighbour_are_left_out():
     missing = 0.02 * rng.standard_normal((4000, 2)) + 0.8 * level[:, None] * np.array([1, 0])
     stuck = sticking(usable, velocity, acceleration, missing, inertial, SIGMAS)
     np.testing.assert_array_equal(stuck, np.stack([slow, np.zeros(4000, dtype=bool)], axis=1))
+
+
+def _with_speeds(white, velocity):
+    """A problem in which the joints move at other speeds, for columns of shared drives."""
+    problem = replace(white.problem)
+    problem.__dict__.update(train_state=replace(white.problem.train_state, velocity=velocity))
+    return replace(white, problem=problem)
+
+
+def _lacking(white, nonlinear):
+    """The problem with 4 N m of the friction of a drive on joint 2, and the candidate that says so."""
+    candidate = Candidate("drive_coupling", 1, 2, nonlinear)
+    torque = 4.0 * raw_columns(white, candidate)[:, 0]
+    return replace(white, targets=[y + white.columns(a, torque) * (a == 1) for a, y in enumerate(white.targets)])
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_drive_that_may_turn_with_both_joints_does(white, sense):
+    """Friction of a drive acts on a joint that turns it. Where the other joint is always faster, its sense alone says
+    the same, and another one in motion to come."""
+    own = white.problem.train_state.velocity[:, 1]
+    velocity = white.problem.train_state.velocity.copy()
+    velocity[:, 2] = np.where(np.arange(len(own)) % 700 < 350, 1.0, -1.0) * (0.2 + np.abs(own))
+    faster = _with_speeds(white, velocity)
+    dragged = Candidate("drive_coupling", 1, 2, {"own": 0.0, "other": sense})
+    lacking = _lacking(faster, dragged.nonlinear)
+    found = simplest(lacking, lacking.fit([]), dragged)
+    # Against the sense of the other joint friction would drive.
+    assert found.nonlinear == {"own": 1.0, "other": sense}
+
+
+@pytest.mark.parametrize("own", [0.0, 1.0])
+def test_a_drive_turns_with_what_the_data_say(white, own):
+    candidate = Candidate("drive_coupling", 1, 2, {"own": own, "other": 1.0})
+    lacking = _lacking(white, candidate.nonlinear)
+    assert simplest(lacking, lacking.fit([]), candidate).nonlinear == candidate.nonlinear

@@ -9,7 +9,7 @@ import numpy as np
 from jointwear.discovery.candidates import Candidate, on_all_axes, prior_std, raw_torques, whitened
 from jointwear.discovery.harmless_band import where_noise_is_harmless
 from jointwear.discovery.linear import Fit, gain, gain_of_one, posterior_mean
-from jointwear.discovery.scan import gain_about_one
+from jointwear.discovery.scan import gain_about_one, possible
 from jointwear.discovery.whitening import White
 from jointwear.effects import Parameter, get_effect
 
@@ -119,18 +119,19 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     one, of waves over time the slowest, of friction that builds up that which does not relax, of forms that look alike
     that of the smallest coefficients.
     """
-    if candidate.axis is None or not free_parameters(candidate):
+    if candidate.axis is None:
         return candidate
     effect = get_effect(candidate.effect)
     undecided = 0.5 * white.problem.settings.accept
+    if not free_parameters(candidate):
+        return _plain(white, fit, candidate, undecided)
     courses = effect.courses(white.problem.train_state, candidate.axis)
     if courses:
         return central(white, fit, candidate, [replace(candidate, nonlinear=dict(p)) for p in courses])
+    plain = _plain(white, fit, candidate, undecided)
+    if plain is not candidate:
+        return plain
     best = evidence_at(white, fit, candidate)
-    for nonlinear in effect.plain(white.problem.train_state, candidate.axis):
-        trial = replace(candidate, nonlinear=dict(nonlinear))
-        if evidence_at(white, fit, trial) > best - undecided:
-            return trial
     slower = effect.slower(white.problem.train_state, candidate.axis, candidate.nonlinear)
     if slower:
         trials = [refine(white, fit, replace(candidate, nonlinear=dict(p)), other_form=True) for p in slower]
@@ -149,6 +150,29 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
         found.append((gain(b, gram, std), size, trial))
     best = max(value for value, _, _ in found)
     return min((f for f in found if f[0] > best - undecided), key=lambda f: f[1])[2]
+
+
+def _plain(white: White, fit: Fit, candidate: Candidate, undecided: float) -> Candidate:
+    """Return the first plain form that may exist and is behind the candidate by less than `undecided` nats, or that."""
+    effect = get_effect(candidate.effect)
+    forms = effect.plain(white.problem.train_state, candidate.axis)
+    if not forms:
+        return candidate
+    best = evidence_at(white, fit, candidate)
+    for nonlinear in forms:
+        trial = replace(candidate, nonlinear=dict(nonlinear))
+        # Turned round a form says as much, with friction that drives.
+        if evidence_at(white, fit, trial) > best - undecided and _may_exist(white, fit, trial):
+            return trial
+    return candidate
+
+
+def _may_exist(white: White, fit: Fit, candidate: Candidate) -> bool:
+    """Return whether the parameters of an effect, as they would be fitted, lie within their bounds."""
+    torques = raw_torques(white, candidate)
+    b, gram = fit.gram(whitened(white, torques))
+    size = posterior_mean(b, gram, prior_std(white, candidate, torques[candidate.axis]))
+    return possible(get_effect(candidate.effect), candidate.nonlinear, size)
 
 
 def central(white: White, fit: Fit, candidate: Candidate, others: list[Candidate]) -> Candidate:

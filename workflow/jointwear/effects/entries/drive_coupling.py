@@ -55,6 +55,8 @@ EFFECT = Effect(
         {"own": 1.0, "other": 1.0},
         {"own": 1.0, "other": -1.0},
     ],
+    # Friction of a drive acts on every axis that turns it: on this one only if this one does.
+    plain=lambda state, axis: [{"own": 1.0, "other": 1.0}, {"own": 1.0, "other": -1.0}],
     bend=Bend(_bent, lambda state, axis, source, p, used: knots_of(np.abs(_speed(state, axis, source, p))[used], 5)),
     regime=lambda state, axis, source, p: state.velocity[..., source],
     needs_source=True,
