@@ -10,6 +10,7 @@ from jointwear.measurement.checks import Refused
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
 from jointwear.measurement.torque_scale import shared_scale
+from jointwear.monitor import misreadings
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.plausibility import beyond_loads
@@ -131,14 +132,19 @@ def with_product(mass, centre):
     return replace(ARM, payload=Link(mass, np.array(centre), 0.001 * mass * np.eye(3)))
 
 
-def log_with_product(path, program, mass, scale=1.0, drives=0.0):
-    points, seconds, centre = program
-    motion = Task("product", np.radians(points), np.full(5, seconds)).motion(np.arange(1200) / 50.0)
-    dynamics = Dynamics(with_product(mass, centre))
-    torque = dynamics.rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
-    torque = torque + dynamics.friction_torque(motion.velocity) + drives * motion.acceleration
+def log_with_product(path, program, mass, scale=1.0, drives=0.0, part=0.0, seconds=24.0, stretched=1.0):
+    """A log of an arm with `mass` at its flange, and with a `part` more on the moves from its second to its fourth
+    point; its time is `stretched` by a factor."""
+    points, pace, centre = program
+    motion = Task("product", np.radians(points), np.full(5, pace)).motion(np.arange(round(50 * seconds)) / 50.0)
+    free, held = (
+        Dynamics(with_product(m, centre)).rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
+        for m in (mass, mass + part)
+    )
+    torque = np.where(np.isin(motion.time // pace % 5, (1, 2))[:, None], held, free)
+    torque = torque + Dynamics(ARM).friction_torque(motion.velocity) + drives * motion.acceleration
     torque += 0.02 * torque.std(axis=0) * np.random.default_rng(round(10 * mass)).standard_normal(torque.shape)
-    log = Log(motion.time, motion.position, motion.velocity, motion.acceleration, scale * torque)
+    log = Log(stretched * motion.time, motion.position, motion.velocity, motion.acceleration, scale * torque)
     return str(write_parquet(path / f"log_{mass}.parquet", columns(log)))
 
 
@@ -164,6 +170,31 @@ def test_a_file_without_friction_and_load_costs_no_log_and_another_unit_is_told(
         wrong = log_with_product(tmp_path, program, first, SCALES[kind], drives)
         with pytest.raises(Refused, match=r"multiple of the model's|looks like mN m"):
             survey_log(wrong, *reading, LENGTH)
+
+
+def test_a_part_on_some_moves_is_no_factor_of_all_torques(tmp_path):
+    """It loads most joints alike, and a load that is carried all the time explains it no better than a factor."""
+    reading = layout_of({}, ARM.joint_names), TorqueModel(BARE)
+    survey = survey_log(log_with_product(tmp_path, NEAR, 2.0, seconds=30.0), *reading, LENGTH)
+
+    def refused(scale):
+        path = log_with_product(tmp_path, NEAR, 2.0, scale, part=3.5, seconds=30.0)
+        return "".join(log_statistics(path, *reading, survey, LENGTH).refused)
+
+    assert not refused(1.0)
+    assert "the torques of all joints, friction included" in refused(2.0)
+
+
+def test_a_clock_is_asked_again_without_the_part_that_a_first_log_shows(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise Refused("time looks stretched", "multiply the time")
+
+    monkeypatch.setattr(misreadings, "check_time_scale", refuse)
+    reading = layout_of({}, ARM.joint_names), TorqueModel(ARM)
+    survey_log(log_with_product(tmp_path, FAR, 0.0, part=5.0), *reading, LENGTH)
+    for more in ({"part": 5.0, "stretched": 1.25}, {}):  # without a load that shows nothing acquits it
+        with pytest.raises(Refused, match="time looks stretched"):
+            survey_log(log_with_product(tmp_path, FAR, 0.0, **more), *reading, LENGTH)
 
 
 def test_a_torque_that_the_model_does_not_follow_is_refused_for_its_size(tmp_path):

@@ -38,9 +38,43 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
     ------
     Refused : with the factor by which time runs too fast or too slow.
     """
+    bodies = Dynamics(robot.without_drives())
+    stretch, nats, gained = _likeliest(bodies, parts, usable)
+    if _within_errors(stretch) or gained < FAVOURS["zero"]:
+        return
+    factor = float(np.exp(stretch))
+    # Loads that change within a log are likelier with far smaller bodies, and fit worse in size.
+    given, other = Dynamics(robot), parts * (factor**POWERS)[:, None]
+    before, after = (total_left(explained(given, p, usable), 1e-12) for p in (parts, other))
+    if not before > after:
+        return
+    if best_reading(bodies, parts, usable)[0] > nats:
+        return
+    raise Refused(
+        f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "
+        f"{_wrong(factor)}, as where a rate is stated wrongly",
+        f"multiply the time by {1 / factor:.3g}, or write it at the rate at which the samples were taken",
+    )
+
+
+def keeps_time(robot: Robot, parts: np.ndarray, usable: np.ndarray) -> bool:
+    """Return whether time passed as fast as it says, within what a nominal model's inertial parameters are wrong by.
+
+    Parameters
+    ----------
+    parts, usable : as of :func:`check_time_scale`.
+    """
+    return _within_errors(_likeliest(Dynamics(robot.without_drives()), parts, usable)[0])
+
+
+def _within_errors(log_factor: float) -> bool:
+    return abs(2.0 * log_factor) < np.log1p(3.0 * INERTIAL_ERROR)
+
+
+def _likeliest(bodies: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple[float, float, float]:
+    """Return the log of the factor by which time is likeliest stretched, its nats, and by how many it is likelier."""
     from scipy.optimize import minimize_scalar
 
-    bodies = Dynamics(robot.without_drives())
     likelihood = Likelihood(bodies, FEWEST)
 
     def nats(log_factor: float) -> float:
@@ -49,24 +83,10 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
     step, far, as_read = np.log(STEP), np.log(LARGEST), nats(0.0)
     slower, faster = nats(-step), nats(step)
     if max(slower, faster) <= as_read:
-        return
+        return 0.0, as_read, 0.0
     bounds = (0.0, far) if faster > slower else (-far, 0.0)
     best = minimize_scalar(lambda x: -nats(x), bounds=bounds, method="bounded", options={"xatol": CLOSELY})
-    if abs(2.0 * best.x) < np.log1p(3.0 * INERTIAL_ERROR) or -best.fun - as_read < FAVOURS["zero"]:
-        return
-    factor = float(np.exp(best.x))
-    # Loads that change within a log are likelier with far smaller bodies, and fit worse in size.
-    given, other = Dynamics(robot), parts * (factor**POWERS)[:, None]
-    before, after = (total_left(explained(given, p, usable), 1e-12) for p in (parts, other))
-    if not before > after:
-        return
-    if best_reading(bodies, parts, usable)[0] > -best.fun:
-        return
-    raise Refused(
-        f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "
-        f"{_wrong(factor)}, as where a rate is stated wrongly",
-        f"multiply the time by {1 / factor:.3g}, or write it at the rate at which the samples were taken",
-    )
+    return float(best.x), -float(best.fun), -float(best.fun) - as_read
 
 
 def _wrong(factor: float) -> str:

@@ -9,7 +9,7 @@ whatever the load, is not judged.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -163,7 +163,7 @@ class LaterCheck:
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
         self._check_scale(measured, samples, plain)
         if whole:
-            self._check_shared_scale(parts, usable, plain)
+            self._check_shared_scale(measured, parts, usable, plain)
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             thin = thinned(lighter)
@@ -200,14 +200,9 @@ class LaterCheck:
             if not (beyond or self._explains_loaded(measured, free, plain)):
                 return
             scale = free
-        # A load is as good a cause where the torque without it is explained as well: one of tons takes the bodies' part
-        # of a torque in mN m, and leaves that of friction.
-        lighter = without_load(measured, robot)
-        thin = None if lighter is None else thinned(lighter)
-        if thin is not None and off_scale(thin, robot) is None:
-            left = self._left_over(thin.parts, thin.usable, np.ones_like(scale))
-            if left - self._left_over(parts, usable, scale) < WORSE:
-                return
+        left = self._left_over(parts, usable, scale)
+        if self._load_explains(measured, left, lambda thin: off_scale(thin, robot) is not None):
+            return
         # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
         if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
             return
@@ -223,7 +218,7 @@ class LaterCheck:
         )
         raise self._refusal
 
-    def _check_shared_scale(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
+    def _check_shared_scale(self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
         """Check that the torques of all joints together are no other multiple of the model's.
 
         Raises
@@ -233,7 +228,14 @@ class LaterCheck:
         factor = shared_scale(self._dynamics, parts, usable)
         if factor is None or not self._explains(parts, usable, np.full_like(self._scale, factor), plain):
             return
-        self._scale = np.full_like(self._scale, factor)
+        scale = np.full_like(self._scale, factor)
+        # A part that is carried on some moves is like a factor too: the likelihood has a load that is carried on all.
+        left = self._left_over(parts, usable, scale)
+        if self._load_explains(
+            measured, left, lambda thin: shared_scale(self._dynamics, thin.parts, thin.usable) is not None
+        ):
+            return
+        self._scale = scale
         self._refusal = Refused(
             f"{self._name}: the torques of all joints, friction included, are about {factor:.2g} times those of the "
             "model, unlike in the first log; it looks like another unit, another torque constant or a share of a "
@@ -242,6 +244,21 @@ class LaterCheck:
             "logs of a robot",
         )
         raise self._refusal
+
+    def _load_explains(self, measured: Measured, left: float, off: Callable[[Measured], bool]) -> bool:
+        """Return whether a load at the flange, carried on any moves, is as good a cause as a scale that leaves a growth
+        `left`; `off`: whether thinned samples without the load are still of another scale.
+
+        It is where the torque without it is explained as well: one of tons takes the bodies' part of a torque in mN m,
+        and leaves that of friction.
+        """
+        lighter = without_load(measured, self._dynamics.robot)
+        if lighter is None:
+            return False
+        thin = thinned(lighter)
+        if off(thin):
+            return False
+        return self._left_over(thin.parts, thin.usable, np.ones_like(self._scale)) - left < WORSE
 
     def _explains_loaded(self, measured: Measured, scale: np.ndarray, plain: float) -> bool:
         """Return :meth:`_explains` of a scale (n,) with the load taken off that then shows."""
