@@ -142,6 +142,16 @@ def test_logs_with_one_fault_take_one_line():
     ]
 
 
+@pytest.mark.parametrize(("refused", "told"), [(3, ""), (4, "1 log more refused"), (11, "8 logs more refused")])
+def test_refused_logs_that_the_page_does_not_name_are_counted(tmp_path, refused, told):
+    named = [f"logs/{k}.csv: positions reach {k}; state units" for k in (1, 2, 3)]
+    row = robot("arm", axis(1, CHANGED), refusals=named, refused_logs=refused, logs=20)
+    (tmp_path / "batch.json").write_text(json.dumps({"robots": [row]}))
+    files = (tmp_path / name for name in ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json"))
+    summarise_fleet([tmp_path / "batch.json"], tmp_path / "robots", *files, now=NOW)
+    assert re.findall(r"\d+ logs? more refused", (tmp_path / "index.html").read_text()) == ([told] if told else [])
+
+
 def test_a_changed_axis_that_is_not_judged_now_tells_its_newest_alarm():
     told = {**axis(3, CHANGED), "growth": None, "quantity": "coulomb friction", "change": 91.8, "unit": "N m"}
     assert change_words(told) == "Coulomb friction +92 N m at its newest alarm, not judged now; limit 20 %"

@@ -58,6 +58,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "check": check,
         "reason": row["reason"],
         "refusals": _refusals(row),
+        "more_refused": row["refused_logs"] - len(row["refusals"]) if row["refusals"] else 0,
         "findings": _to_check(row, zone)[:SHOWN],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
