@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from jointwear.discovery.restrictions import _late_velocities
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording
 
@@ -53,6 +56,24 @@ def test_a_velocity_of_its_own_instant_stays():
     noisy = velocity + 1e-3 * np.random.default_rng(1).standard_normal(velocity.shape)
     for same in (velocity, noisy):
         assert not np.any(_measured(same).velocity_lag)
+
+
+@pytest.mark.parametrize(("rate", "used"), [(125.0, True), (1000.0, False)])
+def test_a_lag_of_many_samples_leaves_the_positions_alone(rate, used):
+    """A filter of 12 ms: at 1 kHz positions are dense against it, and tell more than a velocity that is moved back."""
+    time, position, velocity = _motion()
+    share = 1 - np.exp(-1 / (0.012 * FINE))
+    late = lfilter([share], [1, share - 1], velocity, axis=0)
+    every = round(FINE / rate)
+    position, late = STEP * np.round(position[::every] / STEP), late[::every]
+    label = np.repeat([0, 1], [len(position) // 2, len(position) - len(position) // 2])
+    without = Recording(time[::every], label, position, np.zeros_like(position))
+    found, derived = measure(replace(without, velocity=late)), measure(without)
+    np.testing.assert_allclose(found.velocity_lag, 0.0115, rtol=0.05)
+    assert found.velocity_used is used
+    (told,) = _late_velocities(found)
+    assert told.endswith("put right" if used else "no given velocity is used")
+    assert np.array_equal(found.acceleration, derived.acceleration) is not used
 
 
 def test_another_clock_is_left_alone():

@@ -13,6 +13,7 @@ from jointwear.effects import get_effect
 from jointwear.effects.temperature import SMALLEST_SPREAD
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks import Refused
+from jointwear.measurement.motion import Measured
 from jointwear.measurement.possible import likely_unit
 
 #: Temperatures are said to go with the trajectories where these are fewer, and their means scatter by so many times
@@ -43,7 +44,7 @@ def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
             by_keys=True,
         )
     found = _not_judged(problem) + unseen_slow_motion(problem.measured, problem.judged) + _at_rest_in_test(problem)
-    return found + _late_velocities(problem.measured.velocity_lag) + _of_temperature(problem)
+    return found + _late_velocities(problem.measured) + _of_temperature(problem)
 
 
 def _not_judged(problem: Problem) -> list[str]:
@@ -70,15 +71,16 @@ def _at_rest_in_test(problem: Problem) -> list[str]:
     return [f"joint {axis + 1} is at rest in the test trajectories" for axis in problem.judged if not moving[axis]]
 
 
-def _late_velocities(lag: np.ndarray | None) -> list[str]:
-    """Return in words by how much given velocities lagged (n,) [s] their positions, or ran ahead."""
-    found = []
+def _late_velocities(measured: Measured) -> list[str]:
+    """Return in words by how much given velocities lagged their positions, or ran ahead."""
+    found, lag = [], measured.velocity_lag
+    done = "put right" if measured.velocity_used else "too long to be put right, and no given velocity is used"
     for late, way in ((True, "behind"), (False, "ahead of")):
         moved = [] if lag is None else np.flatnonzero(lag > 0 if late else lag < 0)
         if len(moved):
             most = 1e3 * np.abs(lag[moved]).max()
             joints = numbered("joint", moved + 1)
-            found.append(f"given velocities are up to {most:.2g} ms {way} their positions ({joints}): put right")
+            found.append(f"given velocities are up to {most:.2g} ms {way} their positions ({joints}): {done}")
     return found
 
 

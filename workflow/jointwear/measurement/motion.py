@@ -55,7 +55,7 @@ class Measured:
     `speed_floor` (n,) [rad/s] below which a joint counts as at rest. `band` [Hz] above which the torque was filtered
     away, infinite where it was left alone. `reach` (n,) [Hz] up to which the positions hold a signal, where
     accelerations were derived; else None. `noise` is that of the accelerations. `velocity_lag` (n,) [s] by which given
-    velocities lagged their positions; they have been put right.
+    velocities lagged their positions; they have been put right, or none is used where `velocity_used` is false.
     """
 
     time: np.ndarray
@@ -74,6 +74,7 @@ class Measured:
     fitted: bool = False
     noise: DerivedNoise | None = None
     velocity_lag: np.ndarray | None = None
+    velocity_used: bool = True
 
     @property
     def passes(self) -> Callable[[np.ndarray], np.ndarray] | None:
@@ -146,6 +147,7 @@ def measure(recording: Recording) -> Measured:
     grid first: see :mod:`jointwear.measurement.even_steps`.
     """
     raw = _raw(recording)
+    velocity_used = raw.velocity is not None
     n, rate = raw.position.shape[1], raw.rate
     densities, floors, orders = _noise_of_signals(raw, recording.encoder_step)
     factor = decimation(rate)
@@ -211,6 +213,7 @@ def measure(recording: Recording) -> Measured:
         fitted=splines,
         noise=DerivedNoise(densities, orders, band, splines, rate, fused),
         velocity_lag=raw.velocity_lag,
+        velocity_used=velocity_used,
     )
 
 
@@ -220,9 +223,9 @@ class _Raw:
 
     `pieces` are its uninterrupted stretches, `rate` [Hz]. `velocity` and `acceleration` are None where they were not
     given; `derived` says that one of them was not. `finite` marks samples whose motion was measured, `felt` those whose
-    torque was. `reach` (n,) [Hz] up to
-    which the positions hold a signal, `velocity_lag` (n,) [s] as of :class:`Measured`. `spectra` holds, by how often a
-    given signal is to be differentiated, its noise density (n,) [unit^2/Hz] and up to where (n,) [Hz] it reaches.
+    torque was. `reach` (n,) [Hz] up to which the positions hold a signal, `velocity_lag` (n,) [s] as of
+    :class:`Measured`. `spectra` holds, by how often a given signal is to be differentiated, its noise density (n,)
+    [unit^2/Hz] and up to where (n,) [Hz] it reaches.
     """
 
     time: np.ndarray
@@ -262,6 +265,7 @@ def _raw(recording: Recording) -> _Raw:
     reach, lag = spectra[2][1], None
     if velocity is not None:
         velocity, lag = put_in_time(time, pieces, position, velocity, reach, rate)
+    if velocity is not None:
         spectra[1] = _floors(velocity, pieces, rate)
     acceleration = None if recording.acceleration is None else bridge(recording.acceleration, pieces)
     if acceleration is not None:
@@ -279,7 +283,7 @@ def _raw(recording: Recording) -> _Raw:
         finite=finite,
         felt=np.isfinite(recording.torque),
         reach=reach,
-        derived=recording.velocity is None or recording.acceleration is None,
+        derived=velocity is None or acceleration is None,
         velocity_lag=lag,
         spectra=spectra,
     )

@@ -3,7 +3,7 @@
 A velocity late by tau is v = q' - tau q'' for what is slow against 1 / tau. Left alone it moves the steps of friction
 in time, which is what a delay of the drive does as well. Moved back, what is fast is still too small, by
 the share (2 pi f)^2 c with c up to tau^2 / 2, that of a filter of first order: accelerations made of it lack what an
-elastic gear would take.
+elastic gear would take. Both hold for what is slow against 1 / tau; velocities of a longer lag are not used.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from jointwear.measurement.filtering import SHORTEST, derivatives, low_pass
 ENDS = 3.0
 #: A lag below this share of the sampling interval, or of this many standard deviations, is none.
 SMALLEST, SIGMAS = 0.05, 5.0
-#: Longest lag that is put right [s], or [sampling intervals] where these are longer: more is another clock than that of
-#: the positions.
-LONGEST, INTERVALS = 0.05, 5.0
+#: Longest lag that is put right [sampling intervals]: positions are dense against a longer one, and tell more.
+LONGEST = 5.0
+#: Longest lag of a filter [s]: more is another clock than that of the positions.
+LATEST = 0.05
 #: Highest share of the rate at which velocities and positions are compared.
 BAND = 0.2
 #: A lag is found to first order of what is left of it; this often.
@@ -33,8 +34,10 @@ def put_in_time(
     velocity: np.ndarray,
     reach: np.ndarray,
     rate: float,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray | None, np.ndarray]:
     """Return velocities [rad/s] (m, n) at the instants of their positions, and the lags (n,) [s] that were taken out.
+
+    None where a lag is too long to be put right and no other clock's, with the lags that were found.
 
     Parameters
     ----------
@@ -42,7 +45,7 @@ def put_in_time(
     reach : (n,) [Hz] up to which the positions hold a signal. rate : of sampling [Hz].
     """
     moved, lags = velocity.copy(), np.zeros(velocity.shape[1])
-    longest = max(LONGEST, INTERVALS / rate)
+    latest = max(LATEST, LONGEST / rate)
     for j in range(velocity.shape[1]):
         band = min(float(reach[j]), BAND * rate)
         edge = int(np.ceil(ENDS / band * rate))
@@ -65,16 +68,18 @@ def put_in_time(
             left = late - first + more * second
             # Samples of a band-limited signal are as many as twice its band per second.
             error = np.sqrt(float(left @ left) / len(left) / power * rate / (2 * band))
-            if abs(lag) > longest:
+            if abs(lag) > latest:
                 break
-        if max(SIGMAS * error, SMALLEST / rate) < abs(lag) <= longest:
+        if max(SIGMAS * error, SMALLEST / rate) < abs(lag) <= latest:
             lags[j] = lag
+            if abs(lag) > LONGEST / rate:
+                continue
             for p in pieces:
                 moved[p, j] = _earlier(time[p], velocity[p, j], lag)
             lost = float(np.clip(left @ third / max(float(third @ third), 1e-300), 0.0, 0.5 * lag**2))
             for p in pieces:
                 moved[p, j] -= lost * _curvature(time[p], moved[p, j])
-    return moved, lags
+    return None if np.any(np.abs(lags) > LONGEST / rate) else moved, lags
 
 
 def _earlier(time: np.ndarray, values: np.ndarray, lag: float) -> np.ndarray:
