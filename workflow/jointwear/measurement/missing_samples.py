@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from jointwear.statistics.runs import runs
 
@@ -36,3 +37,8 @@ def bridge(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
             elif not good.any():
                 x[:] = 0.0
     return result
+
+
+def reached(missing: np.ndarray, reach: int) -> np.ndarray:
+    """Return which samples (m,) bool lie within `reach` samples of one that is missing, (m,) bool."""
+    return binary_dilation(missing, np.ones(2 * reach + 1))

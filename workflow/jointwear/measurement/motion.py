@@ -16,14 +16,13 @@ from functools import partial
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.ndimage import binary_dilation
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.even_steps import evenly, pieces_of
 from jointwear.measurement.filtering import HIGHEST, SAFELY, SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
 from jointwear.measurement.jumps import without_jumps
-from jointwear.measurement.missing_samples import bridge, long_gaps
+from jointwear.measurement.missing_samples import bridge, long_gaps, reached
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, smooth, widest_band
 from jointwear.measurement.torque_spikes import without_spikes
@@ -362,12 +361,12 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
             edge = min(int(np.ceil(reaches * rate)) + 1, len(ok) // 4)
             ok[:edge, j] = ok[len(ok) - edge :, j] = False
             # A gap spoils its surroundings as far as the filter reaches.
-            for miss in np.flatnonzero(~raw.finite[p][:, j]):
-                ok[max(miss - edge, 0) : miss + edge + 1, j] = False
+            if not raw.finite[p][:, j].all():
+                ok[:, j] &= ~reached(~raw.finite[p][:, j], edge)
     for j in np.flatnonzero(~raw.felt[p].all(axis=0)):
         # A torque that is missing reaches as far as its filter does; splines and filters of the motion have none of it.
         around = int(np.ceil(TRANSIENT / limit * rate)) if factor > 1 else 0
-        ok[:, j] &= ~binary_dilation(~raw.felt[p][:, j], np.ones(2 * around + 1))
+        ok[:, j] &= ~reached(~raw.felt[p][:, j], around)
     keep = slice(factor // 2, None, factor)
     return [x[keep] for x in (t, raw.trajectory[p], q, v, a, tau, raw.temperature[p], ok)]
 

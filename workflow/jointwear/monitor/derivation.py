@@ -22,6 +22,7 @@ from scipy.interpolate import CubicSpline
 from jointwear.measurement.filtering import SAFELY, SHORTEST, low_pass
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.missing_samples import reached
 from jointwear.measurement.turns import unwrapped
 
 #: Spread of the steps, over their median, up to which stamps count as even.
@@ -90,7 +91,7 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
         usable[a : a + reach] = False
         usable[b - reach : b] = False
         for j in np.flatnonzero(hole.any(axis=0)):
-            around = np.convolve(hole[:, j].astype(float), np.ones(2 * reach + 1), mode="same") > 0.5
+            around = reached(hole[:, j], reach)
             usable[part] &= ~around[:, None]
     for one, (smooth, first, second) in _differentiated(due):
         if one.twice:
