@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -71,8 +73,7 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     forms = [candidate.nonlinear, *effect.alternatives(candidate.nonlinear)]
     others = [] if other_form else [*forms[1:], *(p for form in forms for p in effect.begins(form))]
     if others:
-        trials = [candidate, *(replace(candidate, nonlinear=dict(p)) for p in others)]
-        found = [refine(white, fit, c, other_form=True) for c in trials]
+        found = [refine(white, fit, c, other_form=True) for c in (candidate, *_others(candidate, others))]
         return _likeliest(white, fit, found)
     candidate = best_start(white, fit, candidate)
     best, value = candidate, evidence_at(white, fit, candidate)
@@ -121,50 +122,49 @@ def simplest(white: White, fit: Fit, candidate: Candidate) -> Candidate:
     """
     if candidate.axis is None:
         return candidate
-    effect = get_effect(candidate.effect)
-    undecided = 0.5 * white.problem.settings.accept
-    if not free_parameters(candidate):
-        return _plain(white, fit, candidate, undecided)
-    courses = effect.courses(white.problem.train_state, candidate.axis)
+    effect, state = get_effect(candidate.effect), white.problem.train_state
+    searched = bool(free_parameters(candidate))
+    courses = _others(candidate, effect.courses(state, candidate.axis)) if searched else []
     if courses:
-        return central(white, fit, candidate, [replace(candidate, nonlinear=dict(p)) for p in courses])
-    plain = _plain(white, fit, candidate, undecided)
-    if plain is not candidate:
-        return plain
-    best = evidence_at(white, fit, candidate)
-    slower = effect.slower(white.problem.train_state, candidate.axis, candidate.nonlinear)
-    if slower:
-        trials = [refine(white, fit, replace(candidate, nonlinear=dict(p)), other_form=True) for p in slower]
-        trials = [(evidence_at(white, fit, t), t) for t in trials] + [(best, candidate)]
-        best = max(value for value, _ in trials)
-        return next(t for value, t in trials if value > best - undecided)
-    alike = effect.alike(candidate.nonlinear)
-    if not alike:
-        return candidate
-    found = []
-    for trial in [candidate, *(replace(candidate, nonlinear=dict(p)) for p in alike)]:
-        torques = raw_torques(white, trial)
-        b, gram = fit.gram(whitened(white, torques))
-        std = prior_std(white, trial, torques[trial.axis])
-        size = float(np.linalg.norm(posterior_mean(b, gram, std)))
-        found.append((gain(b, gram, std), size, trial))
-    best = max(value for value, _, _ in found)
-    return min((f for f in found if f[0] > best - undecided), key=lambda f: f[1])[2]
-
-
-def _plain(white: White, fit: Fit, candidate: Candidate, undecided: float) -> Candidate:
-    """Return the first plain form that may exist and is behind the candidate by less than `undecided` nats, or that."""
-    effect = get_effect(candidate.effect)
-    forms = effect.plain(white.problem.train_state, candidate.axis)
-    if not forms:
+        return central(white, fit, candidate, courses)
+    plain = _others(candidate, effect.plain(state, candidate.axis))
+    if not plain and not searched:
         return candidate
     best = evidence_at(white, fit, candidate)
-    for nonlinear in forms:
-        trial = replace(candidate, nonlinear=dict(nonlinear))
+    undecided = 0.5 * white.problem.settings.accept
+    for trial in plain:
         # Turned round a form says as much, with friction that drives.
         if evidence_at(white, fit, trial) > best - undecided and _may_exist(white, fit, trial):
             return trial
-    return candidate
+    if not searched:
+        return candidate
+    slower = _others(candidate, effect.slower(state, candidate.axis, candidate.nonlinear))
+    if slower:
+        trials = [refine(white, fit, t, other_form=True) for t in slower]
+        told = [(evidence_at(white, fit, t), t) for t in trials] + [(best, candidate)]
+        most = max(value for value, _ in told)
+        return next(t for value, t in told if value > most - undecided)
+    alike = _others(candidate, effect.alike(candidate.nonlinear))
+    return _smallest(white, fit, [candidate, *alike], undecided) if alike else candidate
+
+
+def _others(candidate: Candidate, forms: Iterable[Mapping[str, Any]]) -> list[Candidate]:
+    """Return the same candidate with other nonlinear parameters."""
+    return [replace(candidate, nonlinear=dict(p)) for p in forms]
+
+
+def _smallest(white: White, fit: Fit, forms: list[Candidate], undecided: float) -> Candidate:
+    """Return the form of the smallest coefficients of those that are behind the likeliest by less than `undecided`
+    nats."""
+    found = []
+    for form in forms:
+        torques = raw_torques(white, form)
+        b, gram = fit.gram(whitened(white, torques))
+        std = prior_std(white, form, torques[form.axis])
+        size = float(np.linalg.norm(posterior_mean(b, gram, std)))
+        found.append((gain(b, gram, std), size, form))
+    best = max(value for value, _, _ in found)
+    return min((f for f in found if f[0] > best - undecided), key=lambda f: f[1])[2]
 
 
 def _may_exist(white: White, fit: Fit, candidate: Candidate) -> bool:
