@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.monitor.locate import axis_probability, honest_probability, named_axis
+from jointwear.monitor.locate import axis_probability, honest_probability
 from jointwear.monitor.records import evidence
 
 
@@ -19,8 +19,6 @@ def test_probabilities_of_axes():
     assert p[1] == pytest.approx(1.0)
     assert p[2] == 0.0
     assert axis_probability(np.array([4.3, 4.1]), np.full(2, 4.2))[0] < 0.8
-    assert named_axis(np.array([True, False, False, True]), z) == 1
-    assert named_axis(np.zeros(4, dtype=bool), z) == 0
 
 
 def test_a_weak_alarm_beside_a_strong_one_or_while_all_axes_move_is_not_sure():

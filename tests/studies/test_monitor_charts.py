@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.monitor.estimate import Normal
+from jointwear.monitor.estimate import Pooled
 from jointwear.studies.monitor_study.charts import CLIP, LENGTHS, inflation, run_chart, threshold_for, thresholds_for
+from jointwear.studies.monitor_study.normal_period import Normal
+from jointwear.studies.monitor_study.scores import named_axis
 
 
 @given(st.integers(1, 200), st.floats(0.0, 0.98), st.floats(0.0, 1.0))
@@ -20,10 +22,8 @@ def test_inflation_is_the_variance_of_a_mean(length, memory, slow):
 
 def white(windows: int = 120, n: int = 1, lead: tuple[int, ...] = ()) -> Normal:
     one = np.ones((*lead, n))
-    return Normal(
-        np.zeros((*lead, n, 5)), np.zeros((n, 5), dtype=bool), one, 0 * one, one, 0 * one, 0 * one, windows * one,
-        np.full(n, windows),
-    )  # fmt: skip
+    pooled = Pooled(np.zeros((*lead, n, 5)), np.zeros((n, 5), dtype=bool), one)
+    return Normal(pooled, 0 * one, one, 0 * one, 0 * one, windows * one, np.full(n, windows))
 
 
 def test_the_stated_rate_of_false_alarms_holds():
@@ -65,3 +65,9 @@ def test_windows_that_are_not_judged_are_passed_over():
     assert np.array_equal(dense.alarm[:, 0], sparse.alarm[::2, 0])
     assert np.allclose(dense.statistic[:, 1], sparse.statistic[1::2, 1])
     assert np.isnan(sparse.statistic[1::2, 0]).all()
+
+
+def test_of_the_axes_that_alarm_the_one_with_most_evidence_is_named():
+    z = np.array([5.0, 1.0, np.nan, 4.9])
+    assert named_axis(np.array([True, False, False, True]), z) == 1
+    assert named_axis(np.zeros(4, dtype=bool), z) == 0

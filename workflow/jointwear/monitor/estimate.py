@@ -1,4 +1,4 @@
-"""Change of the Coulomb friction of every axis in every window, with an honest standard deviation.
+"""Change of the friction of every axis in every window, and the variance that the noise of the window explains.
 
 The residual torque of a window is regressed on five columns,
 
@@ -28,10 +28,6 @@ PRICE = 1.25
 POOLED_FREEDOM = 200.0
 #: Relative standard deviations that the pooled regression of the normal period allows the nuisances a priori.
 PRIOR_SHARE = {"coulomb": 0.5, "offset": 0.5, "viscous": 0.5, "gravity": 0.2, "inertial": 0.2}
-#: Lags [windows] over which the correlation of normal windows is looked at, and laws that are tried for its decay.
-LAGS, MEMORIES = 24, np.array([0.3, 0.6, 0.8, 0.9, 0.95, 0.98])
-#: Standard deviations from which a correlation is there: one in a hundred of independent windows by chance.
-CLEAR = 2.6
 _TINY = 1e-9
 
 
@@ -85,7 +81,7 @@ def contrast(gram: np.ndarray, free: np.ndarray, target: int = 0) -> tuple[np.nd
     return np.where(seen[..., None], weights / safe, 0.0), information
 
 
-def choose_free(gram: np.ndarray, price: float = PRICE) -> np.ndarray:
+def choose_free(gram: np.ndarray) -> np.ndarray:
     """Return which nuisances (n, 5) are free, from the pooled Gram matrices (n, 5, 5) of the normal period."""
     n = gram.shape[0]
     free = np.zeros((n, 5), dtype=bool)
@@ -95,7 +91,7 @@ def choose_free(gram: np.ndarray, price: float = PRICE) -> np.ndarray:
         tried = free.copy()
         tried[:, column] = True
         information = contrast(gram, tried)[1]
-        free[:, column] = (information > 0) & (information * price**2 >= alone)
+        free[:, column] = (information > 0) & (information * PRICE**2 >= alone)
     return free
 
 
@@ -115,24 +111,16 @@ def pooled_fit(gram: np.ndarray, moment: np.ndarray, variance: np.ndarray, scale
 
 
 @dataclass(frozen=True)
-class Normal:
-    """What the normal period taught.
+class Pooled:
+    """The pooled regression of the normal period.
 
-    `held` (..., n, 5): coefficients of the pooled regression; `free` (n, 5); `variance` (..., n) noise [N2 m2];
-    `mean` (..., n): mean of the Coulomb estimate; `spread` (..., n): variance of the windows about it over what the
-    noise explains; `slow`, `memory` (..., n): the correlation of windows k apart is slow memory^k, both 0 unless it is
-    clearly there; `weight` (..., n): sum of inverse variances; `windows` (n,): number of windows that count.
+    `held` (..., n, 5): coefficients; `free` (n, 5) bool: nuisances that are free in every window; `variance` (..., n):
+    noise [N2 m2].
     """
 
     held: np.ndarray
     free: np.ndarray
     variance: np.ndarray
-    mean: np.ndarray
-    spread: np.ndarray
-    memory: np.ndarray
-    slow: np.ndarray
-    weight: np.ndarray
-    windows: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -164,16 +152,6 @@ def change_columns(
     return Sums(turned, np.einsum("nji,...nj->...ni", change, moment), residual_square, freedom, usable)
 
 
-def coulomb_estimates(sums: Sums, normal: Normal) -> tuple[np.ndarray, np.ndarray]:
-    """Return the growth (..., w, n) over the nominal Coulomb level, less its normal mean, and its standard deviation.
-
-    NaN where a window shows nothing. The standard deviation holds what the noise and the scatter of the normal
-    windows tell; the error of the normal mean, common to all windows, is not in it (:attr:`Normal.weight`).
-    """
-    raw, variance = column_estimate(sums, normal.held, normal.free, normal.variance)
-    return raw - normal.mean[..., None, :], np.sqrt(variance * normal.spread[..., None, :])
-
-
 def column_estimate(
     sums: Sums, held: np.ndarray, free: np.ndarray, pooled: np.ndarray, target: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -195,13 +173,12 @@ def _with(free: np.ndarray, target: int) -> np.ndarray:
     return result
 
 
-def learn_normal(sums: Sums, scale: np.ndarray, price: float = PRICE) -> Normal:
-    """Learn from the windows of the normal period.
+def pool_windows(sums: Sums, scale: np.ndarray) -> Pooled:
+    """Regress all windows of the normal period at once.
 
     Parameters
     ----------
     sums : of the normal period alone. scale : (n, 5) prior standard deviations, :func:`prior_scale`.
-    price : :data:`PRICE`.
     """
     usable = sums.usable
     gram = np.where(usable[..., None, None], sums.gram, 0.0).sum(axis=-4)
@@ -209,59 +186,8 @@ def learn_normal(sums: Sums, scale: np.ndarray, price: float = PRICE) -> Normal:
     freedom = np.where(usable, sums.freedom, 0).sum(axis=-2)
     square = np.where(usable, sums.residual_square, 0.0).sum(axis=-2)
     variance = np.where(freedom > 0, square / np.maximum(freedom, 1), 0.0)
-    held = pooled_fit(gram, moment, variance, scale)
     one = gram.reshape(-1, *gram.shape[-3:])[0]
-    free = choose_free(one, price)
-    raw, white = column_estimate(sums, held, free, variance)
-    good = np.isfinite(raw) & (white > 0)
-    weight = np.where(good, 1.0 / np.where(good, white, 1.0), 0.0)
-    total = weight.sum(axis=-2)
-    windows = good.sum(axis=-2)
-    safe = np.where(total > 0, total, 1.0)
-    mean = (weight * np.where(good, raw, 0.0)).sum(axis=-2) / safe
-    z = np.where(good, raw - mean[..., None, :], 0.0) * np.sqrt(weight)
-    degrees = np.maximum(windows - 1, 1)
-    spread = np.where(windows > 1, np.maximum((z**2).sum(axis=-2) / degrees, _TINY), 1.0)
-    memory, slow = _memory(z / np.sqrt(spread)[..., None, :], good)
-    least = windows.reshape(-1, windows.shape[-1]).min(axis=0)
-    return Normal(
-        held=held,
-        free=free,
-        variance=variance,
-        mean=mean,
-        spread=spread,
-        memory=memory,
-        slow=slow,
-        weight=total / spread,
-        windows=least,
-    )
-
-
-def _memory(z: np.ndarray, good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return memory and slow share (..., n) of standardised windows z (..., w, n), 0 where not `good`.
-
-    The law slow memory^k is fitted to the autocorrelations of the first :data:`LAGS` lags, if lag 1 or the mean over
-    half of the lags lies :data:`CLEAR` standard deviations above that of independent windows.
-    """
-    count = z.shape[-2]
-    lags = min(LAGS, count // 4)
-    if lags < 2:
-        none = np.zeros((*z.shape[:-2], z.shape[-1]))
-        return none, none
-    found = []
-    for k in range(1, lags + 1):
-        pairs = np.maximum((good[..., k:, :] & good[..., :-k, :]).sum(axis=-2), 1)
-        found.append((z[..., k:, :] * z[..., :-k, :]).sum(axis=-2) / pairs)
-    rho = np.stack(found)
-    half = max(lags // 2, 1)
-    root_count = np.sqrt(good.sum(axis=-2))
-    clear = (rho[0] * root_count > CLEAR) | (rho[:half].mean(axis=0) * np.sqrt(half) * root_count > CLEAR)
-    laws = MEMORIES[:, None] ** np.arange(1, lags + 1)
-    shares = np.clip(np.tensordot(laws, rho, 1) / (laws**2).sum(axis=1).reshape(-1, *[1] * (rho.ndim - 1)), 0.0, 1.0)
-    error = ((rho[None] - shares[:, None] * laws.reshape(*laws.shape, *[1] * (rho.ndim - 1))) ** 2).sum(axis=1)
-    best = error.argmin(axis=0)
-    share = np.take_along_axis(shares, best[None], 0)[0]
-    return np.where(clear, MEMORIES[best], 0.0), np.where(clear, share, 0.0)
+    return Pooled(pooled_fit(gram, moment, variance, scale), choose_free(one), variance)
 
 
 def prior_scale(coulomb: np.ndarray, viscous: np.ndarray) -> np.ndarray:

@@ -55,9 +55,3 @@ def axis_probability(statistic: np.ndarray, threshold: np.ndarray) -> np.ndarray
     others = rivals.sum(axis=-1, keepdims=True) - rivals
     total = evidence + others
     return np.divide(evidence, total, out=np.zeros_like(total), where=total > 0)
-
-
-def named_axis(alarm: np.ndarray, statistic: np.ndarray) -> np.ndarray:
-    """Return the 1-based axis with the largest evidence among those that alarm, 0 where none does, (...,)."""
-    z = np.where(alarm, np.nan_to_num(statistic), -1.0)
-    return np.where(alarm.any(axis=-1), z.argmax(axis=-1) + 1, 0)

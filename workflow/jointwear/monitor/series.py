@@ -17,7 +17,7 @@ from jointwear.monitor.estimate import (
     change_columns,
     choose_free,
     column_estimate,
-    learn_normal,
+    pool_windows,
     prior_scale,
 )
 from jointwear.monitor.windows import WindowStatistics
@@ -66,14 +66,14 @@ def friction_series(
     level = np.where(known, coulomb.mean(axis=1), 1.0)
     nominal = np.where(known, 1.0, 0.0)
     first = _part(sums, baseline)
-    plain = learn_normal(first, scale)
+    plain = pool_windows(first, scale)
     value, variance = column_estimate(sums, plain.held, plain.free, plain.variance)
     found = {"coulomb": _logs(nominal + value, variance, level, np.ones(len(level)))}
     # Friction at the usual speed: the viscous column less the Coulomb column that it is like at that speed.
     turned = _turned(sums, speed / level)
     turned_scale = scale.copy()
     turned_scale[:, 0] = np.hypot(scale[:, 0], scale[:, _VISCOUS] * speed / level)
-    usual = learn_normal(_part(turned, baseline), turned_scale)
+    usual = pool_windows(_part(turned, baseline), turned_scale)
     free = usual.free.copy()
     free[:, _VISCOUS] = True
     seen = choose_free(np.where(first.usable[..., None, None], _part(turned, baseline).gram, 0.0).sum(axis=0))

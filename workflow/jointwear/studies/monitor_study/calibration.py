@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.estimate import Normal
+from jointwear.monitor.estimate import Pooled
 from jointwear.studies.monitor_study.charts import run_chart, thresholds_for
 from jointwear.studies.monitor_study.forecast import forecast
+from jointwear.studies.monitor_study.normal_period import Normal
 
 HOURS, NORMAL = 240, 120
 
@@ -55,9 +56,7 @@ def draw_history(random: np.random.Generator) -> History:
 def _normal(std: float) -> Normal:
     zero, one = np.zeros(1), np.ones(1)
     return Normal(
-        held=np.zeros((1, 5)),
-        free=np.zeros((1, 5), dtype=bool),
-        variance=one,
+        pooled=Pooled(np.zeros((1, 5)), np.zeros((1, 5), dtype=bool), one),
         mean=zero,
         spread=one,
         memory=zero,

@@ -25,7 +25,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from jointwear.monitor.estimate import Normal
+from jointwear.studies.monitor_study.normal_period import Normal
 
 LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)
 CLIP = 4.0

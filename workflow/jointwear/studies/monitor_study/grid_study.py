@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, read_variables, write_dataset
-from jointwear.monitor.estimate import Normal, Sums
+from jointwear.monitor.estimate import Sums
 from jointwear.reproduction.grid import Cell, by_cell, worn_runs
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
@@ -19,6 +19,7 @@ from jointwear.statistics.randomness import generator
 from jointwear.studies.monitor_study.charts import mean_variance
 from jointwear.studies.monitor_study.forecast import forecast
 from jointwear.studies.monitor_study.nominal import wrong_nominal
+from jointwear.studies.monitor_study.normal_period import Normal
 from jointwear.studies.monitor_study.runs import (
     Regression,
     TaskWear,

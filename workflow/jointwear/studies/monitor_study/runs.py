@@ -15,13 +15,14 @@ from pathlib import Path
 import numpy as np
 
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.monitor.estimate import Normal, Sums, change_columns, learn_normal, prior_scale
+from jointwear.monitor.estimate import Sums, change_columns, prior_scale
 from jointwear.monitor.model import TorqueModel
 from jointwear.reproduction.wear import Wear
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 from jointwear.robots.trajectory import Motion, Task
 from jointwear.studies.monitor_study.nominal import coulomb_levels_of
+from jointwear.studies.monitor_study.normal_period import Normal, learn_normal
 
 #: Speed below which an axis counts as at rest [rad/s].
 DEAD_BAND = 1e-3

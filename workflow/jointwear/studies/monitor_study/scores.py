@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.estimate import Normal, Sums, coulomb_estimates
-from jointwear.monitor.locate import axis_probability, named_axis
+from jointwear.monitor.estimate import Sums
+from jointwear.monitor.locate import axis_probability
 from jointwear.studies.monitor_study.charts import Trace, run_chart, thresholds_for
+from jointwear.studies.monitor_study.normal_period import Normal, coulomb_estimates
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,12 @@ class Charted:
     def axis_hour(self, axis: int) -> np.ndarray:
         """Hour (r,) of the first alarm of a 0-based axis, NaN without one."""
         return first_hour(self.trace.alarm[:, :, axis])
+
+
+def named_axis(alarm: np.ndarray, statistic: np.ndarray) -> np.ndarray:
+    """Return the 1-based axis with the largest evidence among those that alarm, 0 where none does, (...,)."""
+    z = np.where(alarm, np.nan_to_num(statistic), -1.0)
+    return np.where(alarm.any(axis=-1), z.argmax(axis=-1) + 1, 0)
 
 
 def first_hour(alarm: np.ndarray) -> np.ndarray:
