@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from jointwear.measurement.checks import Refused
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.measurement.jumps import jumps, jumps_in_words, without_jumps, without_jumps_of
+from jointwear.measurement.jumps import jumps, jumps_in_words, jumps_of, without_jumps, without_jumps_of
 from jointwear.measurement.lasting_jumps import check_rows_follow
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording
@@ -53,14 +53,14 @@ def test_one_joint_that_jumps_is_left_out_alone():
     position = recording.position.copy()
     position[700, 1] += 0.3
     spoilt = replace(recording, position=position, velocity=np.zeros_like(position))
-    mended = without_jumps(spoilt)
+    mended = without_jumps(spoilt, jumps_of(spoilt))
     assert np.isnan(mended.position[700, 1])
     assert np.isnan(mended.velocity[700, 1])
     assert np.isfinite(mended.position).sum() == position.size - 1
     told = (
         "positions of joint 2 jump away and back or off a value that they kept, first at sample 701: 1 sample left out"
     )
-    assert jumps_in_words(spoilt) == [told]
+    assert jumps_in_words(jumps_of(spoilt)) == [told]
 
 
 def test_a_position_that_stays_away_is_left_alone_and_refused_with_its_sample():

@@ -7,10 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointwear.measurement.checked import checked
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.motion import measure
-from jointwear.measurement.recording import Recording
-from jointwear.measurement.torque_spikes import spikes, spikes_in_words, without_spikes, without_spikes_of
+from jointwear.measurement.recording import Recording, split
+from jointwear.measurement.recording_files import load_recording
+from jointwear.measurement.torque_spikes import spikes, spikes_in_words, spikes_of, without_spikes, without_spikes_of
+from jointwear.robots.robot import load_robot
 
 RATE = 125.0
 
@@ -79,13 +82,15 @@ def test_spikes_are_told_with_joint_and_sample_and_cost_these_samples_alone():
     whole = moves()
     rows = np.array([700, 1200, 1201])
     spoilt = with_torque(whole, rows, 1, 900.0)
-    assert spikes_in_words(whole) == []
-    (told,) = spikes_in_words(spoilt)
+    assert spikes_in_words(spikes_of(whole)) == []
+    (told,) = spikes_in_words(spikes_of(spoilt))
     assert told.startswith("3 torques of joint 2 differ from those beside them by more than the whole range of all ")
     assert told.endswith("first at sample 701: left out")
-    assert np.isnan(without_spikes(spoilt).torque).sum() == 3
-    assert without_spikes(whole) is whole
+    assert np.isnan(without_spikes(spoilt, spikes_of(spoilt)).torque).sum() == 3
+    assert without_spikes(whole, spikes_of(whole)) is whole
     one, other = measure(whole), measure(spoilt)
+    np.testing.assert_array_equal(other.spiked, spikes_of(spoilt))
+    assert not one.spiked.any()
     # A torque is no part of the motion: it is derived as if nothing were missing.
     np.testing.assert_array_equal(one.acceleration, other.acceleration)
     lost = one.usable & ~other.usable
@@ -114,3 +119,18 @@ def test_samples_of_a_log_lose_them_too():
     assert list(np.argwhere(np.isnan(without_spikes_of(chunk, stretch).torque))[0]) == [700, 1]
     plain = Chunk(whole.time, whole.position, whole.torque)
     assert without_spikes_of(plain, stretch) is plain
+
+
+def test_discovery_tells_spikes_and_jumps_where_they_were_recorded():
+    found = split(load_recording({"measured": "data/examples/puma560_hidden.nc"}, "arm"))
+    torque, position = found.torque.copy(), found.position.copy()
+    torque[700, 1], position[900, 2] = 5e3, position[900, 2] + 2.0
+    measured, told = checked(replace(found, torque=torque, position=position), load_robot("config/robots/puma560.yaml"))
+    assert list(np.argwhere(measured.spiked)[0]) == [700, 1]
+    assert list(np.argwhere(measured.jumped)[0]) == [900, 2]
+    words = [line for line in told if "left out" in line]
+    assert len(words) == 2
+    assert "positions of joint 3 jump away" in words[0]
+    assert "first at sample 901: 1 sample left out" in words[0]
+    assert words[1].startswith("1 torque of joint 2 ")
+    assert words[1].endswith("first at sample 701: left out")

@@ -39,10 +39,9 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     restrictions = [*unusual_parameters(robot), *check_recording(recording, robot)]
     check_reach(recording.position, robot, name)
     check_rows_follow(recording)
-    restrictions += [*jumps_in_words(recording), *spikes_in_words(recording)]
     check_rate(recording, name)
     measured = moving_torques(recording)
-    restrictions += silence_in_words(measured)
+    restrictions += [*jumps_in_words(measured.jumped), *spikes_in_words(measured.spiked), *silence_in_words(measured)]
     check_torque_has_sign(recording.torque, measured, robot, name)
     thin = thinned(measured)
     check_position_unit(thin, robot, name, recording.units.get("position", ""))

@@ -106,22 +106,28 @@ def _beside(t: np.ndarray, step: np.ndarray, large: np.ndarray, i: int) -> np.nd
     return beside
 
 
-def without_jumps(recording: Recording) -> Recording:
-    """Return the recording with NaN for the motion of a joint where its position is none of the arm."""
-    return _without(recording, _of(recording))
+def jumps_of(recording: Recording) -> np.ndarray:
+    """Return :func:`jumps` of a recording, (m, n) bool."""
+    return jumps(elapsed_time(recording.time, recording.trajectory), recording.trajectory, recording.position)
 
 
 def without_jumps_of(samples: Chunk, stretch: np.ndarray) -> Chunk:
-    """Return the same of samples of a log; `stretch` (m,) label of the uninterrupted run that each belongs to."""
+    """Return :func:`without_jumps` of samples of a log.
+
+    Parameters
+    ----------
+    stretch : (m,) label of the uninterrupted run that each sample belongs to.
+    """
     position, time = samples.position, samples.time
     with np.errstate(invalid="ignore"):
         fast = np.abs(np.diff(position, axis=0)) > FASTEST * np.diff(time)[:, None]
     if not fast.any() and np.isfinite(position).all():
         return samples
-    return _without(samples, jumps(time, stretch, position))
+    return without_jumps(samples, jumps(time, stretch, position))
 
 
-def _without(samples: S, away: np.ndarray) -> S:
+def without_jumps(samples: S, away: np.ndarray) -> S:
+    """Return the samples with NaN for the motion of a joint where `away` (m, n) bool, its position none of the arm."""
     if not away.any():
         return samples
 
@@ -136,17 +142,11 @@ def _without(samples: S, away: np.ndarray) -> S:
     )
 
 
-def jumps_in_words(recording: Recording) -> list[str]:
-    """Return in words how many samples were left out for jumps, and where the first is."""
-    away = _of(recording)
+def jumps_in_words(away: np.ndarray) -> list[str]:
+    """Return in words how many samples were left out for jumps (m, n) bool, and where the first is."""
     rows = np.flatnonzero(away.any(axis=1))
     if not len(rows):
         return []
     joints = numbered("joint", np.flatnonzero(away.any(axis=0)) + 1)
     left_out = f"first at sample {rows[0] + 1}: {count(len(rows), 'sample')} left out"
     return [f"positions of {joints} jump away and back or off a value that they kept, {left_out}"]
-
-
-def _of(recording: Recording) -> np.ndarray:
-    time = elapsed_time(recording.time, recording.trajectory)
-    return jumps(time, recording.trajectory, recording.position)

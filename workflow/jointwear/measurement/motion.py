@@ -21,11 +21,11 @@ from jointwear.measurement.derived_noise import DerivedNoise, quantisation_densi
 from jointwear.measurement.even_steps import evenly, pieces_of
 from jointwear.measurement.filtering import HIGHEST, SAFELY, SHORTEST, derivatives, low_pass, zero_phase_gain
 from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
-from jointwear.measurement.jumps import without_jumps
+from jointwear.measurement.jumps import jumps_of, without_jumps
 from jointwear.measurement.missing_samples import bridge, long_gaps, reached
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, smooth, widest_band
-from jointwear.measurement.torque_spikes import without_spikes
+from jointwear.measurement.torque_spikes import spikes_of, without_spikes
 from jointwear.measurement.velocity_lag import put_in_time
 
 #: Rates above this are decimated [Hz], to about TARGET.
@@ -55,6 +55,8 @@ class Measured:
     away, infinite where it was left alone. `reach` (n,) [Hz] up to which the positions hold a signal, where
     accelerations were derived; else None. `noise` is that of the accelerations. `velocity_lag` (n,) [s] by which given
     velocities lagged their positions; they have been put right, or none is used where `velocity_used` is false.
+    `jumped` and `spiked` mark the samples as they were recorded, before any rate was changed, whose position or torque
+    is none of the arm and was left out; None where nobody asked.
     """
 
     time: np.ndarray
@@ -74,6 +76,8 @@ class Measured:
     noise: DerivedNoise | None = None
     velocity_lag: np.ndarray | None = None
     velocity_used: bool = True
+    jumped: np.ndarray | None = None
+    spiked: np.ndarray | None = None
 
     @property
     def passes(self) -> Callable[[np.ndarray], np.ndarray] | None:
@@ -143,7 +147,8 @@ def measure(recording: Recording) -> Measured:
     of a joint are missing in a row than are bridged (:mod:`jointwear.measurement.missing_samples`), no joint is used:
     every torque depends on every position. What is missing is bridged for the filter only; positions that jump away and
     come back are missing (:mod:`jointwear.measurement.jumps`). Samples that are not evenly spaced are put on an even
-    grid first: see :mod:`jointwear.measurement.even_steps`.
+    grid first: see :mod:`jointwear.measurement.even_steps`. Torques that stand far out of all others are missing too
+    (:mod:`jointwear.measurement.torque_spikes`).
     """
     raw = _raw(recording)
     velocity_used = raw.velocity is not None
@@ -213,6 +218,8 @@ def measure(recording: Recording) -> Measured:
         noise=DerivedNoise(densities, orders, band, splines, rate, fused),
         velocity_lag=raw.velocity_lag,
         velocity_used=velocity_used,
+        jumped=raw.jumped,
+        spiked=raw.spiked,
     )
 
 
@@ -224,7 +231,7 @@ class _Raw:
     given; `derived` says that one of them was not. `finite` marks samples whose motion was measured, `felt` those whose
     torque was. `reach` (n,) [Hz] up to which the positions hold a signal, `velocity_lag` (n,) [s] as of
     :class:`Measured`. `spectra` holds, by how often a given signal is to be differentiated, its noise density (n,)
-    [unit^2/Hz] and up to where (n,) [Hz] it reaches.
+    [unit^2/Hz] and up to where (n,) [Hz] it reaches. `jumped` and `spiked` are those of :class:`Measured`.
     """
 
     time: np.ndarray
@@ -242,11 +249,14 @@ class _Raw:
     derived: bool
     velocity_lag: np.ndarray | None
     spectra: dict[int, tuple[np.ndarray, np.ndarray]]
+    jumped: np.ndarray
+    spiked: np.ndarray
 
 
 def _raw(recording: Recording) -> _Raw:
     """Return a recording on an even grid, its velocities in time with its positions."""
-    recording = without_spikes(without_jumps(recording))
+    jumped, spiked = jumps_of(recording), spikes_of(recording)
+    recording = without_spikes(without_jumps(recording, jumped), spiked)
     recording, time = evenly(recording, elapsed_time(recording.time, recording.trajectory))
     pieces = pieces_of(time, recording.trajectory)
     step = float(np.median(np.concatenate([np.diff(time[p]) for p in pieces if p.stop - p.start > 1] or [[1.0]])))
@@ -285,6 +295,8 @@ def _raw(recording: Recording) -> _Raw:
         derived=velocity is None or acceleration is None,
         velocity_lag=lag,
         spectra=spectra,
+        jumped=jumped,
+        spiked=spiked,
     )
 
 

@@ -82,28 +82,28 @@ def _beyond_all_others(apart: np.ndarray, values: np.ndarray) -> np.ndarray:
     return found
 
 
-def without_spikes(recording: Recording) -> Recording:
-    """Return the recording with NaN for torques that are none of the arm."""
-    return _without(recording, _of(recording))
+def spikes_of(recording: Recording) -> np.ndarray:
+    """Return :func:`spikes` of a recording, (m, n) bool."""
+    return spikes(elapsed_time(recording.time, recording.trajectory), recording.trajectory, recording.torque)
 
 
 def without_spikes_of(samples: Chunk, stretch: np.ndarray) -> Chunk:
-    """Return the same of samples of a log; `stretch` (m,) label of the uninterrupted run that each belongs to."""
-    return _without(samples, spikes(samples.time, stretch, samples.torque))
+    """Return :func:`without_spikes` of samples of a log.
+
+    Parameters
+    ----------
+    stretch : (m,) label of the uninterrupted run that each sample belongs to.
+    """
+    return without_spikes(samples, spikes(samples.time, stretch, samples.torque))
 
 
-def _without(samples: S, found: np.ndarray) -> S:
+def without_spikes(samples: S, found: np.ndarray) -> S:
+    """Return the samples with NaN for the torques that are none of the arm, `found` (m, n) bool."""
     return replace(samples, torque=np.where(found, np.nan, samples.torque)) if found.any() else samples
 
 
-def _of(recording: Recording) -> np.ndarray:
-    time = elapsed_time(recording.time, recording.trajectory)
-    return spikes(time, recording.trajectory, recording.torque)
-
-
-def spikes_in_words(recording: Recording) -> list[str]:
-    """Return in words which joints have torques that stand far out of all others, and where the first is."""
-    found = _of(recording)
+def spikes_in_words(found: np.ndarray) -> list[str]:
+    """Return in words which joints have spikes (m, n) bool, and where the first is."""
     return [
         f"{count(int(found[:, j].sum()), 'torque')} of joint {j + 1} differ from those beside them by more than the "
         f"whole range of all others, first at sample {np.argmax(found[:, j]) + 1}: left out"
