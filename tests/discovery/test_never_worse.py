@@ -15,7 +15,7 @@ from jointwear.discovery.left_out import Asked, left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Unexplained
-from jointwear.discovery.steps_back import as_kept
+from jointwear.discovery.refined_model import RefinedEffect, RefinedModel
 from jointwear.discovery.whitening import INERTIAL
 
 
@@ -376,7 +376,7 @@ def test_a_bend_of_a_form_is_given_up_before_the_effect(found, monkeypatch):
     column = np.sin(np.arange(len(white.targets[2])))[:, None]
     raw = {2: white.whiteners[2].sigma * column}
     bend = Term("form of nonlinear_viscous_friction", {2: column}, np.array([1.0]), raw)
-    monkeypatch.setattr("jointwear.discovery.estimation._form_if_kept", lambda *_: (None, bend))
+    monkeypatch.setattr("jointwear.discovery.estimation._bend_if_kept", lambda *_: (None, bend))
     final = finalise(found.final.outcome)
     assert asked[0][-2:] == [f"{w} nonlinear_viscous_friction" for w in ("the plain form of", "without")]
     assert [e.named.candidate.key for e in final.estimates] == [("nonlinear_viscous_friction", 2, None)]
@@ -408,9 +408,17 @@ def test_an_effect_has_its_plain_forms_and_no_more_of_them_than_it_is():
     drift = Candidate("torque_offset_drift", 1, None, {"start": 0.0, "period": 9.0})
     terms = [Term(x, {1: np.ones((3, 1))}, np.ones(1), effect=True) for x in "abc"]
     plain = [(replace(drift, nonlinear={}), terms[1])]
-    assert as_kept((None, drift, terms[0]), plain, {id(terms[0])}) == (None, drift, terms[0])
-    assert as_kept((None, drift, terms[0]), plain, {id(terms[1])}) == (None, *plain[0])
-    assert as_kept((None, drift, terms[0]), plain, {id(terms[2])}) == (None, drift, terms[0])
+    bend = (None, Term("bend", {1: np.ones((3, 1))}, np.ones(1), effect=True))
+    model = RefinedModel((RefinedEffect(None, drift, terms[0], bend),), ())
+
+    def kept(*left):
+        found = model.plain_where_kept([plain], {id(t) for t in left})
+        return (*found.effects, len(found.lost({id(t) for t in left})))
+
+    assert kept(terms[0], bend[1]) == (model.effects[0], 0)
+    assert kept(terms[0]) == (RefinedEffect(None, drift, terms[0]), 0)
+    assert kept(terms[1]) == (RefinedEffect(None, *plain[0]), 0)
+    assert kept(terms[2]) == (model.effects[0], 1)
 
 
 @pytest.mark.parametrize("left", [True, False])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -12,11 +12,7 @@ from jointwear.discovery.acceptance import stiff
 from jointwear.discovery.base import doubted_links, likely_base
 from jointwear.discovery.between_axes import of_scales
 from jointwear.discovery.beyond_band import beyond_band, with_gears
-from jointwear.discovery.candidates import (
-    LINK_MASS,
-    Candidate,
-    fitted_torque,
-)
+from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.drive_shares import drive_shares, told_shares
 from jointwear.discovery.effect_estimates import Estimate, estimate_effect, misfits
@@ -28,8 +24,9 @@ from jointwear.discovery.misfit import divided, misfit_of, tempered
 from jointwear.discovery.outcome import Named, Outcome, Suspected
 from jointwear.discovery.references import effect_term, reference_of, with_references
 from jointwear.discovery.refine import refine, simplest
+from jointwear.discovery.refined_model import RefinedEffect, RefinedModel
 from jointwear.discovery.sound_fit import make_links_sound, make_sound
-from jointwear.discovery.steps_back import as_kept, given_up_of_effects, plainer_forms, steps_of
+from jointwear.discovery.steps_back import given_up_of_effects, plainer_forms, steps_of
 from jointwear.discovery.whitening import INERTIAL, White
 from jointwear.robots.inertia import mass_direction
 
@@ -72,66 +69,42 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     """
     doubt = doubts(outcome)
     plain = tempered(outcome.white, doubt)
-    named = [_doubted(n, doubt) for n in outcome.named]
-    effects = [n for n in named if n.candidate.effect != LINK_MASS]
-    masses = [n for n in named if n.candidate.effect == LINK_MASS]
-    mass_terms = [t for n in masses for t in n.terms]
-    white, refined = _refined(plain, effects, mass_terms)
-    forms: list[tuple[Form, Term] | None] = []
-    for i, (_, candidate, term) in enumerate(refined):
-        others = [t for k, (_, _, t) in enumerate(refined) if k != i] + mass_terms
-        forms.append(_form_if_kept(white, candidate, term, others))
-    found = [t for _, _, t in refined] + [f[1] for f in forms if f is not None]
-    misfit = misfit_of(white, white.fit([*found, *mass_terms]))
+    white, model = _refined(plain, [_doubted(n, doubt) for n in outcome.named])
+    named_masses = model.masses
+    misfit = misfit_of(white, white.fit(model.effect_terms + model.bend_terms + model.mass_terms))
     unwritten: tuple[Estimate, ...] = ()
     suspects: tuple[Suspected, ...] = tuple(outcome.suspects)
     fallbacks: tuple[PutBack, ...] = ()
     while True:
-        base, refined = _whole_model(white, refined, forms, mass_terms)
-        terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
-        base = [t for t in base if t.label not in without]
-        nameless = open_axes(outcome, [c.axis for _, c, _ in refined] + [n.candidate.axis for n in masses])
-        plainer = [plainer_forms(white, c, t) for _, c, t in refined]
-        steps = steps_of(white, base, refined, forms, masses, plainer)
-        kept, given_up = put_back(white, base + terms, steps, "augmented", nameless)
+        base, model = _whole_model(white, model)
+        base, asked = [t for t in base if t.label not in without], model.terms
+        nameless = open_axes(outcome, model.axes)
+        plainer = [plainer_forms(white, e.candidate, e.term) for e in model.effects]
+        steps = steps_of(white, base, model, plainer)
+        kept, given_up = put_back(white, base + asked, steps, "augmented", nameless)
         left = {id(t) for t in kept}
-        refined = [as_kept(r, other, left) for r, other in zip(refined, plainer, strict=True)]
-        # A bend goes alone, or with the form that it bends.
-        forms = [
-            f if f is None or id(f[1]) in left or id(t) not in left else None
-            for f, (_, _, t) in zip(forms, refined, strict=True)
-        ]
-        everything = all(id(t) in left for _, _, t in refined)
-        if not everything:
-            still_named, doubtful = _named_all_the_same(
-                outcome, white, doubt, misfit, base, refined, forms, masses, left
-            )
+        model = model.plain_where_kept(plainer, left)
+        lost = model.lost(left)
+        if lost:
+            still_named, doubtful = _named_all_the_same(outcome, white, doubt, misfit, base, model, lost)
             unwritten, suspects = unwritten + still_named, suspects + doubtful
             # Parameters of the drives were held where the effect made corrections needless: they are asked again.
-            given_up = given_up_of_effects(given_up, [c for _, c, t in refined if id(t) not in left])
+            given_up = given_up_of_effects(given_up, [e.candidate for e in lost])
         fallbacks += given_up
-        masses = [n for n in masses if id(n.term) in left]
-        mass_terms = [t for n in masses for t in n.terms]
-        forms = [f for f, (_, _, t) in zip(forms, refined, strict=True) if id(t) in left]
-        refined = [r for r in refined if id(r[2]) in left]
-        if everything:
+        model = model.only(left)
+        if not lost:
             break
-        white = _in_band(plain, [c for _, c, _ in refined])
-    ours = {id(t) for t in [*terms, *(t for _, _, t in refined)]}
-    base = [t for t in kept if id(t) not in ours]
-    final = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
+        white = _in_band(plain, model.candidates)
+    ours = {id(t) for t in [*asked, *model.effect_terms]}
+    final = _fitted(outcome, white, doubt, misfit, [t for t in kept if id(t) not in ours], model)
     shares = drive_shares(white, kept, nameless)
-    delta_friction = _in_part(final.delta_friction, shares)
-    fallbacks += told_shares(shares, "augmented")
-    friction, inertial, retuned_given_up = _retuned(
-        outcome, plain, [n for n in named if n.candidate.effect == LINK_MASS], without
-    )
+    friction, inertial, retuned_given_up = _retuned(outcome, plain, named_masses, without)
     return replace(
         final,
-        delta_friction=delta_friction,
+        delta_friction=_in_part(final.delta_friction, shares),
         retuned_friction=friction,
         retuned_inertial=inertial,
-        fallbacks=fallbacks + retuned_given_up,
+        fallbacks=fallbacks + told_shares(shares, "augmented") + retuned_given_up,
         unwritten=unwritten,
         suspects=suspects,
         misfits=tuple(words for e in (*final.estimates, *unwritten) for words in misfits(e)),
@@ -139,7 +112,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
 
 
 def _retuned(
-    outcome: Outcome, plain: White, masses: list[Named], without: frozenset[str]
+    outcome: Outcome, plain: White, masses: tuple[Named, ...], without: frozenset[str]
 ) -> tuple[np.ndarray, np.ndarray, tuple[PutBack, ...]]:
     """Return what retuning alone corrects of drives (n, 4) and links (10 n,), and what of it was put back.
 
@@ -147,10 +120,10 @@ def _retuned(
     ----------
     masses : masses of links that have a name; `without` as of :func:`finalise`.
     """
-    mass_terms = [t for n in masses for t in n.terms]
-    alone = [t for t in likely_base(plain, mass_terms)[0] if t.label not in without]
-    nameless, steps = open_axes(outcome, [n.candidate.axis for n in masses]), steps_of(plain, alone, [], [], masses, [])
-    alone, given_up = put_back(plain, [*alone, *mass_terms], steps, "retuned", nameless)
+    model = RefinedModel((), masses)
+    alone = [t for t in likely_base(plain, model.terms)[0] if t.label not in without]
+    nameless, steps = open_axes(outcome, model.axes), steps_of(plain, alone, model, [])
+    alone, given_up = put_back(plain, [*alone, *model.terms], steps, "retuned", nameless)
     fit = Fit(plain.targets, alone)
     beside = make_links_sound(plain, fit, masses)
     friction, _, inertial = _base_of(plain, fit, masses)
@@ -173,30 +146,35 @@ def _in_band(plain: White, candidates: list[Candidate]) -> White:
     return replace(white, base=[*white.base, *beside]) if beside else white
 
 
-def _refined(
-    plain: White, effects: list[Named], mass_terms: list[Term]
-) -> tuple[White, list[tuple[Named, Candidate, Term]]]:
-    """Return the problem beside the effects and these with their nonlinear parameters at the largest evidence.
+def _refined(plain: White, named: list[Named]) -> tuple[White, RefinedModel]:
+    """Return the problem beside named effects, and these with their nonlinear parameters at the largest evidence.
 
     The load of which the columns of an elastic gear are made depends on the gear: it is refined once more with that.
     """
+    effects = [n for n in named if n.candidate.effect != LINK_MASS]
+    masses = tuple(n for n in named if n.candidate.effect == LINK_MASS)
+    mass_terms = RefinedModel((), masses).terms
     candidates = [n.candidate for n in effects]
     for _ in range(REFINEMENTS):
         white = _in_band(plain, candidates)
-        refined: list[tuple[Named, Candidate, Term]] = []
+        refined: list[RefinedEffect] = []
         for i, one in enumerate(effects):
-            others = [t for _, _, t in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
+            others = [e.term for e in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
             fit = white.fit(others)
             candidate = simplest(white, fit, refine(white, fit, candidates[i]))
-            refined.append((one, candidate, effect_term(white, candidate, one.term)))
+            refined.append(RefinedEffect(one, candidate, effect_term(white, candidate, one.term)))
         if white is plain:
             break
-        before, candidates = candidates, [c for _, c, _ in refined]
+        before, candidates = candidates, [e.candidate for e in refined]
         white = _in_band(plain, candidates)
-        refined = [(one, c, effect_term(white, c, one.term)) for one, c, _ in refined]
+        refined = [replace(e, term=effect_term(white, e.candidate, e.named.term)) for e in refined]
         if all(_alike(a, b, plain.problem.settings.parameter_error) for a, b in zip(before, candidates, strict=True)):
             break
-    return white, refined
+    bent = []
+    for i, effect in enumerate(refined):
+        others = [e.term for k, e in enumerate(refined) if k != i] + mass_terms
+        bent.append(replace(effect, bend=_bend_if_kept(white, effect, others)))
+    return white, RefinedModel(tuple(bent), masses)
 
 
 def _alike(one: Candidate, other: Candidate, share: float) -> bool:
@@ -236,7 +214,13 @@ def _doubted(one: Named, doubt: np.ndarray) -> Named:
 
 
 def _named_all_the_same(
-    outcome: Outcome, white: White, doubt: np.ndarray, misfit: np.ndarray, base, refined, forms, masses, left
+    outcome: Outcome,
+    white: White,
+    doubt: np.ndarray,
+    misfit: np.ndarray,
+    base: list[Term],
+    model: RefinedModel,
+    lost: list[RefinedEffect],
 ) -> tuple[tuple[Estimate, ...], tuple[Suspected, ...]]:
     """Return the effects that are there although the written model does without them, and those that are suspected.
 
@@ -246,36 +230,33 @@ def _named_all_the_same(
     have to extrapolate to the third. Beside structure on its own axis it does: what nobody can name may be all that
     such an effect has found. The others are suspects.
     """
-    lost = [i for i, (_, _, term) in enumerate(refined) if id(term) not in left]
-    if not lost:
-        return (), ()
-    whole = _fitted(outcome, white, doubt, misfit, base, refined, forms, masses)
+    whole = _fitted(outcome, white, doubt, misfit, base, model)
     ratio = cache(lambda parts: left_out_ratio(white, whole.fit.terms, each=False, parts=parts))
     still = {u.axis for u in outcome.unexplained}
     named, suspects = [], []
-    for i in lost:
-        one, candidate, _ = refined[i]
-        axes = white.problem.judged if candidate.axis is None else (candidate.axis,)
+    for effect, estimate in zip(model.effects, whole.estimates, strict=True):
+        if not any(effect is e for e in lost):
+            continue
+        axis = effect.candidate.axis
+        axes = white.problem.judged if axis is None else (axis,)
         fine = max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0
-        if fine and candidate.axis not in still:
-            named.append(whole.estimates[i])
+        if fine and axis not in still:
+            named.append(estimate)
         else:
-            suspects.append((one, "with it the model predicts records left out worse than the given robot"))
+            suspects.append((effect.named, "with it the model predicts records left out worse than the given robot"))
     return tuple(named), tuple(suspects)
 
 
-def _whole_model(white, refined, forms, mass_terms):
-    """Return the base with its likely errors, and the effects with their references placed."""
-    terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
-    base, error = likely_base(white, terms)
+def _whole_model(white: White, model: RefinedModel) -> tuple[list[Term], RefinedModel]:
+    """Return the base with its likely errors, and the model with its references placed."""
+    base, error = likely_base(white, model.terms)
     settings = white.problem.settings
     if error <= settings.mass_sigmas * settings.parameter_error and any(
-        f is None and reference_of(r[1]) for f, r in zip(forms, refined, strict=True)
+        e.bend is None and reference_of(e.candidate) for e in model.effects
     ):
-        others = mass_terms + [f[1] for f in forms if f is not None]
-        refined = with_references(white, base, refined, forms, others, error)
-        base, error = likely_base(white, [t for _, _, t in refined] + others)
-    return base, refined
+        model = with_references(white, base, model, error)
+        base, error = likely_base(white, model.terms)
+    return base, model
 
 
 def _fitted(
@@ -284,39 +265,37 @@ def _fitted(
     doubt: np.ndarray,
     misfit: np.ndarray,
     base: list[Term],
-    refined,
-    forms,
-    masses: list[Named],
+    model: RefinedModel,
 ) -> Final:
     """Fit a model as it will be written, and give every effect its estimate.
 
     What is known of them is said by the axes for as much as their `misfit` leaves, beside the `doubt` by which those of
     `white` have been divided already.
     """
-    mass_terms = [t for n in masses for t in n.terms]
-    terms = [t for _, _, t in refined] + mass_terms + [f[1] for f in forms if f is not None]
+    terms, masses = model.terms, model.masses
     fit = Fit(white.targets, [*base, *terms])
     places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
     beside = make_links_sound(white, fit, masses)
-    for _, candidate, term in refined:
-        make_sound(fit, candidate, places[id(term)])
+    for effect in model.effects:
+        make_sound(fit, effect.candidate, places[id(effect.term)])
     weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
     known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
     known.covariance = doubted_links(weak, known)
     known.theta = fit.theta
-    for one, _, term in refined:
-        if one.candidate.axis is None:
-            known.covariance = known.covariance + of_scales(weak, known, less[id(term)])
+    for effect in model.effects:
+        if effect.named.candidate.axis is None:
+            known.covariance = known.covariance + of_scales(weak, known, less[id(effect.term)])
     weak_base = [less[id(t)] for t in base]
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
-    for i, (one, candidate, term) in enumerate(refined):
-        form = forms[i]
-        where = [places[id(term)]] + ([places[id(form[1])]] if form is not None else [])
-        own = {id(term)} | ({id(form[1])} if form is not None else set())
-        others = [less[id(t)] for t in terms if id(t) not in own]
-        bent = form[0] if form is not None else None
-        estimates.append(estimate_effect(weak, known, weak_base, one, candidate, bent, where, rng, others))
+    for effect in model.effects:
+        form, bend = (None, ()) if effect.bend is None else (effect.bend[0], effect.bend[1:])
+        own = [effect.term, *bend]
+        others = [less[id(t)] for t in terms if not any(t is o for o in own)]
+        where = [places[id(t)] for t in own]
+        estimates.append(
+            estimate_effect(weak, known, weak_base, effect.named, effect.candidate, form, where, rng, others)
+        )
     friction, _, inertial = _base_of(white, fit, masses)
     inertial += beside
     std = _base_of(weak, known, [])[1]
@@ -334,7 +313,7 @@ def _fitted(
     )
 
 
-def _base_of(white: White, fit: Fit, masses: list[Named]):
+def _base_of(white: White, fit: Fit, masses: Sequence[Named]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return corrections of friction (n, 4) with their standard deviations and of inertia (10 n,)."""
     problem = white.problem
     mass_terms = [t for n in masses for t in n.terms]
@@ -354,7 +333,9 @@ def _base_of(white: White, fit: Fit, masses: list[Named]):
     return friction, std, inertial
 
 
-def _form_if_kept(white, candidate, term, others) -> tuple[Form, Term] | None:
+def _bend_if_kept(white: White, effect: RefinedEffect, others: list[Term]) -> tuple[Form, Term] | None:
+    """Return the correction of the form of an effect, and its term, where records left out are predicted better."""
+    candidate, term = effect.candidate, effect.term
     form = form_of(white, candidate)
     if form is None or stiff(candidate):
         return None

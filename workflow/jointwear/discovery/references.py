@@ -11,6 +11,7 @@ from jointwear.discovery.base import pinned
 from jointwear.discovery.candidates import Candidate, term_of
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.refine import evidence_at, refine
+from jointwear.discovery.refined_model import RefinedModel
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
@@ -27,14 +28,20 @@ def reference_of(candidate: Candidate) -> str:
     return name if name in candidate.nonlinear else ""
 
 
-def with_references(white, base, refined, forms, others, error):
-    """Place the reference temperatures where the drive parameters, known to be right, need no correction."""
-    result = list(refined)
-    for i, (one, candidate, term) in enumerate(refined):
+def with_references(white: White, base: list[Term], model: RefinedModel, error: float) -> RefinedModel:
+    """Place the reference temperatures where the drive parameters, known to be right, need no correction.
+
+    Parameters
+    ----------
+    error : share by which the parameters of the robot file are wrong.
+    """
+    result, beside = list(model.effects), model.mass_terms + model.bend_terms
+    for i, effect in enumerate(model.effects):
+        candidate = effect.candidate
         name = reference_of(candidate)
-        if forms[i] is not None or not name:
+        if effect.bend is not None or not name:
             continue
-        rest = [t for k, (_, _, t) in enumerate(result) if k != i] + others
+        rest = [e.term for k, e in enumerate(result) if k != i] + beside
         fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
         warm = white.problem.train_state.temperature[:, candidate.axis]
         low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
@@ -55,9 +62,9 @@ def with_references(white, base, refined, forms, others, error):
                 step *= SHORTER
         moved = refine(white, fit, moved)
         value = evidence_at(white, fit, moved)
-        if fit.evidence + value > Fit(white.targets, [*base, *rest, term]).evidence:
-            result[i] = (one, moved, effect_term(white, moved, term))
-    return result
+        if fit.evidence + value > Fit(white.targets, [*base, *rest, effect.term]).evidence:
+            result[i] = replace(effect, candidate=moved, term=effect_term(white, moved, effect.term))
+    return replace(model, effects=tuple(result))
 
 
 def effect_term(white: White, candidate: Candidate, old: Term) -> Term:

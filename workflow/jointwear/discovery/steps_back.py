@@ -7,9 +7,9 @@ from dataclasses import replace
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.fallback import DRIVE, EVERYTHING, HELD_WITHOUT, OF_LINKS, OWN, PutBack, Step
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named
 from jointwear.discovery.references import effect_term
 from jointwear.discovery.refine import free_parameters
+from jointwear.discovery.refined_model import RefinedModel
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
@@ -20,7 +20,7 @@ PLAIN = "the plain form of"
 
 
 def steps_of(
-    white: White, base: list[Term], refined, forms, masses: list[Named], plainer: list[list[tuple[Candidate, Term]]]
+    white: White, base: list[Term], model: RefinedModel, plainer: list[list[tuple[Candidate, Term]]]
 ) -> dict[int, list[Step]]:
     """Return what can be given up for the sake of each axis, a link mass by all axes that carry the link.
 
@@ -32,18 +32,19 @@ def steps_of(
     for axis in white.problem.judged:
         own = tuple(t for t in base if t.drive[:1] == (axis,))
         steps[axis] = [Step(DRIVE, own, of_drive=True), *OF_LINKS]
-        for one in masses:
+        for one in model.masses:
             if axis in one.term.blocks:
                 # Of a link that no other joint feels it is as good as motor inertia.
                 alone = set(one.term.blocks) == {axis}
                 words = f"mass of link {one.candidate.axis + 1} as given"
                 steps[axis].append(Step(words, (one.term,), of_drive=alone))
-        for (_, candidate, term), form, others in zip(refined, forms, plainer, strict=True):
+        for effect, others in zip(model.effects, plainer, strict=True):
+            candidate, bend = effect.candidate, () if effect.bend is None else effect.bend[1:]
             if candidate.axis in (axis, None):
-                whole = (term,) if form is None else (term, form[1])
-                if form is not None:
+                whole = (effect.term, *bend)
+                if bend:
                     # A bend follows what noise and structure do where the effect itself is nothing.
-                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", form[1:]))
+                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", bend))
                 for _, plain in others:
                     steps[axis].append(Step(f"{PLAIN} {candidate.effect}", whole, instead=(plain,)))
                     whole = (*whole, plain)
@@ -58,13 +59,6 @@ def plainer_forms(white: White, candidate: Candidate, term: Term) -> list[tuple[
     plain = get_effect(candidate.effect).plain(white.problem.train_state, candidate.axis)
     found = [replace(candidate, nonlinear=dict(p)) for p in reversed(plain)]
     return [(c, effect_term(white, c, term)) for c in found if c.nonlinear != candidate.nonlinear]
-
-
-def as_kept(refined, plainer: list[tuple[Candidate, Term]], left: set[int]):
-    """Return a refined effect as it is in a model with the terms `left`: in a plain form where that took its place."""
-    one, _, term = refined
-    found = [] if id(term) in left else [(c, t) for c, t in plainer if id(t) in left]
-    return (one, *found[0]) if found else refined
 
 
 def given_up_of_effects(given_up: tuple[PutBack, ...], lost: list[Candidate]) -> tuple[PutBack, ...]:
