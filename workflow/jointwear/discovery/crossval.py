@@ -54,17 +54,75 @@ def cross_validate(
     parts_of : axis -> part (m,) of each whitened row, left out in turn; default the records, at least four parts.
     """
     parts_of = parts_of or white.parts
+    sums = _sums_of(white, before, extra, parts_of)
+    fitted = [sums.posterior(sums.whole, size) for size in sums.sizes]
+    evidence = [value for _, value in fitted]
+    gains: list[float] = []
+    coefficients: Coefficients = {}
+    errors = np.zeros(2)
+    for record in sorted(sums.of_record):
+        found = [sums.posterior(sums.whole - sums.of_record[record], size) for size in sums.sizes]
+        coefficients[record] = tuple(theta for theta, _ in found)
+        if record in sums.on_own_axes:
+            gains.append((evidence[1] - found[1][1]) - (evidence[0] - found[0][1]))
+            errors += [sums.squared_error(record, theta) for theta in coefficients[record]]
+    count = sum(len(white.targets[axis]) for axis in sums.whitened)
+    gained = errors[0] - errors[1]
+    everywhere = dict.fromkeys(sums.of_record, tuple(theta for theta, _ in fitted))
+    plain, total = sums.sizes
+    most = int(np.argmax(_drops(white, parts_of, sums.whitened, white.targets, everywhere, plain)[0]))
+    rest = sums.whole - _of_block(white, sums.whitened, most, total)
+    without, extended = (sums.posterior(rest, size)[1] for size in sums.sizes)
+    lowers, gain_share = _in_newton_metres(white, parts_of, sums.in_newton_metres, coefficients, plain)
+    return CrossValidated(
+        nats=sum(gains),
+        elsewhere=extended - without,
+        share=float(np.clip(gained / max(errors[0] - count, gained, 1e-9), -1.0, 1.0)),
+        worst=min(gains, default=0.0),
+        last=gains[-1] if gains else 0.0,
+        lowers_error=lowers,
+        gain_share=gain_share,
+    )
+
+
+@dataclass(frozen=True)
+class _Sums:
+    """Sums of products of the columns of all terms, and of the target behind them, (k + 1, k + 1).
+
+    `of_record` holds them by record, `on_own_axes` those of the axes on which the extra terms act alone; `whole` is the
+    sum over all records. `whitened` and `in_newton_metres` are the columns on these axes. `std` (k,) of the
+    coefficients a priori, and `sizes`, how many columns there are without the extra terms and with them.
+    """
+
+    of_record: dict[int, np.ndarray]
+    on_own_axes: dict[int, np.ndarray]
+    whole: np.ndarray
+    whitened: Designs
+    in_newton_metres: Designs
+    std: np.ndarray
+    sizes: tuple[int, int]
+
+    def posterior(self, products: np.ndarray, size: int) -> tuple[np.ndarray, float]:
+        """Return coefficients (size,) and log evidence of the first columns; see :func:`_posterior`."""
+        return _posterior(products, self.std, size, self.sizes[1])
+
+    def squared_error(self, record: int, theta: np.ndarray) -> float:
+        """Return the squared error of coefficients (size,) in a record, on the axes of the extra terms, whitened."""
+        s, size, total = self.on_own_axes[record], len(theta), self.sizes[1]
+        return s[total, total] - 2 * theta @ s[:size, total] + theta @ s[:size, :size] @ theta
+
+
+def _sums_of(white: White, before: list[Term], extra: list[Term], parts_of: Folds) -> _Sums:
+    """Return the sums for the base regression with `before` and `extra` terms, as :func:`cross_validate` takes them."""
     terms = [*white.base, *before, *extra]
     sizes = [len(t.std) for t in terms]
     places = [np.arange(stop - size, stop) for size, stop in zip(sizes, np.cumsum(sizes), strict=True)]
     total = int(np.sum(sizes))
-    plain = total - sum(len(t.std) for t in extra)
-    std = np.concatenate([t.std for t in terms])
-    axes = sorted({axis for t in extra for axis in t.blocks})
-    parts: dict[int, np.ndarray] = {}
+    axes = {axis for t in extra for axis in t.blocks}
+    of_record: dict[int, np.ndarray] = {}
     own: dict[int, np.ndarray] = {}
-    whitened: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-    in_newton_metres: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    whitened: Designs = {}
+    in_newton_metres: Designs = {}
     for axis, y in enumerate(white.targets):
         if not len(y):
             continue
@@ -79,43 +137,12 @@ def cross_validate(
         for record in np.unique(label):
             rows = block[label == record]
             gram = rows.T @ rows
-            for sums in (parts, own) if axis in axes else (parts,):
+            for sums in (of_record, own) if axis in axes else (of_record,):
                 held = sums.setdefault(int(record), np.zeros((total + 1, total + 1)))
                 held[np.ix_(where, where)] += gram
-    whole = sum(parts.values())
-    fitted = [_posterior(whole, std, size, total) for size in (plain, total)]
-    evidence = [value for _, value in fitted]
-    gains: dict[int, float] = {}
-    coefficients: dict[int, tuple[np.ndarray, ...]] = {}
-    errors = np.zeros(2)
-    for record in sorted(parts):
-        found = [_posterior(whole - parts[record], std, size, total) for size in (plain, total)]
-        coefficients[record] = tuple(theta for theta, _ in found)
-        if record not in own:
-            continue
-        gains[record] = (evidence[1] - found[1][1]) - (evidence[0] - found[0][1])
-        s = own[record]
-        for k, (theta, _) in enumerate(found):
-            size = len(theta)
-            errors[k] += s[total, total] - 2 * theta @ s[:size, total] + theta @ s[:size, :size] @ theta
-    count = sum(len(white.targets[axis]) for axis in axes)
-    gained = errors[0] - errors[1]
-    share = float(np.clip(gained / max(errors[0] - count, gained, 1e-9), -1.0, 1.0))
-    order = list(gains.values())
-    everywhere = dict.fromkeys(parts, tuple(theta for theta, _ in fitted))
-    most = int(np.argmax(_drops(white, parts_of, whitened, white.targets, everywhere, plain)[0]))
-    rest = whole - _of_block(white, whitened, most, total)
-    without, extended = (_posterior(rest, std, size, total)[1] for size in (plain, total))
-    lowers, gain_share = _in_newton_metres(white, parts_of, in_newton_metres, coefficients, plain)
-    return CrossValidated(
-        nats=sum(order),
-        elsewhere=extended - without,
-        share=share,
-        worst=min(order, default=0.0),
-        last=order[-1] if order else 0.0,
-        lowers_error=lowers,
-        gain_share=gain_share,
-    )
+    std = np.concatenate([t.std for t in terms])
+    plain = total - sum(len(t.std) for t in extra)
+    return _Sums(of_record, own, sum(of_record.values()), whitened, in_newton_metres, std, (plain, total))
 
 
 def _in_newton_metres(

@@ -1,8 +1,7 @@
 """Velocity and acceleration from measured positions, decimation, and the samples that can be judged.
 
-The rule for the cut-off: the spectrum of each joint's position is compared with its own noise floor (the median of
-the upper third of the band). The highest frequency at which the smoothed spectrum stands ten times above the floor
-is the end of the signal; the zero-phase low-pass filter (Butterworth, order 4, forward and backward) is set to
+The rule for the cut-off: :func:`~jointwear.measurement.spectral_floor.spectral_floor` tells where the signal in each
+joint's position ends; the zero-phase low-pass filter (Butterworth, order 4, forward and backward) is set to
 twice that frequency, so that it leaves the signal alone. Where the sampling resolves the motion and no sample is
 missing, least-squares splines take the place of the filter: see :mod:`jointwear.measurement.smoothing`.
 """
@@ -15,16 +14,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from jointwear.measurement.derived_noise import DerivedNoise, quantisation_density
 from jointwear.measurement.even_steps import evenly, pieces_of
 from jointwear.measurement.filtering import HIGHEST, SAFELY, SHORTEST, derivatives, low_pass, zero_phase_gain
-from jointwear.measurement.fused_velocity import AGREES, fuse, made_of_positions
+from jointwear.measurement.fitted_motion import FittedMotion, fit_motion
+from jointwear.measurement.fused_velocity import fuse, made_of_positions
 from jointwear.measurement.jumps import jumps_of, without_jumps
 from jointwear.measurement.missing_samples import bridge, long_gaps, reached
 from jointwear.measurement.recording import Recording, elapsed_time
-from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, smooth, widest_band
+from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, widest_band
+from jointwear.measurement.spectral_floor import spectral_floor
 from jointwear.measurement.torque_spikes import spikes_of, without_spikes
 from jointwear.measurement.velocity_lag import put_in_time
 
@@ -34,8 +34,6 @@ HIGHEST_RATE, TARGET_RATE = 260.0, 100.0
 SLOW_SHARE, SLOW = 0.02, 0.02
 #: Share of the samples that are slower than what counts as the speed of an axis.
 FAST = 0.95
-#: Samples of a piece of which the spectrum is taken, pieces half of which overlap, and of the shortest.
-PIECE, SHORTEST_PIECE = 256, 64
 #: Periods of the cut-off after which the transient of the filter at an end has fallen to a thousandth.
 TRANSIENT = 3.0
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
@@ -108,33 +106,6 @@ class Measured:
         return None if self.noise is None or not np.isfinite(self.noise.band).any() else self.noise.passed
 
 
-def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
-    """Return noise density [unit^2/Hz] of signals (k,) and the frequency [Hz] where the signal ends.
-
-    The spectrum is taken of the second difference and divided by its gain: the range of a position spectrum is so
-    wide that the side lobes of any window would hide the floor.
-    """
-    frequencies = np.fft.rfftfreq(PIECE, 1 / rate)[1:]
-    power, weight = np.zeros(len(frequencies)), 0
-    for x in signals:
-        second = np.diff(x, 2)
-        if len(second) < SHORTEST_PIECE:
-            continue
-        size = min(len(second), PIECE)
-        pieces, window = sliding_window_view(second, size)[:: PIECE // 2], np.hanning(size)
-        spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window, PIECE)[:, 1:]
-        power += np.sum(np.abs(spectra) ** 2, axis=0) * 2 / (rate * np.sum(window**2))
-        weight += len(pieces)
-    if not weight:
-        return 0.0, SAFELY * rate
-    power /= weight * (2 * np.sin(np.pi * frequencies / rate)) ** 4
-    floor = float(np.median(power[2 * len(power) // 3 :]))
-    smooth = np.exp(np.convolve(np.log(np.pad(power, 1, mode="edge") + 1e-300), np.ones(3) / 3, mode="valid"))
-    above = np.flatnonzero(smooth > 10 * floor)
-    end = frequencies[above[-1]] if len(above) else frequencies[0]
-    return floor, float(max(end, frequencies[1]))
-
-
 def decimation(rate: float) -> int:
     """Return the number of samples of a log of `rate` [Hz] of which one is kept."""
     return max(1, round(rate / TARGET_RATE)) if rate > HIGHEST_RATE else 1
@@ -151,71 +122,30 @@ def measure(recording: Recording) -> Measured:
     (:mod:`jointwear.measurement.torque_spikes`).
     """
     raw = _raw(recording)
-    velocity_used = raw.velocity is not None
-    n, rate = raw.position.shape[1], raw.rate
+    velocity_used, rate, factor = raw.velocity is not None, raw.rate, decimation(raw.rate)
+    highest = SAFELY * (rate / factor) if factor > 1 else HIGHEST * rate
     densities, floors, orders = _noise_of_signals(raw, recording.encoder_step)
-    factor = decimation(rate)
-    out_rate = rate / factor
     cutoff, floor = _cutoffs(raw)
     if factor > 1:
-        cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), SAFELY * out_rate)
-    # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
-    splines = factor == 1 and bool(np.max(raw.reach, initial=0.0) < RESOLVED * rate) and bool(raw.finite.all())
-    if splines:
-        raw = replace(raw, pieces=[p for p in raw.pieces if p.stop - p.start >= SHORTEST])
-        splines = bool(raw.pieces)
-    if splines:
-        q, v, a, band, noise, of_positions = _fitted(raw.time, raw.pieces, raw.position, raw.velocity, rate)
-        if raw.derived and np.mean(band >= widest_band(rate)) > 0.5:
-            # One joint may be too coarse or too slow for its encoder. Where most ask for all the knots there are, it is
-            # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
-            splines, raw = False, replace(raw, reach=np.maximum(raw.reach, band))
-        else:
-            cutoff, floor = band if raw.derived else cutoff, noise
-            acceleration = a if raw.acceleration is None else raw.acceleration
-            # Nothing of the noise of given velocities is in accelerations that were made without them.
-            densities[1:, of_positions] = 0.0
-            raw = replace(raw, position=q, velocity=v, acceleration=acceleration)
-    fused = np.zeros(n, bool)
-    if raw.velocity is not None and raw.acceleration is None:
-        velocity, fused = fuse(raw.time, raw.pieces, raw.position, raw.velocity, floors, rate)
-        raw = replace(raw, velocity=velocity)
-        # What the positions show is in these velocities too, though their own floor may hide where it ends.
-        highest = SAFELY * out_rate if factor > 1 else HIGHEST * rate
-        cutoff = np.where(fused, np.clip(2.0 * raw.reach, cutoff, np.maximum(cutoff, highest)), cutoff)
-    parts = [
-        _reduced(raw, p, cutoff, factor, splines)
-        for p in raw.pieces
-        if p.stop - p.start >= SHORTEST or not (raw.derived or factor > 1)
-    ]
-    empty = np.zeros((0, n))
-    nothing = [np.zeros(0), np.zeros(0, int), *([empty] * 5), empty.astype(bool)]
-    time, trajectory, position, velocity, acceleration, torque, temperature, ok = (
-        np.concatenate(group) for group in zip(nothing, *parts, strict=True)
-    )
-    speed_floor = floor
-    if parts:
-        fast = np.array([np.quantile(np.abs(velocity[:, j]), FAST) for j in range(n)])
-        # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
-        slow = np.minimum(SLOW_SHARE * fast, SLOW)
-        speed_floor = np.maximum(np.maximum(5 * floor, slow), 1e-6)
+        cutoff = np.fmin(np.where(np.isfinite(cutoff), cutoff, np.inf), highest)
+    raw, splines = _splined(raw) if factor == 1 else (raw, None)
+    if splines is not None:
+        cutoff, floor = splines.band if raw.derived else cutoff, splines.noise
+        # Nothing of the noise of given velocities is in accelerations that were made without them.
+        densities[1:, splines.of_positions] = 0.0
+    raw, cutoff, fused = _fused(raw, cutoff, floors, highest)
+    fitted = splines is not None
+    samples = _stretches(raw, cutoff, factor, fitted)
+    speed_floor = _speed_floor(samples.velocity, floor)
+    guard = 2 if factor > 1 else 1
+    moves = _moving(samples.velocity, samples.trajectory, speed_floor, guard)
     band = np.where(np.isfinite(cutoff), cutoff, np.inf)
-    return Measured(
-        time=time,
-        trajectory=trajectory,
-        position=position,
-        velocity=velocity,
-        acceleration=acceleration,
-        torque=torque,
-        temperature=temperature,
-        usable=ok & _moving(velocity, trajectory, speed_floor, guard=2 if factor > 1 else 1),
-        cutoff=cutoff,
-        rate=out_rate,
+    return replace(
+        samples,
+        usable=samples.usable & moves,
         speed_floor=speed_floor,
-        band=0.5 * out_rate if factor > 1 else np.inf,
         reach=raw.reach if raw.derived else None,
-        fitted=splines,
-        noise=DerivedNoise(densities, orders, band, splines, rate, fused),
+        noise=DerivedNoise(densities, orders, band, fitted, rate, fused),
         velocity_lag=raw.velocity_lag,
         velocity_used=velocity_used,
         jumped=raw.jumped,
@@ -338,6 +268,72 @@ def _cutoffs(raw: _Raw) -> tuple[np.ndarray, np.ndarray]:
     return cutoff, np.sqrt(density * scale)
 
 
+def _splined(raw: _Raw) -> tuple[_Raw, FittedMotion | None]:
+    """Return the recording with the motion of splines, and these; None where they are of no use."""
+    # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
+    if not (np.max(raw.reach, initial=0.0) < RESOLVED * raw.rate and raw.finite.all()):
+        return raw, None
+    raw = replace(raw, pieces=[p for p in raw.pieces if p.stop - p.start >= SHORTEST])
+    if not raw.pieces:
+        return raw, None
+    found = fit_motion(raw.time, raw.pieces, raw.position, raw.velocity, raw.rate)
+    if raw.derived and np.mean(found.band >= widest_band(raw.rate)) > 0.5:
+        # One joint may be too coarse or too slow for its encoder. Where most ask for all the knots there are, it is
+        # the motion that is not resolved: friction that jumps at the reversal of one joint shakes them all.
+        return replace(raw, reach=np.maximum(raw.reach, found.band)), None
+    acceleration = found.acceleration if raw.acceleration is None else raw.acceleration
+    return replace(raw, position=found.position, velocity=found.velocity, acceleration=acceleration), found
+
+
+def _fused(raw: _Raw, cutoff: np.ndarray, floors: np.ndarray, highest: float) -> tuple[_Raw, np.ndarray, np.ndarray]:
+    """Return the recording with given velocities that know the positions, where accelerations come from them.
+
+    Parameters
+    ----------
+    cutoff : (n,) [Hz] of the filter. floors : (k, n) of :func:`_noise_of_signals`. highest : cut-off [Hz].
+
+    Returns
+    -------
+    the recording, the cut-off (n,) [Hz], and of which joints (n,) bool the velocity is that of both signals.
+    """
+    if raw.velocity is None or raw.acceleration is not None:
+        return raw, cutoff, np.zeros(raw.position.shape[1], bool)
+    velocity, fused = fuse(raw.time, raw.pieces, raw.position, raw.velocity, floors, raw.rate)
+    # What the positions show is in these velocities too, though their own floor may hide where it ends.
+    wider = np.clip(2.0 * raw.reach, cutoff, np.maximum(cutoff, highest))
+    return replace(raw, velocity=velocity), np.where(fused, wider, cutoff), fused
+
+
+def _stretches(raw: _Raw, cutoff: np.ndarray, factor: int, fitted: bool) -> Measured:
+    """Return all stretches that are long enough, at the rate that is kept; `usable` knows nothing of rest yet."""
+    parts = [
+        _reduced(raw, p, cutoff, factor, fitted)
+        for p in raw.pieces
+        if p.stop - p.start >= SHORTEST or not (raw.derived or factor > 1)
+    ]
+    n, rate = raw.position.shape[1], raw.rate / factor
+    empty = np.zeros((0, n))
+    nothing = [np.zeros(0), np.zeros(0, int), *([empty] * 5), empty.astype(bool)]
+    return Measured(
+        *(np.concatenate(group) for group in zip(nothing, *parts, strict=True)),
+        cutoff=cutoff,
+        rate=rate,
+        speed_floor=np.zeros(n),
+        band=0.5 * rate if factor > 1 else np.inf,
+        fitted=fitted,
+    )
+
+
+def _speed_floor(velocity: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Return the speed (n,) [rad/s] below which a joint counts as at rest; `noise` (n,) [rad/s] of its velocity."""
+    if not len(velocity):
+        return noise
+    fast = np.quantile(np.abs(velocity), FAST, axis=0)
+    # Close to a reversal no friction is a clean step: what happens there must not be taken for a delay.
+    slow = np.minimum(SLOW_SHARE * fast, SLOW)
+    return np.maximum(np.maximum(5 * noise, slow), 1e-6)
+
+
 def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool) -> list[np.ndarray]:
     """Return one stretch with its derivatives at the rate that is kept.
 
@@ -383,46 +379,12 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
     return [x[keep] for x in (t, raw.trajectory[p], q, v, a, tau, raw.temperature[p], ok)]
 
 
-def _fitted(time, pieces: list[slice], position, velocity, rate: float):
-    """Fit splines to positions and, where given, to velocities.
-
-    Each joint's derivatives come from the signal that gives them with less noise, in the band of the signal that
-    follows the motion further: in its own, a signal that is all noise has the least, because its fit follows hardly
-    anything. They come from the velocities if the two disagree, as a recorder may take them from elsewhere.
-
-    Returns
-    -------
-    position, velocity and acceleration (m, n), the end of the band (n,) [Hz], the noise of the velocity (n,) [rad/s],
-    and the joints (n,) whose accelerations were made of the positions.
-    """
-    rows = np.concatenate([np.arange(p.start, p.stop) for p in pieces])
-    one = smooth([(time[p], position[p]) for p in pieces], rate)
-    q, v, a = position.copy(), np.zeros_like(position), np.zeros_like(position)
-    q[rows], v[rows], a[rows] = one.value, one.first, one.second
-    cutoff, noise = one.cutoff, one.derivative_noise(1, rate)
-    better = np.ones(position.shape[1], bool)
-    if velocity is None:
-        return q, v, a, cutoff, noise, better
-    two = smooth([(time[p], velocity[p]) for p in pieces], rate)
-    apart = np.sqrt(np.mean((velocity[rows] - one.first) ** 2, axis=0))
-    agree = apart <= AGREES * np.hypot(two.noise, noise)
-    band = np.maximum(one.cutoff, two.cutoff)
-    for order, target in ((1, v), (2, a)):
-        better = agree & (one.derivative_noise(order, rate, band) <= two.derivative_noise(order - 1, rate, band))
-        target[np.ix_(rows, ~better)] = (two.value, two.first)[order - 1][:, ~better]
-        cutoff = np.where(better, cutoff, two.cutoff)
-        if order == 1:
-            noise = np.where(better, noise, two.derivative_noise(0, rate))
-    return q, v, a, cutoff, noise, better
-
-
 def _moving(velocity: np.ndarray, trajectory: np.ndarray, floor: np.ndarray, guard: int) -> np.ndarray:
     """Return where each joint moves faster than its floor and does not reverse within `guard` samples."""
     moving = np.abs(velocity) > floor
     sense = np.sign(velocity)
     for shift in range(1, guard + 1):
-        same = (sense[shift:] == sense[:-shift]) & (trajectory[shift:] == trajectory[:-shift])[:, None]
-        turn = ~same & (trajectory[shift:] == trajectory[:-shift])[:, None]
+        turn = (sense[shift:] != sense[:-shift]) & (trajectory[shift:] == trajectory[:-shift])[:, None]
         moving[shift:] &= ~turn
         moving[:-shift] &= ~turn
     return moving

@@ -19,7 +19,7 @@ from jointwear.measurement.clock import Clock, Ordered
 from jointwear.measurement.filtering import SAFELY
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.formats.chunk import RowsLeftOut, joined
-from jointwear.measurement.motion import spectral_floor
+from jointwear.measurement.spectral_floor import spectral_floor
 from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads
@@ -223,7 +223,8 @@ def _lag(first: _First, length: float) -> Lag:
 
 
 def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return the cut-off [Hz] and the noise of the velocity [rad/s], each (n,); rule of measurement.motion.
+    """Return the cut-off [Hz] and the noise of the velocity [rad/s], each (n,); rule of
+    :mod:`jointwear.measurement.motion`.
 
     Samples far apart show no spectrum: their noise counts as 0.
     """
