@@ -1,0 +1,65 @@
+"""The figures of the first page are those of the records and of the stored scores."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def page(root):
+    return " ".join((root / "README.md").read_text().split())
+
+
+def rows_of(root, record):
+    """Return the cells of the rows of the first table of a record."""
+    lines = (root / "docs/decisions" / record).read_text().partition("|---")[2].splitlines()
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[1 : lines.index("")]]
+
+
+def share(*cells):
+    """Return good and all of cells such as "3 of 4"."""
+    found = [re.match(r"(\d+) of (\d+)", cell) for cell in cells]
+    return [sum(int(f[k]) for f in found if f) for k in (1, 2)]
+
+
+def percent(good, of):
+    return f"{100 * good / of:.0f} %"
+
+
+def test_fleets_of_other_makers(root, page):
+    *fleets, total = rows_of(root, "fleets_of_other_makers.md")
+    found, named = share(*(f[5] for f in fleets)), share(*(f[6] for f in fleets))
+    newest = int(re.match(r"\d+", fleets[-1][0])[0])
+    assert f"{newest} fleets" in page
+    rate, interval = re.match(r"([\d.]+) \((.*)\)", total[4]).groups()
+    assert f"{rate} false alarms per 1,000 h (95 %: {interval})" in page
+    assert (
+        f"{percent(*found)} of {found[1]} worn axes found, of these {percent(*named)} with the right axis first" in page
+    )
+    hours = [int(h) for f in fleets for h in re.findall(r"\d+", f[7])]
+    assert f"{min(hours)} to {max(hours)} h after the wear began" in page
+
+
+def test_benches_of_other_makers(root, page):
+    total = rows_of(root, "outside_benches.md")[-1]
+    nothing, one, two, outside = (percent(*share(cell)) for cell in total[2:6])
+    assert f"{len(rows_of(root, 'outside_benches.md')) - 1} benches, {total[1]} data sets" in page
+    assert f"named on {one} with one and {two} with two" in page
+    assert f"of models that lack nothing {nothing} left without a name" in page
+    assert f"of disturbances outside the library {outside}; {total[6]} written files worse" in page
+
+
+def test_scores_of_our_own(root, page):
+    scores = json.loads((root / "data/benchmarks/challenge_world.json").read_text())["scores"]
+    exact, false = scores["exact_set"], scores["false_names"]
+    assert f"{100 * exact['value']:.0f} % of {exact['count']} plants in MuJoCo" in page
+    assert f"{false['value'] * false['count']:.0f} of {false['count']} that lack nothing" in page
+    chapter = json.loads((root / "data/studies/shop_floor/chapter.json").read_text())
+    (at_one,) = [r for r in chapter["rates"] if r["rate"] == 1.0]
+    assert f"{at_one['false']['per_1000_h']:.1f} false alarms per 1,000 h where 1 is stated" in page
+    fast = at_one["coulomb_in_two_weeks"]
+    found = f"{fast['found']['count']} of {fast['found']['of']} axes found that grew by 20 % within two weeks"
+    assert f"{found}, in the median after {fast['delay']['median']:.0f} h" in page
