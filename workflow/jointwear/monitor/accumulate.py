@@ -90,11 +90,7 @@ def window_statistics(
     time, position, velocity, torque, stretch = (x[kept] for x in (time, position, velocity, torque, stretch))
     used, residual, m, n = used[kept], residual[kept], len(time), velocity.shape[1]
     regressors = velocity, model.gravity[kept], model.inertial[kept]
-    if flags is None:
-        flags = np.zeros((m, n), dtype=np.int64)
-    else:
-        flags = np.asarray(flags)[kept]
-        flags = np.broadcast_to(flags[:, None] if flags.ndim == 1 else flags, (m, n))
+    flags = _of_axes(flags, kept, m, n)
     temperature = None if temperature is None else temperature[kept]
     program = None if program is None else program[kept]
 
@@ -111,12 +107,10 @@ def window_statistics(
         fits.append(fit)
         left.append(error)
         _add_torque(total, row, torque[piece], settings.torque_reference)
+        _add_travel(total, row, position[piece], stretch[piece])
+        total.flags[row] |= np.bitwise_or.reduce(flags[piece], axis=0)
         if program is not None:
             add_labels(total.labels, [row], [label_text(program[piece])])
-        same = (stretch[a + 1 : b] == stretch[a : b - 1])[:, None]
-        total.travel[row] += np.nansum(np.abs(np.diff(position[piece], axis=0)) * same, axis=0)
-        total.samples[row] += b - a
-        total.flags[row] |= np.bitwise_or.reduce(flags[piece], axis=0)
         if temperature is not None:
             _add_temperature(total, row, temperature[piece])
     if settings.reach and m:
@@ -125,6 +119,14 @@ def window_statistics(
             _add_pulses(total, int(place[a]), found, slice(around.offset + a, around.offset + b))
     total.flags[total.count == 0] |= int(Flag.AT_REST)
     return total
+
+
+def _of_axes(flags: np.ndarray | None, kept: slice, m: int, n: int) -> np.ndarray:
+    """Return the flags (m, n) of the samples that count; `flags` (m,) or (m, n) of all, or None."""
+    if flags is None:
+        return np.zeros((m, n), dtype=np.int64)
+    flags = np.asarray(flags)[kept]
+    return np.broadcast_to(flags[:, None] if flags.ndim == 1 else flags, (m, n))
 
 
 @dataclass(frozen=True)
@@ -260,6 +262,13 @@ def _add_temperature(total: WindowStatistics, row: int, temperature: np.ndarray)
     count, sums = total.temperature_count[row], before + np.where(known, temperature, 0.0).sum(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         total.temperature[row] = np.where(count > 0, sums / count, np.nan)
+
+
+def _add_travel(total: WindowStatistics, row: int, position: np.ndarray, stretch: np.ndarray) -> None:
+    """Add one piece to the travel and the samples; position (k, n) [rad], stretch (k,) labels."""
+    same = (stretch[1:] == stretch[:-1])[:, None]
+    total.travel[row] += np.nansum(np.abs(np.diff(position, axis=0)) * same, axis=0)
+    total.samples[row] += len(position)
 
 
 def _add_torque(total: WindowStatistics, row: int, torque: np.ndarray, reference: np.ndarray) -> None:

@@ -122,16 +122,6 @@ def judge(
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     hours, limited_by = teller.hours_to_limit()
     status = raised_status(teller.status, backlash, CHANGED)
-    findings = findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, seen.conditions)
-    findings += coarse_findings(statistics, first, teller.least, limit)
-    findings += loose_findings(statistics, first, level)
-    findings += backlash_findings(seen.hidden, float(statistics.start[0]))
-    most = np.isfinite(level.residual).mean(axis=1) > 0.5
-    findings += program_findings(statistics, first, most)
-    zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
-    findings += reading_findings(statistics, first, shift) + zero_finding(statistics, zero)
-    findings += odd_motion_findings(statistics, seen.regime, shift, first, seen.events)
-    findings += driving_findings(statistics, seen.series["friction"].driving, shift)
     return Judgement(
         estimates=estimates,
         std=std,
@@ -145,8 +135,28 @@ def judge(
             [(level, level.alarm), (viscous, teller.viscous_alarm), (backlash, backlash.alarm)], shift, statistics.end
         ),
         reason=teller.reasons(),
-        findings=findings,
+        findings=_findings(statistics, seen, level, steps, teller, limit),
     )
+
+
+def _findings(
+    statistics: WindowStatistics, seen: Observed, level: Watch, steps: list[ScaleStep], teller: Teller, limit: float
+) -> list[dict[str, Any]]:
+    """Return what is no alarm but must be told; `limit` of growth, as a share."""
+    first, shift = seen.baseline, seen.shift
+    most = np.isfinite(level.residual).mean(axis=1) > 0.5
+    zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
+    return [
+        *findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, seen.conditions),
+        *coarse_findings(statistics, first, teller.least, limit),
+        *loose_findings(statistics, first, level),
+        *backlash_findings(seen.hidden, float(statistics.start[0])),
+        *program_findings(statistics, first, most),
+        *reading_findings(statistics, first, shift),
+        *zero_finding(statistics, zero),
+        *odd_motion_findings(statistics, seen.regime, shift, first, seen.events),
+        *driving_findings(statistics, seen.series["friction"].driving, shift),
+    ]
 
 
 def _normal_states(

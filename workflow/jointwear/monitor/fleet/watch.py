@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 import traceback
-import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,9 +12,9 @@ from typing import Any
 from jointwear.files.digests import digest
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import write_json
-from jointwear.files.regular_files import read_text
-from jointwear.files.text_files import remove, replace_text
+from jointwear.files.text_files import remove
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
+from jointwear.monitor.fleet.folders import namesakes, own_folder
 from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.ranking import asks
 from jointwear.monitor.fleet.reading import Readings
@@ -32,79 +31,6 @@ from jointwear.running.script import with_suggestion
 PAGES = 50
 #: Files of a judgement, which a robot that is refused must not leave behind.
 JUDGEMENT = ("state.nc", "alarms.csv", "monitor.html", "history.parquet")
-
-#: Largest mark of whose a folder is: two digests, a checksum and a line's end. Bytes.
-LARGEST_MARK = 200
-
-
-def own_folder(
-    folder: Path,
-    name: str,
-    entry: Mapping[str, Any],
-    logs: Sequence[str] = (),
-    configuration: str = "",
-    complete: bool = True,
-) -> Path:
-    """Return the folder of a robot: `folder`/`name`, made if it is not there.
-
-    A robot of the same name with other logs, or with some of the same logs and of another configuration, has a folder
-    of its own. Within one configuration other patterns that match logs which were read before are the same robot.
-
-    Parameters
-    ----------
-    logs : that can be reached now. configuration : which configuration names the robot, a word without spaces.
-    complete : whether `logs` are all that the patterns match; others that are there are left out of what was read.
-    """
-    whose = digest(list(entry.get("logs", ())))
-    known = [folder / name, *sorted(folder.glob(f"{name}_{'[0-9a-f]' * 8}"))]
-    marks = {own: _mark(own / "whose.txt") for own in known if (own / "whose.txt").exists()}
-    own = next((own for own, mark in marks.items() if mark[:1] == [whose]), None)
-    if own is None:
-        own = next((own for own, mark in marks.items() if _taken_on(own, mark, logs, configuration)), None)
-        if own is not None and complete:
-            Readings(own).leave_out(logs)
-    own = own or folder / (name if folder / name not in marks else f"{name}_{whose[:8]}")
-    mark = f"{whose} {configuration}".strip()
-    if marks.get(own) != mark.split():
-        replace_text(own / "whose.txt", f"{mark} {_checksum(mark)}\n")
-    return own
-
-
-def _taken_on(own: Path, mark: Sequence[str], logs: Sequence[str], configuration: str) -> bool:
-    """Return whether a folder with another mark is of the same robot: one configuration, and logs read before.
-
-    Of a mark that is damaged the logs alone tell.
-    """
-    if mark and (not configuration or list(mark[1:]) != [configuration]):
-        return False
-    return not set(Readings(own).logs).isdisjoint(logs)
-
-
-def namesakes(own: Path, folder: Path, name: str) -> list[str]:
-    """Return in words that another robot of this name has a folder, or nothing."""
-    if own == folder / name:
-        return []
-    words = (
-        f"Another robot of the name {name}, with other logs or of another configuration, is judged in {folder / name}; "
-        f"this one has its own history, in {own}, and learnt what is normal anew. Give one of the two another name; if "
-        "they are one robot, let its patterns match the logs that were read before."
-    )
-    return [words]
-
-
-def _mark(file: Path) -> list[str]:
-    """Return the words of a mark; of one that cannot be read, or is damaged, none."""
-    try:
-        text = read_text(file, LARGEST_MARK).strip()
-    except InputError:
-        return []
-    words, _, checksum = text.rpartition(" ")
-    return words.split() if checksum == _checksum(words) else []
-
-
-def _checksum(words: str) -> str:
-    """Return the CRC-32 of the words of a mark, so that one with a changed letter is not that of another robot."""
-    return f"{zlib.crc32(words.encode()):08x}"
 
 
 def watch_robot(
@@ -143,38 +69,8 @@ def watch_robot(
         row["logs_read"] = readings.update(entry, logs, code_of("accumulate_windows"), processes)
         if not readings.logs:
             raise InputError(unreachable or "there is no log yet")
-        code = code_of("judge_windows")
-        judging = [entry, model_of(entry["robot"]), readings.stamp, code, code_of("watch_fleet")]
         told = namesakes(own, folder, name)
-        judging += [told, sorted(set(readings.logs) - set(logs))]
-        judged = digest([judging, time_zone, page])
-        fresh = judged == readings.judged and (own / "state.nc").is_file()
-        if not fresh:
-            readings.judged = ""
-            recall = read_recall(own / "recall.json", code)
-            judge_pieces(
-                readings.pieces(logs),
-                entry["robot"],
-                entry,
-                own / "state.nc",
-                own / "alarms.csv",
-                name,
-                recall=recall,
-                survey=readings.survey,
-                told=told,
-            )
-            write_recall(own / "recall.json", recall, code)
-        state = read_state(own / "state.nc")
-        row.update(standing(state))
-        if not fresh:
-            write_history(own / "history.parquet", state, name)
-            levels = {axis["level"] for axis in row["axes"]}
-            if page or asks(row) or row["refused_newest"] or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
-                write_page(state, own / "monitor.html", own / "figures", time_zone)
-            else:
-                (own / "monitor.html").unlink(missing_ok=True)
-            readings.judged = judged
-            readings.save()
+        row.update(_judged(own, name, entry, readings, logs, told=told, time_zone=time_zone, page=page))
         row["kept_logs"] = len(set(readings.logs) - set(logs))
         row["page"] = "monitor.html" if (own / "monitor.html").is_file() else None
         return row
@@ -189,6 +85,57 @@ def watch_robot(
         remove(own / file)
     refused = {"logs": len(logs), "refused_logs": len(logs)}
     return {**row, **NOTHING, **refused, "result": "refused", "reason": " ".join(reason.split())}
+
+
+def _judged(
+    own: Path,
+    name: str,
+    entry: Mapping[str, Any],
+    readings: Readings,
+    logs: Sequence[str],
+    *,
+    told: list[str],
+    time_zone: str | None,
+    page: bool,
+) -> dict[str, Any]:
+    """Return how a robot stands, judged anew where anything that it depends on has changed since it was judged last.
+
+    Parameters
+    ----------
+    own : the folder of the robot, with its `readings`. logs, time_zone, page : as of :func:`watch_robot`.
+    told : what has to be said on its page.
+    """
+    code = code_of("judge_windows")
+    judging = [entry, model_of(entry["robot"]), readings.stamp, code, code_of("watch_fleet")]
+    judging += [told, sorted(set(readings.logs) - set(logs))]
+    judged = digest([judging, time_zone, page])
+    if judged == readings.judged and (own / "state.nc").is_file():
+        return standing(read_state(own / "state.nc"))
+    readings.judged = ""
+    recall = read_recall(own / "recall.json", code)
+    judge_pieces(
+        readings.pieces(logs),
+        entry["robot"],
+        entry,
+        own / "state.nc",
+        own / "alarms.csv",
+        name,
+        recall=recall,
+        survey=readings.survey,
+        told=told,
+    )
+    write_recall(own / "recall.json", recall, code)
+    state = read_state(own / "state.nc")
+    found = standing(state)
+    write_history(own / "history.parquet", state, name)
+    levels = {axis["level"] for axis in found["axes"]}
+    if page or asks(found) or found["refused_newest"] or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
+        write_page(state, own / "monitor.html", own / "figures", time_zone)
+    else:
+        (own / "monitor.html").unlink(missing_ok=True)
+    readings.judged = judged
+    readings.save()
+    return found
 
 
 def watch_robots(
