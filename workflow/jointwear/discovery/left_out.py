@@ -169,7 +169,7 @@ class _EveryFold:
         return LeftOut(ratio, surely, gained, steady, told_alone)
 
     def drives(self, kept: list[Term]) -> dict[int, np.ndarray]:
-        """Return what the corrections of each drive are worth in each fold, as :meth:`Asked.drives` says."""
+        """Return what the corrections of each drive are worth in each fold, (r, 4) an axis; as :meth:`Asked.drives`."""
         of_drive = np.full(self._total, -1)
         for term, places in zip(self._terms, self._places, strict=True):
             of_drive[places] = term.drive[0] if term.drive else -1

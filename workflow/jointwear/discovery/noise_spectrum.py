@@ -101,7 +101,12 @@ def corrected(
 
 
 def drives(trajectory: np.ndarray) -> Callable[[int], list[np.ndarray]]:
-    """Return the function order of a model -> what its noise is made of, drawn once; see :func:`drawn`."""
+    """Return the function order of a model -> what its noise is made of, drawn once; see :func:`drawn`.
+
+    Parameters
+    ----------
+    trajectory : (m,) labels.
+    """
     return cache(lambda order: drawn(trajectory, DRAWS, np.random.default_rng(np.random.SeedSequence([8, order]))))
 
 

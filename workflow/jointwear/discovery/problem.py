@@ -157,12 +157,13 @@ class Problem:
 
     @cached_property
     def noise_drives(self) -> Callable[[int], list[np.ndarray]]:
-        """Order of a noise model -> what its drawn noise is made of, the same for all axes."""
+        """Order of a noise model -> what its drawn noise is made of, (N_train,) each, the same for all axes."""
         return drives(self.measured.trajectory[self.train])
 
     @cached_property
     def felt(self) -> list[np.ndarray]:
-        """Directions of the inertial prior, by index, that change the torque of each axis: those of links behind it."""
+        """Indices (k,), for each axis, of the directions of the inertial prior that change its torque: of links behind
+        it."""
         return [np.flatnonzero(np.any(columns, axis=0)) for columns in self.inertial.transpose(1, 0, 2)]
 
     def link_mass_torque(self, link: int) -> np.ndarray:
@@ -306,7 +307,8 @@ class Problem:
 
     @cached_property
     def rows_used(self) -> list[np.ndarray]:
-        """Training samples of every axis that can be judged, by index: so rows are taken several times as fast."""
+        """Indices (k,), for each axis, of the training samples that can be judged: rows are taken several times as fast
+        by them as by a mask."""
         return [np.flatnonzero(used) for used in self.usable.T]
 
     @cached_property

@@ -144,7 +144,12 @@ def contenders(found: list[Scored], settings: Settings) -> list[Scored]:
 
 
 def possible(effect: Effect, nonlinear: dict[str, Any], coefficients: np.ndarray) -> bool:
-    """Return whether the parameters lie within their bounds: no friction that drives, no delay of a quarter second."""
+    """Return whether the parameters lie within their bounds: no friction that drives, no delay of a quarter second.
+
+    Parameters
+    ----------
+    coefficients : (k,) of the columns of the effect.
+    """
     if effect.scaled and coefficients[0] <= 0:
         # Its size, with its sign, is in the nonlinear parameters.
         return False

@@ -53,7 +53,7 @@ class Between:
             self._spline = PPoly.construct_fast(np.concatenate(powers, axis=1), np.concatenate(knots))
 
     def earlier(self, delay: float) -> np.ndarray:
-        """Return the values as they were `delay` [s] earlier; negative: as they will be."""
+        """Return the values, of their own shape, as they were `delay` [s] earlier; negative: as they will be."""
         if delay == 0 or not len(self._time):
             return np.array(self._values, dtype=float)
         asked = self._time - delay

@@ -242,7 +242,7 @@ class Effect:
 
 
 def correction_torque(effect: Effect, state: State, axis: int, parameters: Parameters) -> np.ndarray | float:
-    """Return the torque of the table ``correction: {knots, values}`` of `parameters`, 0 without one.
+    """Return the torque (N,) [N m] of the table ``correction: {knots, values}`` of `parameters`, 0 without one.
 
     The table is piecewise linear in the argument of the effect, held constant beyond its ends, and multiplies
     the carrier of the effect: a form that the data give where the textbook form does not fit.

@@ -6,7 +6,7 @@ import numpy as np
 
 
 def knots_of(values: np.ndarray, count: int) -> np.ndarray:
-    """Return up to `count` knots over `values`: half evenly spaced, half at quantiles, so that none is empty."""
+    """Return up to `count` knots (k,) over `values` (N,): half evenly spaced, half at quantiles: none is empty."""
     ordered = np.sort(values)
     quantiles = ordered[np.round(np.linspace(0.002, 0.998, count) * (len(ordered) - 1)).astype(int)]
     low, high = quantiles[0], quantiles[-1]

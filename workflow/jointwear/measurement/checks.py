@@ -325,7 +325,7 @@ def best_reading(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> t
 
     Parameters
     ----------
-    parts, usable : as of :func:`explained`.
+    parts, usable : as of :func:`explained`, (m, 4, n) and (m, n).
     """
     scores = [(total_left(left, RIGHT), reading) for reading, left in explained_otherwise(dynamics, parts, usable)]
     likelihood, robot = Likelihood(dynamics, FEWEST), dynamics.robot

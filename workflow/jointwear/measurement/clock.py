@@ -213,7 +213,7 @@ def join(parts: list[Ordered]) -> Ordered:
 
 
 def part_of(ordered: Ordered, chosen: slice | np.ndarray) -> Ordered:
-    """Return some of the samples."""
+    """Return some of the samples (m,); `chosen`, a slice, an index or a mask."""
     chunk = ordered.chunk
     arrays = {n: None if getattr(chunk, n) is None else getattr(chunk, n)[chosen] for n in _ARRAYS}
     return Ordered(replace(chunk, **arrays), ordered.stretch[chosen], ordered.flags[chosen])

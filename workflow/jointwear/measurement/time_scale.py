@@ -62,7 +62,7 @@ def keeps_time(robot: Robot, parts: np.ndarray, usable: np.ndarray) -> bool:
 
     Parameters
     ----------
-    parts, usable : as of :func:`check_time_scale`.
+    parts, usable : as of :func:`check_time_scale`, (m, 4, n) and (m, n).
     """
     return _within_errors(_likeliest(Dynamics(robot.without_drives()), parts, usable)[0])
 

@@ -76,7 +76,7 @@ class UnitTorques(Protocol):
 
 @dataclass(frozen=True)
 class LoadsOnMotion:
-    """Torques of loads at the flange along a motion, arrays (m, n)."""
+    """Torques of loads at the flange along a motion, arrays (m, n): :class:`UnitTorques` of `rows`, an index."""
 
     flange: FlangeLoad
     position: np.ndarray

@@ -60,7 +60,7 @@ class ShiftMeans:
 
 
 def inflated(count: np.ndarray | float, memory: float) -> np.ndarray:
-    """Return by how much the lag-1 correlation `memory` raises the variance of a mean of `count` windows."""
+    """Return by how much the lag-1 correlation `memory` raises the variance of a mean of `count` (...,) windows."""
     m = np.maximum(np.asarray(count, dtype=float), 1.0)
     return 1 + 2 * memory / (1 - memory) * (1 - (1 - memory**m) / (m * (1 - memory)))
 

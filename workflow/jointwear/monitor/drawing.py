@@ -69,7 +69,7 @@ class _Row:
         return self.foot + (np.asarray(values) - self.low) / (self.high - self.low)
 
     def ticks(self) -> tuple[np.ndarray, list[str]]:
-        """Return where the ticks lie, and their labels."""
+        """Return where the ticks (k,) lie, in the panel, and their labels."""
         from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
         if not self.seen:

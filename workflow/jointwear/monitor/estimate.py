@@ -155,7 +155,15 @@ def change_columns(
 def column_estimate(
     sums: Sums, held: np.ndarray, free: np.ndarray, pooled: np.ndarray, target: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return an estimate and the variance that white noise explains, NaN where unknown."""
+    """Return the coefficient of one column in every window and the variance that white noise explains, (..., w, n).
+
+    Both are NaN where a window shows nothing of it.
+
+    Parameters
+    ----------
+    held : (..., n, 5) values of the nuisances that are not `free` (n, 5). pooled : (..., n) noise [N2 m2] of the normal
+        period, which counts beside that of a window. target : column of :data:`COLUMNS`.
+    """
     weights, information = contrast(sums.gram, free, target)
     fixed = held * ~_with(free, target)
     moment = sums.moment - np.einsum("...njk,...nk->...nj", sums.gram, fixed[..., None, :, :])

@@ -249,18 +249,25 @@ class _Seen:
     survey: Survey
 
     def with_loads(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> tuple[ModelTorque, np.ndarray]:
-        """Return the torque of the model with the loads that each window shows, and the samples clear of a switch."""
+        """Return the torque of the model with the loads that each window shows, and the samples clear of a switch.
+
+        Parameters
+        ----------
+        torque : (m, n) measured [N m]. usable : (m, n) bool.
+        """
         residual = torque - model.total
         used, step = self._moved(usable & np.isfinite(residual)), 1 / max(self.survey.rate, 1e-3)
         return with_loads(model, residual, self.motion.velocity, used, self._pieces, step, self._along, self.least)
 
     def lag(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray, every: int = 1) -> Lag:
-        """Return how late a torque is against the motion, by one of `every` windows; `model` with the loads."""
+        """Return how late a torque (m, n) [N m] is against the motion, by one of `every` windows; `model` with the
+        loads, `usable` (m, n) bool."""
         motion, pieces = (self.motion.velocity, self.motion.acceleration), self._pieces[::every]
         return lag_of(torque, model, motion, self._moved(usable), pieces, 1 / self.survey.rate, self._along)
 
     def later(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> float:
-        """Return by how much later [s] a torque is than in the first log, 0 where that does not matter."""
+        """Return by how much later [s] a torque is than in the first log, 0 where that does not matter; arguments as of
+        :meth:`lag`."""
         first = self.survey.lag
         if first is None:
             return 0.0
@@ -277,7 +284,12 @@ class _Seen:
         dynamics: Dynamics,
         kept: slice,
     ) -> None:
-        """Add to the windows what the `kept` samples tell of the zeros of the joints; not where these lie far apart."""
+        """Add to the windows what the `kept` samples tell of the zeros of the joints; not where these lie far apart.
+
+        Parameters
+        ----------
+        model, torque, usable : as of :meth:`lag`. dynamics : of the model.
+        """
         if self.survey.rate < SLOWEST_RATE or not usable.any():
             return
         motion = self.motion.position, self.motion.velocity, self.motion.acceleration

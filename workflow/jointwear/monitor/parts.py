@@ -57,9 +57,9 @@ def normal_error(watched: Watch, j: int) -> float:
 
 
 def episode_parts(level: Watch, j: int, shift: np.ndarray) -> list[tuple[slice, slice]]:
-    """Return the episodes of axis `j`, each with the windows since the start before it.
+    """Return the episodes of the 0-based axis `j`, each with the windows since the start before it.
 
-    An episode begins with the first shift that its first alarm rests on.
+    An episode begins with the first shift that its first alarm rests on. `shift` (w,) labels.
     """
     result = []
     for a, b in itertools.pairwise([0, *sorted({s.window for s in level.starts[j]}), len(shift)]):

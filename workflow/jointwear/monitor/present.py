@@ -25,9 +25,10 @@ def now_windows(end: np.ndarray) -> np.ndarray:
 
 
 def error_now(watched: Watch, j: int, shift: np.ndarray, end: np.ndarray) -> float:
-    """Return the standard deviation of the mean residual of axis `j` now, NaN where it is not known.
+    """Return the standard deviation of the mean residual of the 0-based axis `j` now, NaN where it is not known.
 
-    Windows of a shift share what shifts differ by, and all of them what is not known of the normal state.
+    Windows of a shift share what shifts differ by, and all of them what is not known of the normal state. `shift` (w,)
+    labels, `end` (w,) [s] of the windows.
     """
     axis, rows = watched.axes[j], now_windows(end)
     rows = rows[np.isfinite(watched.residual[rows, j])]

@@ -30,7 +30,12 @@ def add_labels(total: np.ndarray, place: Sequence[int] | np.ndarray, texts: Sequ
 
 
 def window_programs(labels: np.ndarray) -> list[str]:
-    """Return the name of the program of every window, empty where the log names none."""
+    """Return the name of the program of every window, empty where the log names none.
+
+    Parameters
+    ----------
+    labels : (w,) counts of labels as text, :func:`label_text`.
+    """
     names = []
     for text in labels:
         counts = _counts(text)

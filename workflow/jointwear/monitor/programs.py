@@ -40,7 +40,12 @@ def labelled_regimes(labels: np.ndarray, baseline: np.ndarray) -> np.ndarray | N
 
 
 def unseen_programs(labels: np.ndarray, baseline: np.ndarray) -> list[tuple[str, int]]:
-    """Return the programs that the baseline lacks, each with the window in which it first runs."""
+    """Return the programs that the baseline lacks, each with the window in which it first runs.
+
+    Parameters
+    ----------
+    labels : (w,) as of :func:`window_programs`. baseline : (w,) bool.
+    """
     names = window_programs(labels)
     seen = np.array([name for name, inside in zip(names, baseline, strict=True) if inside], dtype=str)
     first: dict[str, int] = {}

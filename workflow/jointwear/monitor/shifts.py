@@ -68,7 +68,7 @@ def shift_starts(shift: np.ndarray) -> np.ndarray:
 
 
 def running_sums(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return sums from the start of each window's shift up to it."""
+    """Return sums (w,) of `values` (w,) from the start of each window's shift up to it; `starts` (w,) bool."""
     total = np.cumsum(values)
     before = np.concatenate([[0.0], total[:-1]])
     first = np.maximum.accumulate(np.where(starts, np.arange(len(values)), 0))

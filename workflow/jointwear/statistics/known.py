@@ -9,7 +9,7 @@ OVER_MEDIAN = 1.4826
 
 
 def known_median(values: np.ndarray, axis: int | None = None) -> np.ndarray:
-    """Return the median of the finite values along an axis, NaN where there are none.
+    """Return the median of the finite values (...,) along an axis, NaN where there are none.
 
     By one sort for all rows: numpy takes the medians of rows with gaps one by one, or by masked arrays.
     """

@@ -179,12 +179,17 @@ def dropped(file: WrittenRobot) -> list[str]:
 
 
 def worse(errors: Sequence[np.ndarray], given: Sequence[np.ndarray]) -> bool:
-    """Return whether any axis is followed worse than by the given robot in any program; NaN is no motion."""
+    """Return whether any axis is followed worse than by the given robot in any program; as :func:`worse_axes`."""
     return bool(worse_axes(errors, given))
 
 
 def worse_axes(errors: Sequence[np.ndarray], given: Sequence[np.ndarray]) -> list[int]:
-    """Return the 0-based axes that are followed worse than by the given robot in any program."""
+    """Return the 0-based axes that are followed worse than by the given robot in any program.
+
+    Parameters
+    ----------
+    errors, given : (n,) [N m] of each program; NaN where an axis has no motion in it.
+    """
     return np.flatnonzero(np.any(np.stack(errors) > NOT_WORSE * np.stack(given), axis=0)).tolist()
 
 
