@@ -8,7 +8,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Discovery, discover
-from jointwear.measurement.checks import Refused
+from jointwear.measurement.refused import Refused
 from jointwear.robots.robot import robot_from_data
 
 

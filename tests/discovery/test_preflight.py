@@ -12,9 +12,9 @@ from discovery_cases import make_case, wave
 from jointwear.discovery import Settings, posing
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.preflight import check_data, write_check
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import write_recording
+from jointwear.measurement.refused import Refused
 from jointwear.measurement.shortened import shortened
 
 

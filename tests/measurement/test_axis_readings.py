@@ -14,12 +14,13 @@ from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import CrossValidated
 from jointwear.discovery.peak_torque import Shape, height
 from jointwear.effects import make_state
-from jointwear.measurement import axis_readings, checks
+from jointwear.measurement import axes_check, axis_readings
+from jointwear.measurement.axes_check import FAVOURS, check_axes, explained, explained_otherwise, favours
 from jointwear.measurement.axis_readings import Likelihood, Reading, _solved, other_scale, readings, units_of_one
 from jointwear.measurement.checked import checked
-from jointwear.measurement.checks import FAVOURS, Refused, check_axes, explained, explained_otherwise, favours
 from jointwear.measurement.motion import measure
 from jointwear.measurement.other_zero import zero_in_words
+from jointwear.measurement.refused import Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 from jointwear.studies.challenge.arms import arm_path
@@ -176,9 +177,9 @@ def test_an_exchange_of_axes_that_hardly_move_is_not_believed(recording, puma, m
     left, other = np.full(6, unknown), np.full(6, unknown)
     left[5], other[5] = 1.07, 0.12
     nats = itertools.count()
-    monkeypatch.setattr(checks, "explained", lambda *_: left)
-    monkeypatch.setattr(checks, "explained_otherwise", lambda *_: iter([(exchange, other)]))
-    monkeypatch.setattr(checks, "Likelihood", lambda *_: lambda *_: float(next(nats)))
+    monkeypatch.setattr(axes_check, "explained", lambda *_: left)
+    monkeypatch.setattr(axes_check, "explained_otherwise", lambda *_: iter([(exchange, other)]))
+    monkeypatch.setattr(axes_check, "Likelihood", lambda *_: lambda *_: float(next(nats)))
     with pytest.raises(Refused, match="joints 4 and 5 look swapped") if seen else contextlib.nullcontext():
         check(recording, puma)
 
@@ -187,9 +188,9 @@ def test_an_exchange_of_axes_that_hardly_move_is_not_believed(recording, puma, m
 def test_a_flip_of_an_axis_that_the_model_explains_needs_more(recording, puma, monkeypatch, left, nats, refused):
     flip = next(r for r in readings(puma) if r.kind == "flip" and r.axes == (5,))
     shares, told = np.full(6, left), iter([0.0, nats])
-    monkeypatch.setattr(checks, "explained", lambda *_: shares)
-    monkeypatch.setattr(checks, "explained_otherwise", lambda *_: iter([(flip, shares)]))
-    monkeypatch.setattr(checks, "Likelihood", lambda *_: lambda *_: next(told))
+    monkeypatch.setattr(axes_check, "explained", lambda *_: shares)
+    monkeypatch.setattr(axes_check, "explained_otherwise", lambda *_: iter([(flip, shares)]))
+    monkeypatch.setattr(axes_check, "Likelihood", lambda *_: lambda *_: next(told))
     with pytest.raises(Refused, match="sign of joint 6 looks flipped") if refused else contextlib.nullcontext():
         check(recording, puma)
 
@@ -234,11 +235,11 @@ def test_what_another_reading_leaves_is_what_is_left_of_the_samples_read_that_wa
 
 def test_some_of_the_samples_refute_no_reading_that_all_of_them_do_not(recording, puma):
     measured = measure(recording)
-    parts, _, usable = checks._features(measured)
+    parts, _, usable = axes_check._features(measured)
     dynamics = Dynamics(puma)
 
     def leaves_much(reading, left):
-        return bool(np.nanmax(left[list(reading.axes)], initial=0.0) >= checks.WRONG)
+        return bool(np.nanmax(left[list(reading.axes)], initial=0.0) >= axes_check.WRONG)
 
     every = list(explained_otherwise(dynamics, parts, usable))
     asked = [reading for reading, _ in explained_otherwise(dynamics, parts, usable, leaves_much)]
@@ -248,7 +249,7 @@ def test_some_of_the_samples_refute_no_reading_that_all_of_them_do_not(recording
 
 
 def test_what_bodies_do_to_an_axis_is_the_same_without_those_that_it_does_not_feel(recording, puma):
-    parts, _, _ = checks._features(measure(recording))
+    parts, _, _ = axes_check._features(measure(recording))
     parts, likelihood = parts[:200], Likelihood(Dynamics(puma), 40)
     of_motion, factor = likelihood._of_motion(parts[:, :3]), likelihood._factor
     regressor = axis_readings.inertial_regressor(Dynamics(puma), *(parts[:, k] for k in range(3)))
@@ -260,7 +261,7 @@ def test_what_bodies_do_to_an_axis_is_the_same_without_those_that_it_does_not_fe
 
 
 def test_torques_that_are_read_otherwise_ask_nothing_of_the_same_motion_again(recording, puma, monkeypatch):
-    parts, _, usable = checks._features(measure(recording))
+    parts, _, usable = axes_check._features(measure(recording))
     asked, regressor = [], axis_readings.inertial_regressor
     monkeypatch.setattr(axis_readings, "inertial_regressor", lambda *x: asked.append(1) or regressor(*x))
     kept = Likelihood(Dynamics(puma), 40)

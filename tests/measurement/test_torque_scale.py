@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.late_torque import check_delay
 from jointwear.measurement.model_size import check_model_size
 from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
+from jointwear.measurement.refused import Refused
 from jointwear.measurement.silent_joints import moving_torques
 from jointwear.measurement.torque_follows import check_follows
 from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, torque_factors

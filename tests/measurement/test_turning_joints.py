@@ -7,9 +7,9 @@ import pytest
 from monitor_logs import LENGTH, columns, layout, make_log, model, write_parquet
 
 from jointwear.measurement.checked import checked
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.survey import survey_log

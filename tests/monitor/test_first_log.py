@@ -7,7 +7,7 @@ import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks import Refused
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.read_findings import missing_temperature

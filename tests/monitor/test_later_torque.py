@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
 
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
+from jointwear.measurement.refused import Refused
 from jointwear.measurement.torque_scale import shared_scale
 from jointwear.monitor import misreadings
 from jointwear.monitor.logs import log_statistics

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
-from jointwear.measurement.checks import Refused
+from jointwear.measurement.refused import Refused
 from jointwear.monitor import misreadings
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.survey import survey_log

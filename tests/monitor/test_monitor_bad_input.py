@@ -9,8 +9,9 @@ import xarray as xr
 from monitor_logs import LENGTH, START, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
 
 from jointwear.files.errors import InputError
-from jointwear.measurement import checks
+from jointwear.measurement import axes_check
 from jointwear.measurement.flags import DISQUALIFYING, Flag
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.inspection import ALL_LOGS, Inspector
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.read_findings import reading_findings
@@ -91,7 +92,7 @@ def test_wrong_values_from_the_middle_of_a_log_on(tmp_path, good):
 def test_a_remedy_that_is_no_key_is_told_as_it_is(good):
     inspector = Inspector(model(), survey_of(good), "log.csv")
     for remedy in ("write 'torque' of this log as the first log has it", "record longer"):
-        inspector.tell(checks.Refused("reason", remedy))
+        inspector.tell(Refused("reason", remedy))
         assert inspector.refused[-1] == f"reason; {remedy}"
 
 
@@ -124,9 +125,9 @@ def test_readings_that_mend_nothing_are_asked_of_some_of_the_samples(tmp_path, g
     log, survey = make_log(48.0, seed=6), survey_of(good)
     more = 2.0 * model().dynamics.gravity_torque(log.position)
     path = write_parquet(tmp_path / "log.parquet", columns(replace(log, torque=log.torque + more)))
-    asked, explained = [], checks.explained
+    asked, explained = [], axes_check.explained
     monkeypatch.setattr(
-        checks, "explained", lambda model, parts, *x: asked.append(len(parts)) or explained(model, parts, *x)
+        axes_check, "explained", lambda model, parts, *x: asked.append(len(parts)) or explained(model, parts, *x)
     )
     assert log_statistics(str(path), layout(), model(), survey, LENGTH).refused == ()
     assert asked.count(max(asked)) < 0.2 * len(asked)

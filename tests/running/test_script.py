@@ -9,7 +9,7 @@ import pytest
 
 import jointwear
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks import Refused
+from jointwear.measurement.refused import Refused
 from jointwear.running.script import reported
 
 

@@ -12,9 +12,9 @@ from jointwear.discovery.reversals import unseen_slow_motion
 from jointwear.effects import get_effect
 from jointwear.effects.temperature import SMALLEST_SPREAD
 from jointwear.files.wording import numbered
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.possible import likely_unit
+from jointwear.measurement.refused import Refused
 
 #: Temperatures are said to go with the trajectories where these are fewer, and their means scatter by so many times
 #: what they do within.

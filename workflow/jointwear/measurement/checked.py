@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from jointwear.measurement.checks import check_axes, check_recording
+from jointwear.measurement.axes_check import check_axes
+from jointwear.measurement.checks import check_recording
 from jointwear.measurement.clipped_torque import clipped_torques
 from jointwear.measurement.derivative_checks import check_derivatives, check_rate
 from jointwear.measurement.held_rows import check_rows_are_new

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.measurement.checks import FEWEST
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.refused import FEWEST
 
 #: Samples in a row at the largest value from which it is a limit, and how many times as long as the longest run of
 #: another value: a coarse scale repeats all of its values, at the crest of a wave five times as often as beside it.

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.possible import likely_unit
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.smoothing import SLOWEST
 from jointwear.measurement.turns import unwrapped
 from jointwear.measurement.units import POSITION_WORDS, sizes_of

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.refused import FEWEST, Refused
 
 #: Encoder steps that a joint makes in each row, at least, where a row that repeats the one before is none of motion.
 STEPS = 2.0

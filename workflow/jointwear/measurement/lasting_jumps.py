@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.files.wording import count, numbered
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.jumps import lasting_jumps
 from jointwear.measurement.recording import Recording, elapsed_time
+from jointwear.measurement.refused import Refused
 
 
 def check_rows_follow(recording: Recording) -> None:

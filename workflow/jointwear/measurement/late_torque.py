@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.effects.bristle import bristle
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.refused import Refused
 from jointwear.measurement.torque_follows import free_torques, unfollowed
 from jointwear.measurement.torque_scale import thinned
 from jointwear.robots.robot import Robot

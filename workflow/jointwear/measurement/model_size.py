@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.files.wording import numbered
-from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.torque_scale import thinned
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot

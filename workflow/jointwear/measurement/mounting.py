@@ -12,18 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.measurement.axes_check import CLEARLY, FAVOURS, RIGHT, best_reading, even_so, explained, total_left
 from jointwear.measurement.axis_readings import Likelihood
-from jointwear.measurement.checks import (
-    CLEARLY,
-    FAVOURS,
-    FEWEST,
-    RIGHT,
-    Refused,
-    best_reading,
-    even_so,
-    explained,
-    total_left,
-)
+from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 

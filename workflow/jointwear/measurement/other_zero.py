@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.measurement.axes_check import FAVOURS, RIGHT, explained
 from jointwear.measurement.axis_readings import Likelihood, Reading
-from jointwear.measurement.checks import FAVOURS, FEWEST, RIGHT, explained
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.refused import FEWEST
 from jointwear.measurement.torque_scale import thinned
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.measurement.checks import Refused, explained
+from jointwear.measurement.axes_check import explained
 from jointwear.measurement.motion import Measured
+from jointwear.measurement.refused import Refused
 from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS, sizes_of
 from jointwear.robots.dynamics import Dynamics

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.files.wording import count
-from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured, measure
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.refused import FEWEST, Refused
 
 #: Time [s] and turn [rad] in which a torque that keeps one value was not recorded: friction and weight change in less,
 #: and the coarsest scale of a current has another value.

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.measurement.axes_check import FAVOURS, best_reading, explained, total_left
 from jointwear.measurement.axis_readings import INERTIAL_ERROR, Likelihood
-from jointwear.measurement.checks import FAVOURS, FEWEST, Refused, best_reading, explained, total_left
+from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from jointwear.files.wording import numbered
 from jointwear.measurement.axis_readings import Likelihood, Reading
-from jointwear.measurement.checks import FEWEST, Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.units import CURRENTS, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.clock import Ordered, part_of
 from jointwear.measurement.flags import Flag
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.derivation import Motion
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.plausibility import LaterCheck

@@ -13,10 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from jointwear.measurement.checks import Refused
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.mounting import check_mounting
 from jointwear.measurement.position_unit import better_unit, check_reach, left_as_read, refusal_of
+from jointwear.measurement.refused import Refused
 from jointwear.measurement.time_scale import check_time_scale, keeps_time
 from jointwear.measurement.torque_scale import WrongScale, a_load_explains, check_size, thinned, wrong_scale
 from jointwear.monitor.carried import LoadsOnMotion, least_mass, with_loads

@@ -14,16 +14,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.measurement.axes_check import check_axes, explained, explained_otherwise, favours
 from jointwear.measurement.axis_readings import Likelihood, Reading
-from jointwear.measurement.checks import (
-    FEWEST,
-    Refused,
-    check_axes,
-    check_recording,
-    explained,
-    explained_otherwise,
-    favours,
-)
+from jointwear.measurement.checks import check_recording
 from jointwear.measurement.clipped_torque import at_limit
 from jointwear.measurement.derivative_checks import check_derivatives
 from jointwear.measurement.flags import Flag
@@ -31,6 +24,7 @@ from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.held_rows import check_rows_are_new
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.silent_joints import check_torque_moves
 from jointwear.measurement.torque_scale import FACTOR, LIKELIER, OF_ONE, gained_by, off_scale, shared_scale, thinned
 from jointwear.measurement.turns import turns_on

@@ -121,7 +121,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     Raises
     ------
     InputError : if the log cannot be read, or contradicts the model; the latter
-        :class:`~jointwear.measurement.checks.Refused`, with what to mend.
+        :class:`~jointwear.measurement.refused.Refused`, with what to mend.
     """
     robot = model.robot
     clock = Clock(length, path)

@@ -21,7 +21,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from jointwear.measurement.checks import Refused
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.carried import UnitTorques
 from jointwear.monitor.model import ModelTorque
 

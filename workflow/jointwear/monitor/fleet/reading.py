@@ -20,7 +20,7 @@ from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
-from jointwear.measurement.checks import Refused
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.assembly import Piece, fingerprint
 from jointwear.monitor.fleet.plan import stamp_of
 from jointwear.monitor.made_with import made_with

@@ -8,7 +8,7 @@ from typing import Any
 
 from jointwear.files.errors import InputError
 from jointwear.files.storage import open_dataset
-from jointwear.measurement.checks import Refused
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.survey import Survey
 from jointwear.monitor.window_files import read_statistics, write_statistics
 from jointwear.monitor.windows import WindowStatistics

@@ -1,0 +1,22 @@
+"""The refusal of a recording or a log, and how many samples a joint needs before anything is said of it."""
+
+from __future__ import annotations
+
+from jointwear.files.errors import InputError
+
+#: Samples of a joint in motion below which it is not asked: a few parameters are fitted to them.
+FEWEST = 40
+
+
+class Refused(InputError):
+    """A recording that must not be judged.
+
+    Attributes
+    ----------
+    suggestion : what to mend, in words. by_keys : it names keys of the configuration or of the robot file, which hold
+        for all logs of a robot: where others are right, such a key would spoil them.
+    """
+
+    def __init__(self, reason: str, suggestion: str, by_keys: bool = False) -> None:
+        super().__init__(reason)
+        self.reason, self.suggestion, self.by_keys = reason, suggestion, by_keys
