@@ -11,9 +11,9 @@ from jointwear.measurement.formats import layout_of
 from jointwear.measurement.refused import Refused
 from jointwear.measurement.torque_scale import shared_scale
 from jointwear.monitor import misreadings
+from jointwear.monitor.later_check import beyond_loads
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.plausibility import beyond_loads
 from jointwear.monitor.read_findings import reading_findings
 from jointwear.monitor.survey import survey_log
 from jointwear.robots.dynamics import Dynamics

@@ -11,8 +11,8 @@ from jointwear.measurement.clock import Ordered, part_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.refused import Refused
 from jointwear.monitor.derivation import Motion
+from jointwear.monitor.later_check import LaterCheck
 from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.plausibility import LaterCheck
 from jointwear.monitor.survey import Survey
 
 #: Parts that a block with something wrong is looked at in, and the fewest samples of a part.
