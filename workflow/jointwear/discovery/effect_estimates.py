@@ -17,6 +17,7 @@ from jointwear.discovery.noisy_columns import noise_share
 from jointwear.discovery.outcome import Named
 from jointwear.discovery.peak_torque import spread
 from jointwear.discovery.refine import evidence_at, free_parameters
+from jointwear.discovery.refined_model import RefinedEffect
 from jointwear.discovery.whitening import INERTIAL, White
 from jointwear.effects import get_effect
 
@@ -252,35 +253,29 @@ def _where_the_form_bends(
     return {name: max(s, spread(white, bent, candidate, free[name])) for name, s in spreads.items()}
 
 
-def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) -> Estimate:
+def estimate_effect(
+    white: White,
+    fit: Fit,
+    base: list[Term],
+    refined: RefinedEffect,
+    where: list[slice],
+    others: list[Term],
+    rng: np.random.Generator,
+) -> Estimate:
     """Estimate one effect: parameters by the delta method, the peak torque by drawing from the posterior.
 
-    `base` are the terms of the parameters of the nominal model, `others` those of the other effects.
+    Parameters
+    ----------
+    fit : of the whole model. base : terms of the parameters of the nominal model; others : those of the other effects.
+    where : places of its coefficients in the fit, and of those of its bend.
     """
-    named = replace(one, candidate=candidate)
-    effect = get_effect(candidate.effect)
+    candidate, form = refined.candidate, None if refined.bend is None else refined.bend[0]
+    named = replace(refined.named, candidate=candidate)
+    scaled = get_effect(candidate.effect).scaled
     places = np.concatenate([np.arange(w.start, w.stop) for w in where])
-    coefficients = fit.theta[places]
+    coefficients, covariance = fit.theta[places], fit.covariance[np.ix_(places, places)]
     own = where[0].stop - where[0].start
-    covariance = fit.covariance[np.ix_(places, places)]
-    parameters = effect.parameters_of(candidate.nonlinear, coefficients[:own])
-    std: dict[str, float] = {}
-    jacobian = {name: np.zeros(own) for name in parameters}
-    for k in range(own):
-        step = STEP * max(abs(coefficients[k]), float(np.sqrt(covariance[k, k])), 1e-12)
-        moved = coefficients[:own].copy()
-        moved[k] += step
-        after = effect.parameters_of(candidate.nonlinear, moved)
-        for name in parameters:
-            jacobian[name][k] = (after[name] - parameters[name]) / step
-    linear = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
-    # A robot file takes no parameter beyond its bounds.
-    parameters = effect.bounded(parameters)
-    scaled = effect.scaled
-    if scaled:
-        linear = {scaled}
-    for name in linear & set(parameters):
-        std[name] = float(np.sqrt(max(jacobian[name] @ covariance[:own, :own] @ jacobian[name], 0.0)))
+    parameters, std = _by_delta_method(candidate, coefficients[:own], covariance[:own, :own])
     without = Fit(white.targets, [*base, *others])
     lost = lost_to_speed(white, without, candidate) if std else 0.0
     form_std = {name: _form_std(white, fit, candidate, parameters, name, set(std), lost) for name in std}
@@ -313,3 +308,29 @@ def estimate_effect(white, fit, base, one, candidate, form, where, rng, others) 
     )
     peak, low, high = largest_torque(white, [*base, *others], fitted, rng)
     return Estimate(named, parameters, std, coefficients, form, peak, low, high)
+
+
+def _by_delta_method(
+    candidate: Candidate, coefficients: np.ndarray, covariance: np.ndarray
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the parameters of an effect, within their bounds, and standard deviations of those that its coefficients
+    (k,) tell, from their covariance (k, k)."""
+    effect = get_effect(candidate.effect)
+    parameters = effect.parameters_of(candidate.nonlinear, coefficients)
+    jacobian = {name: np.zeros(len(coefficients)) for name in parameters}
+    for k in range(len(coefficients)):
+        step = STEP * max(abs(coefficients[k]), float(np.sqrt(covariance[k, k])), 1e-12)
+        moved = coefficients.copy()
+        moved[k] += step
+        after = effect.parameters_of(candidate.nonlinear, moved)
+        for name in parameters:
+            jacobian[name][k] = (after[name] - parameters[name]) / step
+    told = {p.name for p in effect.parameters if not p.fixed} - set(candidate.nonlinear)
+    if effect.scaled:
+        told = {effect.scaled}
+    # A robot file takes no parameter beyond its bounds.
+    parameters = effect.bounded(parameters)
+    std = {
+        name: float(np.sqrt(max(jacobian[name] @ covariance @ jacobian[name], 0.0))) for name in told & set(parameters)
+    }
+    return parameters, std

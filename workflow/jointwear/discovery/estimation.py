@@ -289,13 +289,10 @@ def _fitted(
     rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
     for effect in model.effects:
-        form, bend = (None, ()) if effect.bend is None else (effect.bend[0], effect.bend[1:])
-        own = [effect.term, *bend]
+        own = [effect.term] if effect.bend is None else [effect.term, effect.bend[1]]
         others = [less[id(t)] for t in terms if not any(t is o for o in own)]
         where = [places[id(t)] for t in own]
-        estimates.append(
-            estimate_effect(weak, known, weak_base, effect.named, effect.candidate, form, where, rng, others)
-        )
+        estimates.append(estimate_effect(weak, known, weak_base, effect, where, others, rng))
     friction, _, inertial = _base_of(white, fit, masses)
     inertial += beside
     std = _base_of(weak, known, [])[1]
