@@ -61,7 +61,9 @@ class Final:
 
 
 def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
-    """Refine the parameters of the named effects, fit everything together and predict all samples.
+    """Return the retuned and the augmented model, without what predicts records left out worse than the given robot.
+
+    The parameters of named effects are refined, and everything is fitted together, until nothing more is put back.
 
     Parameters
     ----------

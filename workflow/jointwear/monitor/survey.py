@@ -123,7 +123,46 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     InputError : if the log cannot be read, or contradicts the model; the latter
         :class:`~jointwear.measurement.refused.Refused`, with what to mend.
     """
-    robot = model.robot
+    chunk, stretch = _first_samples(path, layout, length)
+    steps = np.diff(chunk.time)[np.diff(stretch) == 0]
+    rate = 1.0 / float(np.median(steps)) if len(steps) else 0.0
+    roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
+    derived = "velocity" not in roles or "acceleration" not in roles
+    if derived and rate < SLOWEST_RATE:
+        lacking = " and ".join(r for r in ("velocity", "acceleration") if r not in roles)
+        raise InputError(
+            f"{path}: is sampled at {rate:.3g} Hz, from which {lacking} cannot be derived: log {lacking} (named under "
+            f"'variables'), or at least {SLOWEST_RATE:g} Hz"
+        )
+    cutoff, noise = _spectra(chunk, stretch, rate, derived)
+    motion = derive_motion(chunk, stretch, cutoff)
+    dead_bands, noisy = _dead_band(motion, noise, dead_band)
+    left = check_first(chunk, stretch, motion, model.robot, dead_bands, path)
+    first = _First(chunk, stretch, motion, model, dead_bands, rate)
+    lag = _lag(first, length)
+    return Survey(
+        dated=chunk.dated,
+        rate=rate,
+        cutoff=cutoff.tolist(),
+        dead_band=dead_bands.tolist(),
+        torque_reference=_torque_reference(chunk.torque).tolist(),
+        measured=roles,
+        left=left,
+        block=_block_length(first, length),
+        log=str(path),
+        noisy=noisy.tolist(),
+        late=lag.late.tolist(),
+        late_error=[float(e) if np.isfinite(e) else None for e in lag.error],
+    )
+
+
+def _first_samples(path: str, layout: Layout, length: float) -> tuple[Chunk, np.ndarray]:
+    """Return the first :data:`LOOK` samples of a log in order of time, and the label (m,) of the stretch of each.
+
+    Raises
+    ------
+    InputError : if it cannot be read, or holds too little for a survey.
+    """
     clock = Clock(length, path)
     parts: list[Ordered] = []
     seen = rows = 0
@@ -149,36 +188,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         )
     if not np.isfinite(chunk.torque).any():
         raise InputError(f"{path}: no torque of any joint is a finite number (N m, after 'scale' or 'torque_constant')")
-    steps = np.diff(chunk.time)[np.diff(stretch) == 0]
-    rate = 1.0 / float(np.median(steps)) if len(steps) else 0.0
-    roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
-    derived = "velocity" not in roles or "acceleration" not in roles
-    if derived and rate < SLOWEST_RATE:
-        lacking = " and ".join(r for r in ("velocity", "acceleration") if r not in roles)
-        raise InputError(
-            f"{path}: is sampled at {rate:.3g} Hz, from which {lacking} cannot be derived: log {lacking} (named under "
-            f"'variables'), or at least {SLOWEST_RATE:g} Hz"
-        )
-    cutoff, noise = _spectra(chunk, stretch, rate, derived)
-    motion = derive_motion(chunk, stretch, cutoff)
-    dead_bands, noisy = _dead_band(motion, noise, dead_band)
-    left = check_first(chunk, stretch, motion, robot, dead_bands, path)
-    first = _First(chunk, stretch, motion, model, dead_bands, rate)
-    lag = _lag(first, length)
-    return Survey(
-        dated=chunk.dated,
-        rate=rate,
-        cutoff=cutoff.tolist(),
-        dead_band=dead_bands.tolist(),
-        torque_reference=_torque_reference(chunk.torque).tolist(),
-        measured=roles,
-        left=left,
-        block=_block_length(first, length),
-        log=str(path),
-        noisy=noisy.tolist(),
-        late=lag.late.tolist(),
-        late_error=[float(e) if np.isfinite(e) else None for e in lag.error],
-    )
+    return chunk, stretch
 
 
 @dataclass(frozen=True)

@@ -85,21 +85,8 @@ def watch(
     starts = _told_starts(events or [[]] * len(axes), proposed or [[]] * len(axes))
     fall_rate = FALL_RATE / 1000 * conditions.hours
     limits = _limits(axes, shift, baseline, rate, fall_rate, recall or Recall())
-    states: dict[int, WatchedAxis] = {}
-    again = [j for j, axis in enumerate(axes) if axis is not None]
-    # Services change what comes after them: found one after the other, until none is left.
-    for _ in range(_MOST_TURNS):
-        states |= {j: WatchedAxis(axes[j], baseline, shift, starts[j]) for j in again}
-        beside = _beside(states, len(axes), baseline, shift, common, unit)
-        evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
-        again = []
-        for j in states if services else ():
-            service = _service(evidence[j], limits.fall[j], shift, baseline)
-            if service is not None and (later := _with_service(starts[j], *service)) is not None:
-                starts[j] = later
-                again.append(j)
-        if not again:
-            break
+    falls = limits.fall if services else np.full(len(axes), np.inf)
+    states, beside, evidence = _settled(axes, starts, falls, baseline, shift, common, unit)
     shape = (len(shift), len(axes))
     nothing = {"growth": -np.inf, "fall": -np.inf, "step": -np.inf, "mean": np.nan, "std": np.nan, "shifts": 0}
     told = {
@@ -125,6 +112,41 @@ def watch(
         **told,
         **seen,
     )
+
+
+def _settled(
+    axes: Sequence[AxisNormal | None],
+    starts: list[list[Start]],
+    falls: np.ndarray,
+    baseline: np.ndarray,
+    shift: np.ndarray,
+    common: bool,
+    unit: np.ndarray | float,
+) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence]]:
+    """Return the axes that are judged, what they tell of each other and their evidence, once no more falls propose a
+    service; those that are found are added to `starts`.
+
+    Parameters
+    ----------
+    falls : (n,) evidence of a fall above which it proposes a service, infinite where none does. baseline, shift,
+    common, unit : as of :func:`watch`.
+    """
+    states: dict[int, WatchedAxis] = {}
+    again = [j for j, axis in enumerate(axes) if axis is not None]
+    # Services change what comes after them: found one after the other, until none is left.
+    for _ in range(_MOST_TURNS):
+        states |= {j: WatchedAxis(axes[j], baseline, shift, starts[j]) for j in again}
+        beside = _beside(states, len(axes), baseline, shift, common, unit)
+        evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
+        again = []
+        for j in states:
+            service = _service(evidence[j], falls[j], shift, baseline)
+            if service is not None and (later := _with_service(starts[j], *service)) is not None:
+                starts[j] = later
+                again.append(j)
+        if not again:
+            break
+    return states, beside, evidence
 
 
 def _told_starts(events: Sequence[Sequence[int]], proposed: Sequence[Sequence[int]]) -> list[list[Start]]:
