@@ -148,13 +148,14 @@ def evidence(
     known=1e-6,
     loud=1.0,
     calm=True,
+    noise=1e-5,
 ):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
     windows = AxisWindows(
         value=np.repeat(level, 8)
         + np.tile(np.repeat([1, -1], 4), len(level)) * np.repeat(odd * np.ones(len(level)), 8),
-        variance=np.full(w, 1e-5),
+        variance=np.full(w, noise),
         design=np.ones((w, 1)),
         which=np.zeros(w, dtype=int),
         shift=shift,
@@ -203,7 +204,16 @@ def test_a_shift_in_which_the_other_axes_are_off_too_tells_less_of_an_axis():
     unknown = np.where(np.arange(6) > 0, np.nan, own)
     assert np.allclose(shift_scale(unknown, variance, noise, np.full(6, 0.3), shift, inside)[:, 0], 1.0)
     grown = np.array([0, 0, 0.04, 0.04])
-    assert np.isclose(evidence(grown, loud=4.0).growth[-1], 0.5 * evidence(grown).growth[-1])
+    assert np.isclose(evidence(grown, loud=4.0, noise=1e-12).growth[-1], 0.5 * evidence(grown, noise=1e-12).growth[-1])
+
+
+def test_the_noise_of_windows_is_measured_and_follows_no_scale_of_the_shift():
+    grown = np.array([0, 0, 0.04, 0.04])
+    steady, usual, off = (evidence(grown, loud=loud, noise=0.1) for loud in (0.25, 1.0, 4.0))
+    # The first windows of a shift tell little, however still the other axes keep.
+    assert np.allclose(steady.std[16:], usual.std[16:], rtol=0.02)
+    assert np.allclose(off.std[16:], usual.std[16:], rtol=0.02)
+    assert steady.growth[-1] < 1.02 * usual.growth[-1]
 
 
 def test_a_shift_in_which_all_axes_rose_is_beyond_what_the_baseline_saw():

@@ -21,7 +21,7 @@ import json
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from jointwear.monitor.allowance import level_share
+from jointwear.monitor.allowance import LEVEL_SHARE
 from jointwear.monitor.shifts import shift_labels
 from jointwear.studies.shop_floor.cell import Cell, draw_cell
 from jointwear.studies.shop_floor.month import BASELINE_DAYS, DAY
@@ -95,7 +95,7 @@ def delays(cell: Cell, sigma: float, law: str, random: np.random.Generator) -> t
             return sigma * random.standard_normal(shape)
         return HEAVY * sigma * random.standard_t(FREEDOM, shape)
 
-    chance = -np.expm1(-RATE / 1000 * level_share(RATE) / len(cell.arm.home) * len(hours))
+    chance = -np.expm1(-RATE / 1000 * LEVEL_SHARE / len(cell.arm.home) * len(hours))
     null = _statistic(hours, shift, np.zeros(len(hours)), drawn(NULLS), cell, sigma, law)
     threshold = np.quantile(null.max(axis=1), 1 - chance)
     growth = np.log1p(cell.wear.growth(hours))

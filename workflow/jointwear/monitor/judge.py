@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.allowance import BACKLASH_SHARE, VISCOUS_SHARE, level_share
+from jointwear.monitor.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHARE
 from jointwear.monitor.backlash import (
     BACKLASH,
     backlash_findings,
@@ -202,7 +202,7 @@ def _watch_level(
     steps: list[ScaleStep] = []
     found: list[list[int]] = [[] for _ in normal["level"]]
     scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
-    allowed = level_share(SCALE_RATE) * scale_rate
+    allowed = LEVEL_SHARE * scale_rate
     alone = {"services": False, "common": False}
     by_itself = np.array([axis is not None and axis.source == "coulomb" for axis in normal["level"]])
     unit = units_of_levels(seen.series["friction"].share, by_itself)
@@ -221,7 +221,7 @@ def _watch_level(
         found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(len(found))]
     if not settled or stated != SCALE_RATE:
         rate = stated / 1000 * seen.conditions.hours
-        level = _watched(normal["level"], seen, level_share(stated) * rate, found, recall, unit=unit)
+        level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall, unit=unit)
     return level, steps, found
 
 

@@ -32,7 +32,8 @@ class AxisWindows:
     design : (w, p). which : the normal state that holds at each window, by what was known then. shift : labels.
     between : standard deviation between shifts. extra : variance that all windows of a shift share (shared error,
     range), and part of which carries on. inside : bool, at temperatures that the baseline had.
-    scale : factor of all variance of the shift of each window so far (:mod:`.shift_scale`).
+    scale : factor of what is not known of the shift of each window so far (:mod:`.shift_scale`); the noise of its
+    windows is known from the windows, and stays.
     calm : bool, in shifts in which the axes have not moved together so far.
     """
 
@@ -61,8 +62,9 @@ class RecentShifts:
     judged : (w,) bool. count : (w,) windows of the running shift that are judged so far.
     known : bool, whether there is such a shift; those that show nothing are passed over.
     residual : mean of the shift less the normal state that holds at the window. variance : its own; infinite where
-    nothing is known. carried : standard deviation of the part of it that neighbours share.
-    loud : factor of the standard deviation. usual : bool, mostly at temperatures that the baseline had.
+    nothing is known. noise : the part of it that comes of the noise of windows. carried : standard deviation of the
+    part of it that neighbours share. loud : factor of the standard deviation of all but the noise. usual : bool, mostly
+    at temperatures that the baseline had.
     design : (w, BACK, p). which : (w,) the normal state that holds. normal : covariances (s, p, p) of normal states.
     """
 
@@ -71,6 +73,7 @@ class RecentShifts:
     known: np.ndarray
     residual: np.ndarray
     variance: np.ndarray
+    noise: np.ndarray
     carried: np.ndarray
     loud: np.ndarray
     usual: np.ndarray
@@ -85,13 +88,15 @@ class RecentShifts:
         ----------
         count : up to :data:`BACK`. A place without a shift has the variance :data:`UNKNOWN`.
         """
-        known, carried, loud = (a[rows, :count] for a in (self.known, self.carried, self.loud))
+        known, noise, carried, loud = (a[rows, :count] for a in (self.known, self.noise, self.carried, self.loud))
         predicted = _of_predictions(self.design[rows, :count], self.normal, self.which[rows])
         shared = predicted + carried[:, :, None] * carried[:, None, :]
         result = np.where(known[:, :, None] & known[:, None, :], shared, 0.0)
         own = np.arange(count)
-        result[:, own, own] += np.where(known, self.variance[rows, :count] - carried**2, UNKNOWN)
-        return result * (loud[:, :, None] * loud[:, None, :])
+        result[:, own, own] += np.where(known, self.variance[rows, :count] - noise - carried**2, UNKNOWN)
+        result *= loud[:, :, None] * loud[:, None, :]
+        result[:, own, own] += noise
+        return result
 
 
 def recent_shifts(windows: AxisWindows, normal: Sequence[Posterior], memory: float) -> RecentShifts:
@@ -112,7 +117,8 @@ def recent_shifts(windows: AxisWindows, normal: Sequence[Posterior], memory: flo
     mean = running_sums(weight * np.where(good, windows.value, 0.0), starts) / safe
     at = np.stack([running_sums(weight * column, starts) for column in clean.T], axis=1) / safe[:, None]
     shared = running_sums(weight * np.where(good, windows.extra, 0.0), starts) / safe
-    own = inflated(count, memory) / safe + shared
+    noise = inflated(count, memory) / safe
+    own = noise + shared
     odd = _unexplained(windows.value - np.einsum("wp,wp->w", clean, means[windows.which]), weight, count, starts)
     own += np.maximum(odd, _so_far(odd, count, starts)) / RUNS_IN_SHIFT
     order = _judged_first(places_of_shifts(windows.shift, BACK + SPARE), total > 0)
@@ -123,6 +129,7 @@ def recent_shifts(windows: AxisWindows, normal: Sequence[Posterior], memory: flo
         known=known,
         residual=mean[index] - np.einsum("wkp,wp->wk", at[index], means[windows.which]),
         variance=np.where(known, own[index] + windows.between[:, None] ** 2, np.inf),
+        noise=np.where(known, noise[index], 0.0),
         carried=np.sqrt(CARRIED * shared[index]),
         loud=np.sqrt(windows.scale)[index],
         usual=(running_sums((good & windows.inside).astype(float), starts) > 0.5 * count)[index],

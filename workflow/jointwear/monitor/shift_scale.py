@@ -6,6 +6,9 @@ of the axes of a shift thus follow a multivariate Student law, whose axes share 
 an axis is (nu + sum of their squares) / (nu + their number): beyond one where several axes are off, below one where
 all keep still. About which scale that of a shift lies is learnt from the robot's shifts before, again from the other
 axes: a robot in a steady hall stays far within what floors and priors expect of robots at large.
+
+The noise of the windows themselves is measured, axis by axis, and no such expectation: the scale leaves it as it is, or
+the first windows of a shift would count for more than they tell.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ def shift_scale(
     shift: np.ndarray,
     outside: np.ndarray,
 ) -> np.ndarray:
-    """Return the factor (w, n) of the variance of each axis in the shift of each window, so far.
+    """Return the factor (w, n) of what is not known of each axis in the shift of each window, so far.
 
     Parameters
     ----------

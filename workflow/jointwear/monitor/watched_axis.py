@@ -146,7 +146,8 @@ class WatchedAxis:
         Parameters
         ----------
         shared : (w,) error in common with the other axes. extra : (w,) variance of it, and of leaving the range.
-        loud : (w,) factor of all variance of a shift, :mod:`.shift_scale`. calm : (w,) bool, see :func:`_calm`.
+        loud : (w,) factor of the variance of a shift but for the noise of its windows, :mod:`.shift_scale`.
+        calm : (w,) bool, see :func:`_calm`.
         """
         residual = np.where(self.judged, self.residual - shared, np.nan)
         windows = AxisWindows(

@@ -198,8 +198,8 @@ class _Beside:
     """What the axes tell of each other, (w, n) unless told.
 
     `raw`: residual before the shared error is taken out; `noise`: variance that windows do not share; `variance` of the
-    residual without the shared error; `extra`: variance that all windows of a shift share; `loud`: factor of all
-    variance of a shift; `calm` (w,): bool, whether the axes do not move together.
+    residual without the shared error; `extra`: variance that all windows of a shift share; `loud`: factor of the
+    variance of a shift but for the noise of its windows; `calm` (w,): bool, whether the axes do not move together.
     """
 
     shared: SharedError
