@@ -6,7 +6,8 @@ from jointwear.monitor.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHA
 
 
 def test_all_charts_together_have_what_is_stated():
-    assert LEVEL_SHARE + VISCOUS_SHARE + BACKLASH_SHARE == pytest.approx(1.0)
+    total = LEVEL_SHARE + VISCOUS_SHARE + BACKLASH_SHARE
+    assert total == pytest.approx(1.0)
 
 
 def test_the_level_is_what_wear_mostly_moves_and_has_most_of_it():
