@@ -86,6 +86,16 @@ def test_torques_of_other_rows_are_told(example, turn):
         check_follows(replace(measured, torque=turn(measured.torque)), robot, "arm")
 
 
+def test_a_controller_that_shakes_the_arm_is_no_other_recording(example):
+    """What follows coarse encoders shakes the torque from sample to sample by more than the motion asks of it."""
+    _, robot, measured = example
+    noise = np.random.default_rng(5).standard_normal(measured.torque.shape)
+    shaken = replace(measured, torque=measured.torque + 1.2 * np.nanstd(measured.torque, axis=0) * noise)
+    check_follows(shaken, robot, "arm")
+    with pytest.raises(Refused, match="does not follow the motion"):
+        check_follows(replace(shaken, torque=np.roll(shaken.torque, 300, axis=0)), robot, "arm")
+
+
 @pytest.mark.parametrize("seconds", [0.1, -0.1, 0.3])
 def test_a_torque_of_another_time_is_told(example, seconds):
     recording, robot, _ = example

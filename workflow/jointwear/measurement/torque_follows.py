@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.refused import FEWEST, Refused
@@ -15,6 +18,9 @@ from jointwear.robots.robot import Robot
 #: belong together. Right recordings left 0.002 at most in simulation and 0.07 of real arms; the same moved by a seventh
 #: of their length left 0.66 and more, put in another order 0.98.
 MOST_LEFT = 0.5
+#: Time [s] over which the torque is evened before it is asked. A controller that answers to steps of an encoder shakes
+#: a heavy arm faster than it moves it, by more than half of the variance (docs/decisions/what_is_refused.md).
+EVENED = 0.1
 
 
 def check_follows(measured: Measured, robot: Robot, name: str) -> None:
@@ -24,7 +30,7 @@ def check_follows(measured: Measured, robot: Robot, name: str) -> None:
     ------
     Refused : where it does not on most joints.
     """
-    samples = thinned(measured)
+    samples = thinned(replace(measured, torque=_evened(measured)))
     left = unfollowed(free_torques(samples, robot), samples)
     if len(left) and np.median(left) > MOST_LEFT:
         raise Refused(
@@ -33,6 +39,24 @@ def check_follows(measured: Measured, robot: Robot, name: str) -> None:
             "give time, positions and torques of the same rows of one recording, and check the columns of 'variables'",
             by_keys=True,
         )
+
+
+def _evened(measured: Measured) -> np.ndarray:
+    """Return the torque (m, n) [N m] as means over :data:`EVENED` of the samples that can be judged, recording by
+    recording; where none can, as it is."""
+    width = max(1, round(EVENED * measured.rate))
+    torque = measured.torque.copy()
+    for label in np.unique(measured.trajectory):
+        mine = measured.trajectory == label
+        values, used = torque[mine], measured.usable[mine] & np.isfinite(torque[mine])
+        total, count = (
+            uniform_filter1d(x, width, axis=0, mode="constant")
+            for x in (np.where(used, values, 0.0), used.astype(float))
+        )
+        # Sums that run along leave rounding where nothing is counted.
+        some = count > 0.5 / width
+        torque[mine] = np.where(some, total / np.where(some, count, 1.0), values)
+    return torque
 
 
 def free_torques(measured: Measured, robot: Robot) -> np.ndarray:
