@@ -179,13 +179,14 @@ def favours(reading: Reading, robot: Robot) -> float:
 
 
 def _enough(reading: Reading, gained: float, left: np.ndarray, robot: Robot) -> float:
-    """Return the nats by which a reading must be likelier that lowers the log of what is left by `gained`.
+    """Return the nats by which a reading must be likelier that lowers the log of what is left by `gained`; one of
+    :data:`OF_SIZE` lowers it by more than :data:`CLEARLY`.
 
     `left` is the share of the squared torque (k,) that the model leaves of the axes concerned as they are.
     """
     if gained <= CLEARLY:
         doubt = NOTHING_WRONG if reading.kind == "flip" and np.nanmax(left, initial=0.0) < RIGHT else 1.0
-        return np.inf if reading.kind in OF_SIZE else doubt * favours(reading, robot)
+        return doubt * favours(reading, robot)
     if reading.kind in RESEMBLED:
         return favours(reading, robot)
     return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * favours(reading, robot)
@@ -222,8 +223,10 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
         return total_left(left, floor) - total_left(other, floor)
 
     def refuted(reading: Reading, other: np.ndarray) -> bool:
-        concerned = other[list(reading.axes)]
-        return gained(reading, other) < -CLEARLY or not np.nanmax(concerned, initial=0.0) < WRONG
+        concerned, gain = other[list(reading.axes)], gained(reading, other)
+        # What has to fit far better in size is not asked how likely it is where it does not.
+        worse = gain <= CLEARLY if reading.kind in OF_SIZE else gain < -CLEARLY
+        return worse or not np.nanmax(concerned, initial=0.0) < WRONG
 
     for reading, other in explained_otherwise(dynamics, parts, usable, refuted):
         if refuted(reading, other):
