@@ -1,22 +1,21 @@
-"""From the effects that were found to estimates: refined parameters, uncertainties, torques on held-out motion."""
+"""From the effects that were found to the model that is written: refined parameters, and what is put back."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
 from jointwear.discovery.acceptance import stiff
-from jointwear.discovery.base import doubted_links, likely_base
-from jointwear.discovery.between_axes import of_scales
+from jointwear.discovery.base import likely_base
 from jointwear.discovery.beyond_band import beyond_band, with_gears
 from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.drive_shares import drive_shares, told_shares
-from jointwear.discovery.effect_estimates import Estimate, estimate_effect, misfits
+from jointwear.discovery.effect_estimates import Estimate, misfits
 from jointwear.discovery.fallback import PutBack, put_back
+from jointwear.discovery.final_model import Final, Weighing, base_of, fit_model, named_all_the_same
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
 from jointwear.discovery.linear import Fit, Term
@@ -25,39 +24,12 @@ from jointwear.discovery.outcome import Named, Outcome, Suspected
 from jointwear.discovery.references import effect_term, reference_of, with_references
 from jointwear.discovery.refine import refine, simplest
 from jointwear.discovery.refined_model import RefinedEffect, RefinedModel
-from jointwear.discovery.sound_fit import make_links_sound, make_sound
+from jointwear.discovery.sound_fit import make_links_sound
 from jointwear.discovery.steps_back import given_up_of_effects, plainer_forms, steps_of
-from jointwear.discovery.whitening import INERTIAL, White
-from jointwear.robots.inertia import mass_direction
+from jointwear.discovery.whitening import White
 
 #: How often effects are refined at most, each time beside what the last elastic gears do above their band.
 REFINEMENTS = 3
-
-
-@dataclass(frozen=True)
-class Final:
-    """The retuned and the augmented model.
-
-    `delta_friction` (n, 4) and `delta_inertial` (10 n,) are added to the nominal parameters of the augmented model;
-    `retuned_friction`, `retuned_inertial` those of retuning alone. `unwritten` are effects that are named and that the
-    augmented model does without, `suspects` those of the search and what this model does without and does not name,
-    with the reason. `white` is the problem with the weight of each axis divided by its `misfit` (n,).
-    """
-
-    outcome: Outcome
-    white: White
-    misfit: np.ndarray
-    fit: Fit
-    estimates: tuple[Estimate, ...]
-    delta_friction: np.ndarray
-    std_friction: np.ndarray
-    delta_inertial: np.ndarray
-    retuned_friction: np.ndarray
-    retuned_inertial: np.ndarray
-    unwritten: tuple[Estimate, ...] = ()
-    suspects: tuple[Suspected, ...] = ()
-    fallbacks: tuple[PutBack, ...] = ()
-    misfits: tuple[str, ...] = ()
 
 
 def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
@@ -74,6 +46,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     white, model = _refined(plain, [_doubted(n, doubt) for n in outcome.named])
     named_masses = model.masses
     misfit = misfit_of(white, white.fit(model.effect_terms + model.bend_terms + model.mass_terms))
+    weighing = Weighing(outcome, white, doubt, misfit)
     unwritten: tuple[Estimate, ...] = ()
     suspects: tuple[Suspected, ...] = tuple(outcome.suspects)
     fallbacks: tuple[PutBack, ...] = ()
@@ -88,7 +61,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         model = model.plain_where_kept(plainer, left)
         lost = model.lost(left)
         if lost:
-            still_named, doubtful = _named_all_the_same(outcome, white, doubt, misfit, base, model, lost)
+            still_named, doubtful = named_all_the_same(weighing, base, model, lost)
             unwritten, suspects = unwritten + still_named, suspects + doubtful
             # Parameters of the drives were held where the effect made corrections needless: they are asked again.
             given_up = given_up_of_effects(given_up, [e.candidate for e in lost])
@@ -97,8 +70,9 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
         if not lost:
             break
         white = _in_band(plain, model.candidates)
+        weighing = replace(weighing, white=white)
     ours = {id(t) for t in [*asked, *model.effect_terms]}
-    final = _fitted(outcome, white, doubt, misfit, [t for t in kept if id(t) not in ours], model)
+    final = fit_model(weighing, [t for t in kept if id(t) not in ours], model)
     shares = drive_shares(white, kept, nameless)
     friction, inertial, retuned_given_up = _retuned(outcome, plain, named_masses, without)
     return replace(
@@ -128,7 +102,7 @@ def _retuned(
     alone, given_up = put_back(plain, [*alone, *model.terms], steps, "retuned", nameless)
     fit = Fit(plain.targets, alone)
     beside = make_links_sound(plain, fit, masses)
-    friction, _, inertial = _base_of(plain, fit, masses)
+    friction, _, inertial = base_of(plain, fit, masses)
     shares = drive_shares(plain, alone, nameless)
     return _in_part(friction, shares), inertial + beside, given_up + told_shares(shares, "retuned")
 
@@ -215,40 +189,6 @@ def _doubted(one: Named, doubt: np.ndarray) -> Named:
     return replace(one, term=divided(one.term, doubt), form=form)
 
 
-def _named_all_the_same(
-    outcome: Outcome,
-    white: White,
-    doubt: np.ndarray,
-    misfit: np.ndarray,
-    base: list[Term],
-    model: RefinedModel,
-    lost: list[RefinedEffect],
-) -> tuple[tuple[Estimate, ...], tuple[Suspected, ...]]:
-    """Return the effects that are there although the written model does without them, and those that are suspected.
-
-    A model falls back where one record left out is predicted worse, as when the others have to extrapolate to it. That
-    does not speak against an effect with which all records together are predicted better than by the given robot.
-    Where no structure is left the parts that a name has to predict are asked instead: out of three records two would
-    have to extrapolate to the third. Beside structure on its own axis it does: what nobody can name may be all that
-    such an effect has found. The others are suspects.
-    """
-    whole = _fitted(outcome, white, doubt, misfit, base, model)
-    ratio = cache(lambda parts: left_out_ratio(white, whole.fit.terms, each=False, parts=parts))
-    still = {u.axis for u in outcome.unexplained}
-    named, suspects = [], []
-    for effect, estimate in zip(model.effects, whole.estimates, strict=True):
-        if not any(effect is e for e in lost):
-            continue
-        axis = effect.candidate.axis
-        axes = white.problem.judged if axis is None else (axis,)
-        fine = max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0
-        if fine and axis not in still:
-            named.append(estimate)
-        else:
-            suspects.append((effect.named, "with it the model predicts records left out worse than the given robot"))
-    return tuple(named), tuple(suspects)
-
-
 def _whole_model(white: White, model: RefinedModel) -> tuple[list[Term], RefinedModel]:
     """Return the base with its likely errors, and the model with its references placed."""
     base, error = likely_base(white, model.terms)
@@ -259,77 +199,6 @@ def _whole_model(white: White, model: RefinedModel) -> tuple[list[Term], Refined
         model = with_references(white, base, model, error)
         base, error = likely_base(white, model.terms)
     return base, model
-
-
-def _fitted(
-    outcome: Outcome,
-    white: White,
-    doubt: np.ndarray,
-    misfit: np.ndarray,
-    base: list[Term],
-    model: RefinedModel,
-) -> Final:
-    """Fit a model as it will be written, and give every effect its estimate.
-
-    What is known of them is said by the axes for as much as their `misfit` leaves, beside the `doubt` by which those of
-    `white` have been divided already.
-    """
-    terms, masses = model.terms, model.masses
-    fit = Fit(white.targets, [*base, *terms])
-    places = {id(t): where for t, where in zip(fit.terms, fit.slices, strict=True)}
-    beside = make_links_sound(white, fit, masses)
-    for effect in model.effects:
-        make_sound(fit, effect.candidate, places[id(effect.term)])
-    weak, less = tempered(white, misfit), {id(t): divided(t, misfit) for t in fit.terms}
-    known = Fit(weak.targets, [less[id(t)] for t in fit.terms])
-    known.covariance = doubted_links(weak, known)
-    known.theta = fit.theta
-    for effect in model.effects:
-        if effect.named.candidate.axis is None:
-            known.covariance = known.covariance + of_scales(weak, known, less[id(effect.term)])
-    weak_base = [less[id(t)] for t in base]
-    rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
-    estimates = []
-    for effect in model.effects:
-        own = [effect.term] if effect.bend is None else [effect.term, effect.bend[1]]
-        others = [less[id(t)] for t in terms if not any(t is o for o in own)]
-        where = [places[id(t)] for t in own]
-        estimates.append(estimate_effect(weak, known, weak_base, effect, where, others, rng))
-    friction, _, inertial = _base_of(white, fit, masses)
-    inertial += beside
-    std = _base_of(weak, known, [])[1]
-    return Final(
-        outcome=outcome,
-        white=weak,
-        misfit=doubt * misfit,
-        fit=fit,
-        estimates=tuple(estimates),
-        delta_friction=friction,
-        std_friction=std,
-        delta_inertial=inertial,
-        retuned_friction=friction,
-        retuned_inertial=inertial,
-    )
-
-
-def _base_of(white: White, fit: Fit, masses: Sequence[Named]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return corrections of friction (n, 4) with their standard deviations and of inertia (10 n,)."""
-    problem = white.problem
-    mass_terms = [t for n in masses for t in n.terms]
-    n = problem.robot.joints
-    friction, std = np.zeros((n, 4)), np.zeros((n, 4))
-    inertial = np.zeros(10 * n)
-    for term, where in zip(fit.terms, fit.slices, strict=True):
-        if term.drive:
-            axis, k = term.drive
-            friction[axis, k] = fit.theta[where][0]
-            std[axis, k] = np.sqrt(np.diag(fit.covariance)[where][0])
-        elif term.label == INERTIAL:
-            inertial += problem.factor @ (white.directions_of(term) @ fit.theta[where])
-        for one, own in zip(masses, mass_terms, strict=True):
-            if term is own:
-                inertial += mass_direction(problem.robot, one.candidate.axis) * fit.theta[where][0]
-    return friction, std, inertial
 
 
 def _bend_if_kept(white: White, effect: RefinedEffect, others: list[Term]) -> tuple[Form, Term] | None:

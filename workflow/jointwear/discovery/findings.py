@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate
 from jointwear.discovery.effect_estimates import Estimate
-from jointwear.discovery.estimation import Final
+from jointwear.discovery.final_model import Final
 from jointwear.discovery.identifiability import Visible
 from jointwear.discovery.link_masses import unlikely_masses
 from jointwear.discovery.noise_floor import floor_with_names

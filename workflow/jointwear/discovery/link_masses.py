@@ -7,7 +7,7 @@ from scipy.special import softmax
 
 from jointwear.discovery.base import INERTIAL_ERRORS, weighed_links
 from jointwear.discovery.candidates import LINK_MASS
-from jointwear.discovery.estimation import Final
+from jointwear.discovery.final_model import Final
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.misfit import divided, masses_of
 from jointwear.discovery.scan import Scored, scan

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, raw_columns
-from jointwear.discovery.estimation import Final
+from jointwear.discovery.final_model import Final
 from jointwear.discovery.saturated import axis_noise
 
 

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from jointwear.discovery.estimation import Final
+from jointwear.discovery.final_model import Final
 from jointwear.discovery.left_out import Asked
 from jointwear.discovery.link_masses import wrong_mass
 from jointwear.discovery.problem import FRICTION, Problem

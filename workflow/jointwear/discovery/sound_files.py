@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.effect_estimates import Estimate
-from jointwear.discovery.estimation import Final, finalise
+from jointwear.discovery.estimation import finalise
 from jointwear.discovery.fallback import OWN, PutBack
+from jointwear.discovery.final_model import Final
 from jointwear.discovery.left_out import mean_squares
 from jointwear.discovery.leftovers import left_open
 from jointwear.discovery.outcome import Outcome, Suspected

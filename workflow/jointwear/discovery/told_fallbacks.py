@@ -6,8 +6,8 @@ from collections.abc import Collection
 
 import numpy as np
 
-from jointwear.discovery.estimation import Final
 from jointwear.discovery.fallback import PutBack
+from jointwear.discovery.final_model import Final
 from jointwear.discovery.verdict import FallBack, Gap, GivenUp
 
 #: Between the steps that were taken one after the other.

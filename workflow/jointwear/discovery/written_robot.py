@@ -13,7 +13,7 @@ import numpy as np
 import yaml
 
 from jointwear.discovery.augment import augmented_robot, augmented_urdf
-from jointwear.discovery.estimation import Final
+from jointwear.discovery.final_model import Final
 from jointwear.effects import effect_torque, make_state
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.motion import Measured
