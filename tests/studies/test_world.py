@@ -9,12 +9,13 @@ from jointwear.files.errors import InputError
 from jointwear.studies.challenge.judge import gap_closed, worse_axes
 from jointwear.studies.challenge.reliability import reliability
 from jointwear.studies.challenge.stored import write_stored_page
+from jointwear.studies.challenge.tracking import ArmLost, follows
 from jointwear.studies.tallies import QUESTIONS
 from jointwear.studies.world import answers, packages
 from jointwear.studies.world.control import CONTROLLERS, Controller, Reader, Reference
 from jointwear.studies.world.plan import BATCH, COUNTS, EFFECTS, OUTSIDE, batches, cases, part_batches
 from jointwear.studies.world.scores import TARGETS, WORDS, score
-from jointwear.studies.world.stages import summary
+from jointwear.studies.world.stages import solve_if_possible, summary
 
 
 def row(kind="nothing", **more):
@@ -77,6 +78,18 @@ def test_a_controller_reads_whole_steps_and_answers_to_them():
         )
         # What is left is what the integral of the second law has added up.
         assert np.all((asked - without - answered).std(axis=0) < 0.2 * answered.std(axis=0))
+
+
+def test_an_arm_that_its_controller_loses_is_no_case(monkeypatch):
+    wanted = np.stack([np.sin(np.arange(900) / 50), np.cos(np.arange(900) / 50)], axis=1)
+    assert follows(wanted + 0.2, wanted)
+    assert not follows(wanted + np.where(np.arange(900) == 700, 2.0, 0.0)[:, None], wanted)
+
+    def lost(case):
+        raise ArmLost("the controller loses the arm in recording 3")
+
+    monkeypatch.setattr("jointwear.studies.world.stages.solve_case", lost)
+    assert solve_if_possible(cases("report")[0]) is None
 
 
 def test_choosing_and_report_cases_have_other_seeds():

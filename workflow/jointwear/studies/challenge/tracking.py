@@ -13,8 +13,10 @@ from jointwear.studies.challenge.world import PlantState
 
 #: Speed [rad/s] over which friction turns its sign in the loop; without it the integration would chatter.
 _SIGN_WIDTH = 4e-3
-#: Position error [rad] of a loop that has lost its path, and how often it is then tuned down.
-_LOST, _TRIES = 1.0, 4
+#: Position error [rad] of a loop that has lost its path.
+LOST = 1.0
+#: How often a loop that loses its path is tuned down.
+_TRIES = 4
 
 
 def track(
@@ -106,4 +108,9 @@ def tuned_down(
 
 def _on_path(moved: SampledPath, wanted: Path) -> bool:
     clock = moved.step * np.arange(len(moved.position))
-    return bool(np.all(np.abs(moved.position - wanted.at(clock)[0]) < _LOST))
+    return follows(moved.position, wanted.at(clock)[0])
+
+
+def follows(position: np.ndarray, wanted: np.ndarray) -> bool:
+    """Return whether positions (m, n) [rad] stay within :data:`LOST` of those that a controller asked for."""
+    return bool(np.all(np.abs(position - wanted) < LOST))

@@ -54,7 +54,8 @@ def line(row: dict[str, Any]) -> str:
 def _told(case: Case, row: dict[str, Any] | None) -> list[dict[str, Any]]:
     """Print the row of a case, or that it has none, and return it."""
     if row is None:
-        print(f"   {case.name} is no case: its plant cannot be integrated with its step", file=sys.stderr)
+        why = "its plant cannot be integrated with its step, or its controller loses it"
+        print(f"   {case.name} is no case: {why}", file=sys.stderr)
         return []
     print(line(row), flush=True)
     return [row]

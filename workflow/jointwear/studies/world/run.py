@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.studies.challenge.surroundings import Temperatures
+from jointwear.studies.challenge.tracking import ArmLost, follows
 from jointwear.studies.world.control import Controller
 from jointwear.studies.world.hidden import Hidden, Instant
 from jointwear.studies.world.packages import mujoco
@@ -51,7 +52,7 @@ def run(
 
     Raises
     ------
-    ArithmeticError : if a plant cannot be integrated with its time step.
+    ArithmeticError : if a plant cannot be integrated with its time step; an `ArmLost` where its controller loses it.
     """
     return [
         _one(plant, controller, hidden, drives, k, float(starts[k]), heat, link_side)
@@ -134,6 +135,8 @@ def _one(
             acceleration[k, elastic] += data.qacc[plant.elastic[elastic]]
     if any(warning.number for warning in data.warning):
         raise ArithmeticError(f"the plant of recording {recording} is unstable with a step of {step:g} s")
+    if not follows(position, controller.reference.position):
+        raise ArmLost(f"the controller loses the arm in recording {recording}")
     kept = slice(round(SETTLE / step), None)
     return Log(
         clock[kept],

@@ -34,7 +34,7 @@ def solve_case(case: Case) -> dict[str, Any]:
 
 
 def solve_if_possible(case: Case) -> dict[str, Any] | None:
-    """Return the judged row of a case, None where its plant cannot be integrated with its time step."""
+    """Return the judged row of a case, None where its plant cannot be integrated or its controller loses it."""
     try:
         return solve_case(case)
     except ArithmeticError:
@@ -44,7 +44,8 @@ def solve_if_possible(case: Case) -> dict[str, Any] | None:
 def answer_batch(seed_set: str, index: int, output: str | Path) -> None:
     """Make the cases of a batch, give them to discovery, and write the judged rows as JSON.
 
-    A plant that cannot be integrated with its time step is no case; its name is listed under `left_out`.
+    A plant that cannot be integrated with its time step, or that its controller loses, is no case; its name is listed
+    under `left_out`.
 
     Raises
     ------
