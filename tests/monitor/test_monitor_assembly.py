@@ -73,3 +73,28 @@ def test_logs_of_a_clock_that_was_set_back_are_told():
 
 def test_a_robot_that_rested_for_months_has_no_wrong_clock():
     assert clock_findings(assemble([piece("a.csv", 0), piece("b.csv", 24), *(piece(x, 5000) for x in "cde")])) == []
+
+
+@pytest.mark.parametrize(("days", "words"), [(365, "364 days after"), (-366, "365 days before")])
+def test_a_log_of_another_year_that_stands_between_others_by_name_is_refused(days, words):
+    year = 2 * 365 * 24
+    logs = [piece(f"{k}.csv", year + 24 * k) for k in range(8)]
+    logs[3] = piece("3.csv", year + 24 * (3 + days))
+    history = assemble(logs)
+    assert [bool(p.refused) for p in history.pieces] == [k == 3 for k in range(8)]
+    assert history.statistics.windows == 14
+    assert f"3.csv: its dates lie {words} those of 2.csv and 4.csv" in history.pieces[3].refused[0]
+    assert clock_findings(history) == []
+
+
+def test_names_that_do_not_follow_time_tell_no_wrong_date():
+    year = 2 * 365 * 24
+    hours = [year + 24 * k for k in (0, 2, 1, 3, 4, 5, 6)]
+    hours.insert(4, 0)
+    logs = [piece(f"{k}.csv", hour) for k, hour in enumerate(hours)]
+    assert not any(p.refused for p in assemble(logs).pieces)
+    # The last by name may be the first of what comes, and few logs are in order by chance.
+    last = [piece(f"{k}.csv", 24 * k) for k in range(7)] + [piece("7.csv", year)]
+    assert not any(p.refused for p in assemble(last).pieces)
+    few = [piece("0.csv", 0), piece("1.csv", year), piece("2.csv", 24), piece("3.csv", 48)]
+    assert not any(p.refused for p in assemble(few).pieces)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from jointwear.monitor.misdated import misdated
 from jointwear.monitor.program_labels import window_programs
 from jointwear.monitor.windows import WindowStatistics, merge
 
@@ -47,23 +48,26 @@ def assemble(pieces: Sequence[Piece]) -> History:
     before it ends, its clock was started anew, and it is moved on by whole windows to follow it. A log that holds the
     same samples as a dated one before it, under another name or in another format, counts once. One with dates that
     holds samples between those of another is refused, as one arm moves in one way at a time: the later one, or the one
-    that is gone.
+    that is gone. So is one that is :func:`.misdated`: as the newest one of all it would stand for the state of now.
     """
     placed, end, last, shifted = [], -np.inf, -np.inf, False
     seen: dict[tuple, str] = {}
     keys = [fingerprint(piece) for piece in pieces]
     among = _overlaps(pieces, keys)
+    astray = _misdated(pieces, keys)
     for number, (given, key) in enumerate(zip(pieces, keys, strict=True)):
         piece, statistics = given, given.statistics
         if key in seen:
             # What was refused in it was refused in the log that it is a copy of, and is told there.
             placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(), copy_of=seen[key]))
             continue
+        words = astray.get(number, "")
         if number in among:
             words = (
                 f"{piece.log}: its samples lie between those of {among[number]}, which one arm cannot do; is one of "
                 "them of another robot, with another clock, or a second export? Leave it out or mend its dates"
             )
+        if words:
             placed.append(replace(piece, statistics=statistics.part(slice(0, 0)), refused=(*piece.refused, words)))
             continue
         if key is not None:
@@ -100,6 +104,21 @@ def _overlaps(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int
             continue
         known.add(key)
         taken[k] = True
+    return found
+
+
+def _misdated(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int, str]:
+    """Return in words, by its place among `pieces`, what is wrong with the dates of every log that is misdated."""
+    copies = [key is None or key in keys[:k] for k, key in enumerate(keys)]
+    first = np.array([np.nan if copy else piece.first for piece, copy in zip(pieces, copies, strict=True)])
+    found = {}
+    for k, (before, after) in misdated(first).items():
+        days = min((first[k] - first[before], first[k] - first[after]), key=abs) / 86400
+        found[k] = (
+            f"{pieces[k].log}: its dates lie {abs(days):.0f} days {'after' if days > 0 else 'before'} those of "
+            f"{pieces[before].log} and {pieces[after].log}, between which it stands by name; was the clock wrong? Mend "
+            "its dates or leave it out"
+        )
     return found
 
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from jointwear.monitor.assembly import History
 from jointwear.monitor.findings import moment_words
+from jointwear.monitor.misdated import PAUSE
 
-#: Pause [s] without a log, a quarter of a year, before which logs that come last by name have another clock.
-PAUSE = 90 * 86400.0
 #: Kind of the finding.
 CLOCK = "clock"
 
@@ -20,7 +19,7 @@ def clock_findings(history: History) -> list[dict[str, Any]]:
     name, or none: they count as of the time that they say, so that a baseline may hold what came after it."""
     if not history.statistics.dated:
         return []
-    known = [p for p in history.pieces if np.isfinite(p.first) and not p.copy_of]
+    known = [p for p in history.pieces if np.isfinite(p.first) and not p.copy_of and p.statistics.windows]
     order = np.argsort([p.first for p in known], kind="stable")
     begins = np.array([known[i].first for i in order])
     for cut in np.flatnonzero(np.diff(begins) > PAUSE)[::-1] + 1:
