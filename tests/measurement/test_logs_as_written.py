@@ -49,6 +49,26 @@ def test_times_in_many_spellings(tmp_path, stamp, entry):
     assert chunk.time[0] == pytest.approx(1768456800.25, abs=1e-3)
 
 
+@pytest.mark.parametrize("rows", [4, 8, 50, 1000])
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_the_hour_that_comes_twice_where_summer_time_ends(tmp_path, suffix, rows):
+    begin = np.datetime64("2026-10-24T23:30:00", "s").astype(np.int64)
+    utc = begin + 60.0 * np.arange(240)
+    local = (utc + np.where(utc < begin + 5400, 7200, 3600)).astype("datetime64[s]")
+    numbers = np.arange(240.0)
+    path = tmp_path / f"a.{suffix}"
+    if suffix == "csv":
+        write(path, [";".join(HEADER), *(f"{t};{x};{x}" for t, x in zip(local, numbers, strict=True))])
+    else:
+        parquet.write_table(pa.table({"time": pa.array(local), HEADER[1]: numbers, HEADER[2]: numbers}), path)
+    entry = {"time_zone": "Europe/Berlin"}
+    chunks = list(read_log(path, layout_of(entry, ["a"]), rows))
+    assert np.array_equal(np.concatenate([c.time for c in chunks]), utc)
+    # The second time alone is the first: nothing tells.
+    late = write(tmp_path / "late.csv", [";".join(HEADER), *(f"{t};0.1;1.0" for t in local[90:160])])
+    assert one(late, **entry).time[0] == utc[90] - 3600
+
+
 def test_times_with_a_zone_and_without_are_told_with_the_row(tmp_path):
     times = ["2026-01-15 06:00:00Z", "2026-01-15 06:00:01Z", "2026-01-15 06:00:02"]
     path = write(tmp_path / "a.csv", [";".join(HEADER), *(f"{time};0.1;1.0" for time in times)])

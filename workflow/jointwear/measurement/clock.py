@@ -1,6 +1,6 @@
 """Order in time: what becomes of repeated, late, missing and restarted stamps. The rules, stated once:
 
-- a stamp that is not finite, repeats the one before, or arrives late (at most :data:`LATE` samples in a row earlier
+- a stamp that is not finite, repeats the one before, or arrives late (at most :data:`.LATE` samples in a row earlier
   than one already seen) is left out and the window flagged;
 - time that goes back for longer is a clock that was set back. With a date the new stamps are believed; without one
   the log goes on where it was. Either way a new stretch begins and the window is flagged;
@@ -21,9 +21,9 @@ import numpy as np
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk, joined
+from jointwear.measurement.late_samples import first_long_run
 
 GAP = 5.0
-LATE = 3
 #: Rows of the chunk before among which a row that stands in the log already is looked for.
 REMEMBERED = 2000
 #: Restarts in one chunk that are too many for a clock.
@@ -154,7 +154,7 @@ class Clock:
             before = -np.inf if self._last is None else self._last
             highest = np.maximum.accumulate(np.concatenate([[before], values]))[:-1]
             late = values < highest
-            back = _first_long_run(late)
+            back = first_long_run(late)
             if restarted:
                 # The sample at which the clock was found set back opens a stretch of its own.
                 flags[index[0]] |= int(Flag.CLOCK_RESET)
@@ -188,17 +188,6 @@ class Clock:
                 self._shift += (self._last or 0.0) + step - float(time[index[0]] + self._shift)
             self._last = None
             restarted = True
-
-
-def _first_long_run(late: np.ndarray) -> int | None:
-    """Return where the first run of more than LATE true values begins."""
-    if not late.any():
-        return None
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], late, [False]]).astype(np.int8)))
-    starts, ends = edges[::2], edges[1::2]
-    # A run that the chunk ends in counts as long: what follows would be late too.
-    long = (ends - starts > LATE) | ((ends == len(late)) & (starts > 0) & (ends - starts > 1))
-    return int(starts[long][0]) if long.any() else None
 
 
 _ARRAYS = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory", "program")

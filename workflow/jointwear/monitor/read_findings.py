@@ -18,7 +18,10 @@ from jointwear.statistics.runs import runs
 _READ = {
     "set_back": (
         Flag.CLOCK_RESET,
-        "The clock of the logs was set back: windows hold two times, as where summer time ends; log in UTC.",
+        (
+            "The clock of the logs was set back: windows hold two times, as where summer time ends; log in UTC, or state "
+            "their 'time_zone'."
+        ),
     ),
     "refused": (
         Flag.REFUSED,

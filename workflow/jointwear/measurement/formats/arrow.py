@@ -11,6 +11,7 @@ from pyarrow import compute
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats.chunk import Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.measurement.formats.programs import joined_labels, label_of
 
 
@@ -19,9 +20,11 @@ def chunk_of(
     batch: pa.RecordBatch | pa.Table,
     columns: dict[str, list[str]],
     layout: Layout,
+    stamped: LocalStamps,
     units: dict[str, str] | None = None,
 ) -> Chunk:
-    """Return one record batch as a chunk; `columns` role -> names of its columns, `units` role -> unit in the log."""
+    """Return one record batch as a chunk; `columns` role -> names of its columns, `units` role -> unit in the log;
+    `stamped`, of the log, has seen all batches before."""
     values, dated = {}, False
     for role, names in columns.items():
         if role == "program":
@@ -33,7 +36,7 @@ def chunk_of(
             if role == "time" and pa.types.is_string(column.type):
                 column = stamps(path, column)
             if role == "time" and pa.types.is_timestamp(column.type):
-                arrays.append(_seconds(column, layout.time_zone))
+                arrays.append(stamped.seconds(column))
                 dated = True
             else:
                 arrays.append(_numbers(path, name, column))
@@ -113,21 +116,6 @@ def is_stamp(text: str) -> bool:
     except pa.ArrowException:
         return False
     return True
-
-
-def _seconds(column: pa.Array | pa.ChunkedArray, zone: str | None = None) -> np.ndarray:
-    """Return time stamps as seconds since 1970 UTC; a stamp without a zone counts as of `zone`, default UTC."""
-    if zone is not None and column.type.tz is None:
-        column = compute.assume_timezone(column, zone, ambiguous="earliest", nonexistent="latest")
-    per_second = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}[column.type.unit]
-    whole = column.cast(pa.int64())
-    ticks = whole.fill_null(0).to_numpy(zero_copy_only=False) if isinstance(whole, pa.Array) else None
-    if ticks is None:
-        ticks = whole.fill_null(0).to_numpy()
-    seconds = ticks // per_second + (ticks % per_second) / per_second
-    if column.null_count:
-        seconds = np.where(np.asarray(column.is_null()), np.nan, seconds)
-    return seconds
 
 
 def _labels(column: pa.Array | pa.ChunkedArray) -> np.ndarray:

@@ -12,6 +12,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.formats.arrow import chunk_of
 from jointwear.measurement.formats.chunk import Chunk, find_columns
 from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.local_stamps import LocalStamps
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
@@ -25,8 +26,9 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20) as file:
             columns = find_columns(path, file.schema_arrow.names, layout)
             wanted = list(dict.fromkeys(c for group in columns.values() for c in group))
+            stamped = LocalStamps(layout.time_zone)
             for batch in file.iter_batches(batch_size=rows, columns=wanted, use_threads=False):
-                yield chunk_of(path, batch, columns, layout)
+                yield chunk_of(path, batch, columns, layout, stamped)
     except (pa.ArrowException, OSError) as error:
         first = next(iter(str(error).splitlines()), "unknown reason")
         raise InputError(f"{path}: is truncated or not a Parquet file ({first})") from None

@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from jointwear.measurement.formats.arrow import chunk_of, stamps
 from jointwear.measurement.formats.cells import Cells
 from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, check_count, find_columns
 from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.measurement.units import UNITS
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
@@ -80,11 +82,13 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             types[columns["time"][0]] = pa.string()
     done, time = 0, columns["time"][0]
     torn = _TornRow(path, head.encoding)
+    local = LocalStamps(layout.time_zone)
     try:
         try:
             for batch in _batches(path, head, types, rows, torn):
-                chunk = chunk_of(path, batch, columns, layout, head.units)
-                done += batch.num_rows
+                ahead = copy(local)
+                chunk = chunk_of(path, batch, columns, layout, ahead, head.units)
+                local, done = ahead, done + batch.num_rows
                 yield chunk
         except pa.ArrowInvalid as error:
             if _CONVERSION not in str(error):
@@ -101,7 +105,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         cells = Cells(path, head.decimal, time, stamped, words, done, head.skip, torn.rows)
         for batch in _rest(_batches(path, head, dict.fromkeys(types, pa.string()), rows, torn), done):
             table, unread = cells.numbers(batch)
-            yield replace(chunk_of(path, table, columns, layout, head.units), unread=unread)
+            yield replace(chunk_of(path, table, columns, layout, local, head.units), unread=unread)
         torn.check()
     except (pa.ArrowException, OSError) as error:
         if torn.fault:
