@@ -19,8 +19,8 @@ _READ = {
     "set_back": (
         Flag.CLOCK_RESET,
         (
-            "The clock of the logs was set back: windows hold two times, as where summer time ends; log in UTC, or state "
-            "their 'time_zone'."
+            "The clock of the logs was set back: windows hold two times, as where summer time ends; log in UTC, or "
+            "state their 'time_zone'."
         ),
     ),
     "refused": (
