@@ -10,7 +10,7 @@ from jointwear.discovery import Settings, discover, sound_files
 from jointwear.discovery.candidates import Candidate
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import DRIVE, FELT, HELD, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
+from jointwear.discovery.fallback import AS_FITTED, DRIVE, FELT, HELD, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
 from jointwear.discovery.left_out import Asked, left_out_ratio
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import divided, misfit_of, tempered
@@ -336,6 +336,40 @@ def test_a_bad_file_of_one_kind_leaves_the_other_alone(found, monkeypatch):
     assert files["augmented"].data == found.files["augmented"].data
     assert not np.allclose(torques["retuned"], bad)
     assert [e.named.candidate.key for e in final.estimates] == [e.named.candidate.key for e in found.final.estimates]
+
+
+def test_links_of_a_bad_file_are_closer_to_those_given_before_they_are_as_given(found, monkeypatch):
+    """For one joint that links of a quarter of their freedom mend, links as given would take from all others."""
+    whole, asked = found.final, []
+    told = replace(whole, delta_inertial=whole.delta_inertial.copy(), retuned_inertial=whole.retuned_inertial.copy())
+    mass = 10 * (found.problem.robot.joints - 1)
+    for inertial in (told.delta_inertial, told.retuned_inertial):
+        inertial[mass] += 0.4
+
+    def of(_, links=AS_FITTED):
+        asked.append(links.links)
+        width = min(links.links, 1.0)
+        return replace(told, delta_inertial=width * told.delta_inertial, retuned_inertial=width * told.retuned_inertial)
+
+    def torque(width):
+        return sound_files.write_files(found.problem, of(None, Step("", links=width)))[2]["augmented"]
+
+    nominal = sound_files.write_files(found.problem, of(None, OF_LINKS[-1]))[2]["augmented"]
+    most = 1.1 * np.max(np.abs(torque(0.25) - nominal))
+    monkeypatch.setattr(sound_files, "finalise", of)
+    monkeypatch.setattr(sound_files, "_worse", lambda _, t: {1: 1.5} if np.max(np.abs(t - nominal)) > most else {})
+    asked.clear()
+    final, _, torques = sound_files.sound_files(found.problem, found.final.outcome)
+    # Each width is fitted once for both files.
+    assert asked == [np.inf, 0.0, 0.5, 0.25]
+    assert final.delta_inertial == pytest.approx(0.25 * told.delta_inertial)
+    assert torques["augmented"] == pytest.approx(torque(0.25))
+    # Where links as given do not mend a file, no other width is asked.
+    given = found.torques["nominal"]
+    monkeypatch.setattr(sound_files, "_worse", lambda _, t: {} if np.allclose(t, given) else {1: 1.5})
+    asked.clear()
+    sound_files.sound_files(found.problem, found.final.outcome)
+    assert asked == [np.inf, 0.0]
 
 
 def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_stays(found, monkeypatch):

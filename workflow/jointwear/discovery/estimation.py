@@ -14,7 +14,7 @@ from jointwear.discovery.candidates import LINK_MASS, Candidate, fitted_torque
 from jointwear.discovery.crossval import cross_validate
 from jointwear.discovery.drive_shares import drive_shares, told_shares
 from jointwear.discovery.effect_estimates import Estimate, misfits
-from jointwear.discovery.fallback import PutBack, put_back
+from jointwear.discovery.fallback import AS_FITTED, PutBack, Step, put_back
 from jointwear.discovery.final_model import Final, Weighing, base_of, fit_model, named_all_the_same
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.left_out import left_out_ratio
@@ -32,14 +32,14 @@ from jointwear.discovery.whitening import White
 REFINEMENTS = 3
 
 
-def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
+def finalise(outcome: Outcome, links: Step = AS_FITTED) -> Final:
     """Return the retuned and the augmented model, without what predicts records left out worse than the given robot.
 
     The parameters of named effects are refined, and everything is fitted together, until nothing more is put back.
 
     Parameters
     ----------
-    without : labels of base terms that are left as the robot file has them.
+    links : how much of the corrections of the links is given up from the start.
     """
     doubt = doubts(outcome)
     plain = tempered(outcome.white, doubt)
@@ -52,7 +52,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     fallbacks: tuple[PutBack, ...] = ()
     while True:
         base, model = _whole_model(white, model)
-        base, asked = [t for t in base if t.label not in without], model.terms
+        base, asked = links.taken_off(base), model.terms
         nameless = open_axes(outcome, model.axes)
         plainer = [plainer_forms(white, e.candidate, e.term) for e in model.effects]
         steps = steps_of(white, base, model, plainer)
@@ -74,7 +74,7 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
     ours = {id(t) for t in [*asked, *model.effect_terms]}
     final = fit_model(weighing, [t for t in kept if id(t) not in ours], model)
     shares = drive_shares(white, kept, nameless)
-    friction, inertial, retuned_given_up = _retuned(outcome, plain, named_masses, without)
+    friction, inertial, retuned_given_up = _retuned(outcome, plain, named_masses, links)
     return replace(
         final,
         delta_friction=_in_part(final.delta_friction, shares),
@@ -88,16 +88,16 @@ def finalise(outcome: Outcome, without: frozenset[str] = frozenset()) -> Final:
 
 
 def _retuned(
-    outcome: Outcome, plain: White, masses: tuple[Named, ...], without: frozenset[str]
+    outcome: Outcome, plain: White, masses: tuple[Named, ...], links: Step
 ) -> tuple[np.ndarray, np.ndarray, tuple[PutBack, ...]]:
     """Return what retuning alone corrects of drives (n, 4) and links (10 n,), and what of it was put back.
 
     Parameters
     ----------
-    masses : masses of links that have a name; `without` as of :func:`finalise`.
+    masses : masses of links that have a name; `links` as of :func:`finalise`.
     """
     model = RefinedModel((), masses)
-    alone = [t for t in likely_base(plain, model.terms)[0] if t.label not in without]
+    alone = links.taken_off(likely_base(plain, model.terms)[0])
     nameless, steps = open_axes(outcome, model.axes), steps_of(plain, alone, model, [])
     alone, given_up = put_back(plain, [*alone, *model.terms], steps, "retuned", nameless)
     fit = Fit(plain.targets, alone)

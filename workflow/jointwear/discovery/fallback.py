@@ -107,6 +107,8 @@ class Step:
         return links
 
 
+#: A step that gives up nothing.
+AS_FITTED = Step("as fitted")
 #: What can be given up of the links, the least first.
 OF_LINKS = (*(Step(CLOSER, links=width) for width in HALVINGS), Step(LINKS, links=0.0))
 

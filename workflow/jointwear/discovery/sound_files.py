@@ -6,20 +6,21 @@ the torque of a file holds for every sample in motion, those beside reversals to
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from jointwear.discovery.effect_estimates import Estimate
 from jointwear.discovery.estimation import finalise
-from jointwear.discovery.fallback import OWN, PutBack
+from jointwear.discovery.fallback import OF_LINKS, OWN, PutBack, Step
 from jointwear.discovery.final_model import Final
 from jointwear.discovery.left_out import mean_squares
 from jointwear.discovery.leftovers import left_open
 from jointwear.discovery.outcome import Outcome, Suspected
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.steps_back import WITHOUT
-from jointwear.discovery.whitening import INERTIAL
 from jointwear.discovery.written_robot import WrittenRobot, simulate_robot, written_robot
 
 #: A model with its robot files, "retuned" and "augmented", and the torque (m, n) [N m] of these and the given robot.
@@ -29,17 +30,30 @@ Written = tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]
 def sound_files(problem: Problem, outcome: Outcome) -> Written:
     """Return the estimates of an outcome with robot files that follow no axis worse than the given robot.
 
-    The first that does is taken: the whole model; without the effects of the axes that are worse; with the links left
-    as they are; and at last the robot as it was given.
+    The first that does is taken: the whole model; without the effects of the axes that are worse; with the links closer
+    to those given, by halves, or as they are; and at last the robot as it was given.
     """
     written = _without_harmful(problem, *write_files(problem, finalise(outcome)))
     bad = [kind for kind in written[1] if _worse(problem, written[2][kind])]
-    if bad:
-        rigid = write_files(problem, finalise(outcome, frozenset({INERTIAL})))
-        if "augmented" in bad:
-            rigid = _without_harmful(problem, *rigid)
-        written = _exchanged(problem, written, rigid, bad)
-    return written
+    if not bad:
+        return written
+    with_links = cache(lambda step: write_files(problem, finalise(outcome, step)))
+    return _exchanged(problem, written, {kind: _with_fewer_links(problem, with_links, kind) for kind in bad})
+
+
+def _with_fewer_links(problem: Problem, with_links: Callable[[Step], Written], kind: str) -> Written:
+    """Return the model whose links are as far from those given as its file of one kind can have them.
+
+    Links as given mend a bad file, and take from all joints what was found of the links: half of their freedom or less
+    may do. Asked is that only where links as given mend it, without an effect that the file would lose.
+    """
+    rigid = with_links(OF_LINKS[-1])
+    if kind == "augmented":
+        rigid = _without_harmful(problem, *rigid)
+    if _worse(problem, rigid[2][kind]):
+        return rigid
+    closer = (with_links(step) for step in OF_LINKS[:-1])
+    return next((model for model in closer if not _worse(problem, model[2][kind])), rigid)
 
 
 def write_files(problem: Problem, final: Final) -> Written:
@@ -62,15 +76,15 @@ def unchanged_files(problem: Problem, final: Final) -> Written:
     return write_files(problem, replace(final, fallbacks=()))
 
 
-def _exchanged(problem: Problem, first: Written, second: Written, bad: list[str]) -> Written:
-    """Return `first` with the files of the kinds that are `bad` from `second`.
+def _exchanged(problem: Problem, first: Written, second: Mapping[str, Written]) -> Written:
+    """Return `first` with the files of some kinds from another model, one for each kind.
 
     Where that is bad too the axes that are worse keep what is given of them alone, and if that does not help the file
     is the given robot.
     """
     final = first[0]
-    for kind in bad:
-        other = _sound(problem, first, second, kind)
+    for kind, instead in second.items():
+        other = _sound(problem, first, instead, kind)
         kept = tuple(f for f in final.fallbacks if f.model != kind) + tuple(
             f for f in other.fallbacks if f.model == kind
         )
