@@ -49,6 +49,20 @@ def test_the_check_of_a_wrong_recording_says_so_and_stops_nothing(case, robot, t
     assert "look like degrees" in outputs[1].read_text()
 
 
+def test_it_is_told_of_which_motors_the_file_has_no_inertia(case, robot):
+    def told(robot, **other):
+        found = posing.pose_problem(replace(split(case), **other), robot, Settings())[2]
+        return [line for line in found if "no motor inertia of" in line]
+
+    assert (
+        "no motor inertia of joints 1, 2, 3, 4, 5 and 6, as a URDF has none" in told(robot.without_motor_inertia())[0]
+    )
+    some = np.where(np.arange(robot.joints) == 2, 0.0, robot.armature)
+    assert "no motor inertia of joint 3, as" in told(replace(robot, armature=some))[0]
+    assert not told(robot)
+    assert not told(robot.without_motor_inertia(), torque_kind="link_sensor")
+
+
 def test_the_page_has_one_row_an_effect_and_one_column_a_joint(case, robot, tmp_path):
     write_recording(split(case), tmp_path / "case.nc", {"dataset": "case"})
     outputs = tmp_path / "check.json", tmp_path / "check.html"

@@ -1,4 +1,4 @@
-"""What the motion of a data set cannot show, in words."""
+"""What the motion of a data set, or the robot file, does not let discovery show, in words."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ TURNED = 0.1
 
 
 def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
-    """Return in words which axes are at rest, which velocities were put right, and what the temperature cannot show.
+    """Return in words what these data and this robot file do not show.
+
+    That is: which axes are at rest, which velocities were put right, what the temperature cannot tell, and of which
+    motors the file has no inertia.
 
     Parameters
     ----------
@@ -44,7 +47,7 @@ def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
             by_keys=True,
         )
     found = _not_judged(problem) + unseen_slow_motion(problem.measured, problem.judged) + _at_rest_in_test(problem)
-    return found + _late_velocities(problem.measured) + _of_temperature(problem)
+    return found + _late_velocities(problem.measured) + _of_temperature(problem) + _motors_not_in_file(problem)
 
 
 def _not_judged(problem: Problem) -> list[str]:
@@ -106,6 +109,24 @@ def _of_temperature(problem: Problem) -> list[str]:
         f"the temperature of {numbered('joint', coincide)} differs between the {len(labels)} training "
         "trajectories and hardly within them: what changes with temperature cannot be told from what differs "
         "between these trajectories"
+    )
+    return [told]
+
+
+def _motors_not_in_file(problem: Problem) -> list[str]:
+    """Return in words of which joints the robot file has no motor inertia although it is felt, and what that means.
+
+    Retuning finds it, but what a late torque changes is made of the torque of the file.
+    """
+    if problem.state.torque_kind == "link_sensor":
+        return []
+    unknown = [axis + 1 for axis in problem.judged if problem.robot.armature[axis] == 0.0]
+    if not unknown:
+        return []
+    told = (
+        f"the robot file has no motor inertia of {numbered('joint', unknown)}, as a URDF has none: retuning finds it, "
+        "but delays are looked for in the torque of a robot without it and may come out too long, or be told of a "
+        "torque that is early on all joints; give 'motor_inertia' if it is known"
     )
     return [told]
 
