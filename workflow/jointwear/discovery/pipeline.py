@@ -165,7 +165,8 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
             log, white, read = recording, as_it_came, delay
             if delay:
                 log = without_delay(recording, delay, coulomb_steps(as_it_came, as_it_came.fit(), delay))
-                white = whitened(build_problem(log, problem.robot, problem.settings, moving_torques(log)))
+                in_time = build_problem(log, problem.robot, problem.settings, moving_torques(log))
+                white = whitened(replace(in_time, motors=problem.motors))
         outcome = beside_slow_noise(white, search)
         beside = lasting_terms(outcome.named)
         late = named_delays(outcome.named)
@@ -197,8 +198,8 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Dis
 
 def _undecided(recording: Recording, problem: Problem, restrictions: list[str], why: str) -> Discovery:
     """Return the verdict of a recording about which nothing can be said: unknown, with the given robot as it is."""
-    n = problem.robot.joints
-    nothing = np.zeros((n, 4)), np.zeros((n, 4)), np.zeros(10 * n), np.zeros((n, 4)), np.zeros(10 * n)
+    n, drives = problem.robot.joints, problem.as_given
+    nothing = drives, np.zeros((n, 4)), np.zeros(10 * n), drives, np.zeros(10 * n)
     final = Final(Outcome(problem, None, None, None), None, np.ones(n), None, (), *nothing, misfits=(why,))
     final, files, torques = write_files(problem, final)
     content = replace(make_verdict(recording.name, final, [], torques, restrictions), verdict="unknown", retuned=())

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from jointwear.discovery.problem import Problem, build_problem
+from jointwear.discovery.problem import Problem
 from jointwear.discovery.repeatability import check_groups
 from jointwear.discovery.restrictions import motion_restrictions
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.unknown_inertia import build_with_motors
 from jointwear.measurement.behind_gears import felt_robot
 from jointwear.measurement.checked import checked
 from jointwear.measurement.recording import Recording
@@ -28,6 +29,6 @@ def pose_problem(recording: Recording, robot: Robot, settings: Settings) -> tupl
     recording, left_out = shortened(recording, keep_all=bool(settings.groups))
     robot, set_aside = felt_robot(recording, robot)
     measured, restrictions = checked(recording, robot)
-    problem = build_problem(recording, robot, settings, measured)
+    problem = build_with_motors(recording, robot, settings, measured)
     of_motion = motion_restrictions(problem, recording.units.get("time", "s"))
     return recording, problem, [*restrictions, *set_aside, *left_out, *of_motion]

@@ -47,6 +47,15 @@ FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
 @dataclass(frozen=True)
+class FoundMotors:
+    """Motors that data show and the robot file does not know: `inertia` (n,) on the joint side [kg m2], 0 of those that
+    it knows, with the standard deviation `std` (n,)."""
+
+    inertia: np.ndarray
+    std: np.ndarray
+
+
+@dataclass(frozen=True)
 class Problem:
     """Training and test samples of one data set with everything that the search needs.
 
@@ -63,6 +72,7 @@ class Problem:
     encoder_step : resolution of the positions [rad] that the user gave, None where it is told from them.
     body_prior : identifier -> prior standard deviations of an effect on the whole arm, where they are not the usual.
     still : that nothing which shakes the arm is noise.
+    motors : what `robot` has of motors that its file does not know; None where it knows all.
     """
 
     robot: Robot
@@ -83,8 +93,23 @@ class Problem:
     encoder_step: float | None = None
     body_prior: Mapping[str, np.ndarray] = field(default_factory=dict)
     still: bool = False
+    motors: FoundMotors | None = None
     #: (axis, cut-off [Hz]) -> training samples; see :func:`jointwear.discovery.instruments.limited_state`.
     limited_states: dict[tuple[int, float], State] = field(init=False, repr=False, default_factory=dict)
+
+    @cached_property
+    def given_torque(self) -> np.ndarray:
+        """(N, n) torque of the robot as its file has it, without motors that were found [N m]."""
+        nominal = self.measured.torque - self.discrepancy
+        return nominal if self.motors is None else nominal - self.motors.inertia * self.state.acceleration
+
+    @cached_property
+    def as_given(self) -> np.ndarray:
+        """(n, 4) what makes of the drives of `robot` those of its file: corrections to :data:`FRICTION`."""
+        corrections = np.zeros((self.robot.joints, len(FRICTION)))
+        if self.motors is not None:
+            corrections[:, FRICTION.index("motor_inertia")] = -self.motors.inertia
+        return corrections
 
     @cached_property
     def train_state(self) -> State:

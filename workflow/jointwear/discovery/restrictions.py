@@ -116,17 +116,18 @@ def _of_temperature(problem: Problem) -> list[str]:
 def _motors_not_in_file(problem: Problem) -> list[str]:
     """Return in words of which joints the robot file has no motor inertia although it is felt, and what that means.
 
-    Retuning finds it, but what a late torque changes is made of the torque of the file.
+    What only one joint feels of the links turns with its motor alone.
     """
     if problem.state.torque_kind == "link_sensor":
         return []
-    unknown = [axis + 1 for axis in problem.judged if problem.robot.armature[axis] == 0.0]
+    found = 0.0 if problem.motors is None else problem.motors.inertia
+    unknown = [axis + 1 for axis in problem.judged if (problem.robot.armature - found)[axis] == 0.0]
     if not unknown:
         return []
     told = (
-        f"the robot file has no motor inertia of {numbered('joint', unknown)}, as a URDF has none: retuning finds it, "
-        "but delays are looked for in the torque of a robot without it and may come out too long, or be told of a "
-        "torque that is early on all joints; give 'motor_inertia' if it is known"
+        f"the robot file has no motor inertia of {numbered('joint', unknown)}, as a URDF has none: it is found in "
+        "these data and told among the retuned parameters, where inertia that the links lack can be a part of it; give "
+        "'motor_inertia' if it is known"
     )
     return [told]
 

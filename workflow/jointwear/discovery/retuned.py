@@ -24,7 +24,7 @@ def retuned_parameters(final: Final) -> list[Retuned]:
     for axis in problem.judged:
         prior = problem.friction_prior(axis)
         for k in range(len(FRICTION)):
-            if final.std_friction[axis, k] <= 0:
+            if final.std_friction[axis, k] <= 0 and not _found(problem, axis, k):
                 continue
             one, sigmas, std = _corrected(final, axis, k)
             nats = 0.5 * sigmas**2 - np.log(max(prior[k] / std, 1.0))
@@ -40,20 +40,32 @@ def retuned_parameters(final: Final) -> list[Retuned]:
 
 
 def _drive_of(problem: Problem, axis: int) -> np.ndarray:
-    """Return the parameters (4,) of the drive of one axis as the robot file has them, joint side."""
+    """Return the parameters (4,) of the drive of one axis as corrections are made to them, joint side."""
     robot = problem.robot
     return np.array(
         [robot.coulomb_positive[axis], -robot.coulomb_negative[axis], robot.viscous[axis], robot.armature[axis]]
     )
 
 
+def _found(problem: Problem, axis: int, k: int) -> float:
+    """Return what the search began with of a parameter of a drive that the robot file has not, joint side."""
+    if problem.motors is None or FRICTION[k] != "motor_inertia":
+        return 0.0
+    return float(problem.motors.inertia[axis])
+
+
 def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
     """Return a parameter of a drive as corrected, the standard deviations by which it is off, and one [joint side]."""
     problem = final.outcome.problem
     sign = -1.0 if FRICTION[k] == "coulomb_negative" else 1.0
-    nominal, change = _drive_of(problem, axis)[k], sign * float(final.delta_friction[axis, k])
+    found = _found(problem, axis, k)
+    nominal, change = _drive_of(problem, axis)[k] - found, found + sign * float(final.delta_friction[axis, k])
     # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
-    std = float(np.hypot(final.std_friction[axis, k], problem.settings.parameter_error * nominal))
+    known = float(final.std_friction[axis, k])
+    if found and not known and problem.motors is not None:
+        # Where its correction was put back it is what it was found as.
+        known = float(problem.motors.std[axis])
+    std = float(np.hypot(known, problem.settings.parameter_error * (nominal + found)))
     gear = abs(problem.robot.gear_ratio[axis])
     # The parameters of a robot file: motor side.
     side = gear if k < 2 else gear**2

@@ -59,7 +59,7 @@ def _with_fewer_links(problem: Problem, with_links: Callable[[Step], Written], k
 def write_files(problem: Problem, final: Final) -> Written:
     """Return a model with its robot files and the torque that each of them gives."""
     files = {"retuned": written_robot(final, False), "augmented": written_robot(final)}
-    torques = {"nominal": problem.measured.torque - problem.discrepancy}
+    torques = {"nominal": problem.given_torque}
     for kind, file in files.items():
         with file.robot() as arm:
             torques[kind] = simulate_robot(arm, problem.measured)[0]
@@ -116,13 +116,14 @@ def _as_given(final: Final, kind: str, bad: dict[int, float], alone: bool = Fals
     ----------
     bad : 0-based axis -> how bad its file is. alone : give up only what acts on these axes alone.
     """
-    friction, inertial = np.zeros_like(final.delta_friction), np.zeros_like(final.delta_inertial)
+    drives = final.outcome.problem.as_given
+    friction, inertial = drives, np.zeros_like(final.delta_inertial)
     lost = final.estimates if kind == "augmented" else ()
     if alone:
         before = (final.delta_friction, final.delta_inertial)
         before = before if kind == "augmented" else (final.retuned_friction, final.retuned_inertial)
         friction, inertial = before[0].copy(), before[1]
-        friction[list(bad)] = 0.0
+        friction[list(bad)] = drives[list(bad)]
         lost = tuple(e for e in lost if e.named.candidate.axis in bad)
     doubtful, suspects = _suspected(final.outcome, [e for e in lost if e.named.candidate.axis in (None, *bad)])
     named = [e for e in lost if not any(e is x for x in doubtful)]
@@ -187,11 +188,11 @@ def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
     judged the block of time in the middle is asked as well: a few samples at which friction turns outweigh all others
     together, and so hide a column of rates of torque that is noise everywhere else.
     """
-    worst = np.zeros(problem.robot.joints)
+    worst, lacking = np.zeros(problem.robot.joints), problem.measured.torque - problem.given_torque
     for samples in (problem.measured.usable, problem.moving):
         used = samples & problem.train[:, None]
         error = np.sum(np.where(used, (problem.measured.torque - torque) ** 2, 0.0), axis=0)
-        given = np.sum(np.where(used, problem.discrepancy**2, 0.0), axis=0)
+        given = np.sum(np.where(used, lacking**2, 0.0), axis=0)
         worst = np.maximum(worst, np.sqrt(error / np.maximum(given, 1e-300)) * used.any(axis=0))
     for axis in problem.judged:
         worst[axis] = max(worst[axis], middle_ratio(problem, axis, torque))
@@ -206,7 +207,7 @@ def middle_ratio(problem: Problem, axis: int, torque: np.ndarray) -> float:
     torque : (m, n) of a file at the samples of `problem` [N m].
     """
     used = problem.usable[:, axis]
-    left = (problem.measured.torque - torque)[problem.train, axis][used]
-    means, _ = mean_squares(problem.block_of_sample[used], left, problem.discrepancy[problem.train, axis][used])
+    left, lacking = ((problem.measured.torque - x)[problem.train, axis][used] for x in (torque, problem.given_torque))
+    means, _ = mean_squares(problem.block_of_sample[used], left, lacking)
     error, given = np.median(means, axis=1)
     return float(np.sqrt(error / max(given, 1e-300)))

@@ -20,9 +20,9 @@ from typing import Any
 from jointwear.discovery.candidates import LINK_MASS, Dictionary, build_dictionary
 from jointwear.discovery.decide import decide
 from jointwear.discovery.outcome import Outcome
-from jointwear.discovery.problem import build_problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import REPORTED, USERS, Settings
+from jointwear.discovery.unknown_inertia import build_with_motors
 from jointwear.discovery.whitening import White, whiten
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
@@ -101,7 +101,7 @@ def answers(case: Case, wanted: Mapping[tuple[str, float], Settings]) -> dict[st
     with tempfile.TemporaryDirectory() as folder:
         world = generate(case, folder)
         base = Settings(inertial_prior=INERTIAL_PRIOR)
-        problem = build_problem(split(with_words(world.recording, world.told)), world.robot, base)
+        problem = build_with_motors(split(with_words(world.recording, world.told)), world.robot, base)
         white = whiten(problem, estimate_noise(problem))
         return decisions(world, white, build_dictionary(white), wanted)
 
