@@ -98,10 +98,16 @@ class Problem:
     limited_states: dict[tuple[int, float], State] = field(init=False, repr=False, default_factory=dict)
 
     @cached_property
+    def given_discrepancy(self) -> np.ndarray:
+        """(N, n) measured less the torque of the robot as its file has it, without motors that were found [N m]."""
+        if self.motors is None:
+            return self.discrepancy
+        return self.discrepancy + self.motors.inertia * self.state.acceleration
+
+    @cached_property
     def given_torque(self) -> np.ndarray:
         """(N, n) torque of the robot as its file has it, without motors that were found [N m]."""
-        nominal = self.measured.torque - self.discrepancy
-        return nominal if self.motors is None else nominal - self.motors.inertia * self.state.acceleration
+        return self.measured.torque - self.given_discrepancy
 
     @cached_property
     def as_given(self) -> np.ndarray:

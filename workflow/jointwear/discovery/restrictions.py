@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from jointwear.discovery.candidates import LINK_MASS, Candidate
-from jointwear.discovery.problem import Problem
+from jointwear.discovery.problem import FRICTION, Problem
 from jointwear.discovery.reversals import unseen_slow_motion
 from jointwear.effects import get_effect
 from jointwear.effects.temperature import SMALLEST_SPREAD
@@ -120,8 +120,8 @@ def _motors_not_in_file(problem: Problem) -> list[str]:
     """
     if problem.state.torque_kind == "link_sensor":
         return []
-    found = 0.0 if problem.motors is None else problem.motors.inertia
-    unknown = [axis + 1 for axis in problem.judged if (problem.robot.armature - found)[axis] == 0.0]
+    given = problem.robot.armature + problem.as_given[:, FRICTION.index("motor_inertia")]
+    unknown = [axis + 1 for axis in problem.judged if given[axis] == 0.0]
     if not unknown:
         return []
     told = (

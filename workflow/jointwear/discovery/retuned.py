@@ -24,7 +24,7 @@ def retuned_parameters(final: Final) -> list[Retuned]:
     for axis in problem.judged:
         prior = problem.friction_prior(axis)
         for k in range(len(FRICTION)):
-            if final.std_friction[axis, k] <= 0 and not _found(problem, axis, k):
+            if final.std_friction[axis, k] <= 0 and not _found(problem, axis, k)[0]:
                 continue
             one, sigmas, std = _corrected(final, axis, k)
             nats = 0.5 * sigmas**2 - np.log(max(prior[k] / std, 1.0))
@@ -47,24 +47,23 @@ def _drive_of(problem: Problem, axis: int) -> np.ndarray:
     )
 
 
-def _found(problem: Problem, axis: int, k: int) -> float:
-    """Return what the search began with of a parameter of a drive that the robot file has not, joint side."""
+def _found(problem: Problem, axis: int, k: int) -> tuple[float, float]:
+    """Return what the search began with of a parameter of a drive that the robot file has not, joint side, with its
+    standard deviation; zeros of all others."""
     if problem.motors is None or FRICTION[k] != "motor_inertia":
-        return 0.0
-    return float(problem.motors.inertia[axis])
+        return 0.0, 0.0
+    return float(problem.motors.inertia[axis]), float(problem.motors.std[axis])
 
 
 def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
     """Return a parameter of a drive as corrected, the standard deviations by which it is off, and one [joint side]."""
     problem = final.outcome.problem
     sign = -1.0 if FRICTION[k] == "coulomb_negative" else 1.0
-    found = _found(problem, axis, k)
+    found, std_found = _found(problem, axis, k)
     nominal, change = _drive_of(problem, axis)[k] - found, found + sign * float(final.delta_friction[axis, k])
+    # Where its correction was put back it is what it was found as.
+    known = float(final.std_friction[axis, k]) or std_found
     # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
-    known = float(final.std_friction[axis, k])
-    if found and not known and problem.motors is not None:
-        # Where its correction was put back it is what it was found as.
-        known = float(problem.motors.std[axis])
     std = float(np.hypot(known, problem.settings.parameter_error * (nominal + found)))
     gear = abs(problem.robot.gear_ratio[axis])
     # The parameters of a robot file: motor side.

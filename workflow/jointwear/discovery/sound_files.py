@@ -188,11 +188,11 @@ def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
     judged the block of time in the middle is asked as well: a few samples at which friction turns outweigh all others
     together, and so hide a column of rates of torque that is noise everywhere else.
     """
-    worst, lacking = np.zeros(problem.robot.joints), problem.measured.torque - problem.given_torque
+    worst = np.zeros(problem.robot.joints)
     for samples in (problem.measured.usable, problem.moving):
         used = samples & problem.train[:, None]
         error = np.sum(np.where(used, (problem.measured.torque - torque) ** 2, 0.0), axis=0)
-        given = np.sum(np.where(used, lacking**2, 0.0), axis=0)
+        given = np.sum(np.where(used, problem.given_discrepancy**2, 0.0), axis=0)
         worst = np.maximum(worst, np.sqrt(error / np.maximum(given, 1e-300)) * used.any(axis=0))
     for axis in problem.judged:
         worst[axis] = max(worst[axis], middle_ratio(problem, axis, torque))
@@ -207,7 +207,7 @@ def middle_ratio(problem: Problem, axis: int, torque: np.ndarray) -> float:
     torque : (m, n) of a file at the samples of `problem` [N m].
     """
     used = problem.usable[:, axis]
-    left, lacking = ((problem.measured.torque - x)[problem.train, axis][used] for x in (torque, problem.given_torque))
-    means, _ = mean_squares(problem.block_of_sample[used], left, lacking)
+    left = (problem.measured.torque - torque)[problem.train, axis][used]
+    means, _ = mean_squares(problem.block_of_sample[used], left, problem.given_discrepancy[problem.train, axis][used])
     error, given = np.median(means, axis=1)
     return float(np.sqrt(error / max(given, 1e-300)))

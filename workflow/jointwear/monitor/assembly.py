@@ -109,8 +109,12 @@ def _overlaps(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int
 
 def _misdated(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int, str]:
     """Return in words, by its place among `pieces`, what is wrong with the dates of every log that is misdated."""
-    copies = [key is None or key in keys[:k] for k, key in enumerate(keys)]
-    first = np.array([np.nan if copy else piece.first for piece, copy in zip(pieces, copies, strict=True)])
+    first = np.full(len(pieces), np.nan)
+    known: set[tuple] = set()
+    for k, (piece, key) in enumerate(zip(pieces, keys, strict=True)):
+        if key is not None and key not in known:
+            known.add(key)
+            first[k] = piece.first
     found = {}
     for k, (before, after) in misdated(first).items():
         days = min((first[k] - first[before], first[k] - first[after]), key=abs) / 86400
