@@ -22,7 +22,8 @@ OTHERS = {
         residual_lines.SLOW_SWEEP residual_lines.WIDEST_SWEEP residual_lines.COARSER encoder_step.NEAREST
         encoder_step.WIDER in_its_place.SIZES effect_estimates.PERIODS
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS noise.POINTS
-        noise_spectrum.DAMPED references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP refine.SHORTER
+        noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
+        refine.SHORTER
         instruments.LOWER peak_torque.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
     "a bound on time": """
@@ -34,8 +35,9 @@ OTHERS = {
     """,
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
-        noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES shared_drives.FEWEST
-        shared_drives.FEWEST_EACH spectra.FEWEST noise.FEWEST noise.FEWEST_EACH residual_lines.FEWEST
+        noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
+        shared_drives.FEWEST shared_drives.FEWEST_EACH spectra.FEWEST noise.FEWEST noise.FEWEST_EACH
+        residual_lines.FEWEST
     """,
     "rounding, of numbers and of their digits in a log": """
         base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL

@@ -60,7 +60,7 @@ def term(label):
         (1.2, {"a": (1.0, 1.7), "b": (1.1, 0.4)}, "b"),  # better by a little and no harm than mended at a price
         (1.2, {"a": (1.0, 1.7), "b": (1.3, 0.5), "ab": (1.0, 1.0)}, None),  # what mends costs the other axis more
         (1.2, {"a": (1.0, 1.1), "b": (1.3, 1.0), "ab": (1.0, 1.0)}, "a"),  # at a price that is worth it
-        (1.04, {"a": (1.0, 1.7), "b": (1.04, 0.4)}, None),  # hardly worse, and no way out that harms none
+        (1.04, {"a": (1.0, 1.7), "b": (1.04, 0.4), "ab": (1.0, 1.7)}, None),  # no way out but one that costs more
         (1.2, {"a": (1.3, 0.5), "b": (1.25, 0.5), "ab": (1.0, 0.4)}, EVERYTHING),
     ],
 )

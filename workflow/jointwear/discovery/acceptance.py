@@ -161,9 +161,9 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
             lead = _levels_lead(white, beside, trial)
             gates.append(("nats by which a level of its own in each record does better", -lead, -half))
-        gates.append(
-            ("its square over that of the discrepancy of its axis", -_cancels(white, trial), -settings.cancelled)
-        )
+        # Twice as large as what it has to explain: by the triangle inequality more is left with it than without.
+        cancels = _cancels(white, trial)
+        gates.append(("its RMS torque over that of the discrepancy of its axis", -cancels, -2.0))
         effect = get_effect(trial.candidate.effect)
         if effect.late:
             delay = float(trial.candidate.nonlinear[effect.scaled])
@@ -220,17 +220,17 @@ def _mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refus
 
 
 def _cancels(white: White, trial: Named) -> float:
-    """Return the squared torque of an effect, fitted, over that of the discrepancy of its axis.
+    """Return the RMS torque of an effect, fitted, over that of the discrepancy of its axis.
 
-    Where it is several times that the effect only cancels other terms. What friction and motor inertia could take
-    over of it does not count.
+    What friction and motor inertia could take over of it does not count. Above 2 the effect can only cancel other
+    terms: whatever friction stands beside it, it leaves more of the discrepancy than there was.
     """
     problem, axis = white.problem, trial.candidate.axis
     used = problem.usable[:, axis]
     torque = fitted_torque(white, white.fit(), trial.candidate, trial.term.blocks, trial.term.std)
     torque = _without_drives(problem, axis, torque)
     discrepancy = problem.discrepancy[problem.train, axis][used]
-    return float(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300))
+    return float(np.sqrt(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300)))
 
 
 def _without_drives(problem: Problem, axis: int, torque: np.ndarray) -> np.ndarray:

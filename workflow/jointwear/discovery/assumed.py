@@ -1,9 +1,9 @@
 """What discovery assumes of noise, band, log and drive: the one record of these limits, each with source or meaning.
 
 :mod:`jointwear.discovery.settings` is the record of what decides names. Those here stand before it: they say what is
-noise, up to where it can be told from motion, how wide priors are, and what a written model is asked. None depends on
-the robot. Without a source they were chosen on choosing cases; none is a limit of a score. Read them as `assumed.NAME`:
-`python -m jointwear.studies.world.sensitivity --assumed` moves each of them by 30 % both ways.
+noise, up to where it can be told from motion, and how wide priors are. None depends on the robot. Without a source they
+were chosen on choosing cases; none is a limit of a score. Read them as `assumed.NAME`: `python -m
+jointwear.studies.world.sensitivity --assumed` moves each of them by 30 % both ways.
 
 Numbers elsewhere in these modules are none of this kind: grids that are searched, rounds and other bounds on time,
 fewest samples of a statistic, ridges, and what follows from a definition (half is most of something; the two numbers
@@ -47,8 +47,6 @@ NOISE_LEFT = 0.2
 FULLEST_RECORD = 2.0
 #: Share of the knots of structure that the fit behind the noise has, for noise to keep most of its freedom.
 COARSE = 0.6
-#: Samples for each column of that fit from which it may hold still more columns.
-ROOM = 15
 
 # The band in which motion is told from noise, and the clock.
 
@@ -59,8 +57,6 @@ CLOCK = 0.05
 UNDER_MOTION = 2.0
 #: Time [s] left out on either side of a reversal that is not resolved.
 BESIDE = 0.1
-#: Spans of the data, of a temperature or a position, beyond them up to which an effect may vanish.
-BEYOND = 0.25
 
 # Drives that two joints share.
 
@@ -71,10 +67,3 @@ STICKS = 0.05
 
 #: Friction of an axis that stands for it when priors are set, at least, over the RMS of its torque.
 LEAST_FRICTION = 0.03
-#: Times the friction of its axis that a correction of friction, or a basis of structure in the model, may be worth.
-MOST_FRICTION = 2.0
-
-# The model that is written.
-
-#: Multiple of the margin over the given robot that is left to an axis where all that would mend it harms others.
-SPARED = 1.5

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.left_out import Asked, LeftOut
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.misfit import misfit_of
@@ -289,8 +288,8 @@ def best_step(
 ) -> Step | None:
     """Return the first step that mends an axis, else the one that helps most, else all at once; None if none is left.
 
-    A step by which the model becomes worse than the given robot on another axis comes after all that do not. None is
-    also returned where there are only such and the axis is hardly worse. What costs other axes, as links and effects of
+    A step by which the model becomes worse than the given robot on another axis comes after all that do not. What costs
+    other axes, as links and effects of
     the whole arm do that they lean on, is given up only where all axes together gain by it: the product of their
     ratios falls. Where that leaves nothing that helps, all goes that acts on the axis alone.
 
@@ -316,8 +315,6 @@ def best_step(
     if not any(found.values()) and not costly:
         return None
     for harms in (False, True):
-        if harms and ratio[axis] <= 1.0 + assumed.SPARED * (limit - 1.0):
-            return None
         mending = next((step for value, step in found[harms] if value <= limit), None)
         if mending is not None:
             return mending

@@ -408,7 +408,7 @@ def _waves(outcome: Outcome, axis: int) -> list[Term]:
     if not columns:
         return []
     every = np.column_stack(columns)
-    std = np.full(every.shape[1], assumed.MOST_FRICTION * problem.scale[axis])
+    std = np.full(every.shape[1], problem.widest[axis])
     return [Term(f"lines of {axis}", {axis: white.columns(axis, every)}, std, {axis: white.raw(axis, every)})]
 
 
@@ -422,7 +422,7 @@ def structure_terms(outcome: Outcome, axis: int) -> list[Term]:
             continue
         columns = white.columns(axis, basis.columns)
         good = np.sum(columns**2, axis=0) > 1e-9
-        std = np.full(int(good.sum()), assumed.MOST_FRICTION * problem.scale[axis])
+        std = np.full(int(good.sum()), problem.widest[axis])
         raw = white.raw(axis, basis.columns[:, good])
         terms.append(Term(f"structure over {basis.argument}", {axis: columns[:, good]}, std, {axis: raw}))
     return terms

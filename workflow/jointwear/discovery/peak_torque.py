@@ -15,10 +15,10 @@ from itertools import product
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.candidates import Candidate, prior_std
 from jointwear.discovery.forms import Form, companion, form_of
 from jointwear.discovery.linear import Fit, Term, gain
+from jointwear.discovery.references import BEYOND
 from jointwear.discovery.refine import evidence_at, free_parameters
 from jointwear.discovery.scan import possible
 from jointwear.discovery.settings import Settings
@@ -38,13 +38,21 @@ STEP, LEAST_SPREAD, LARGEST_SPREAD = 0.05, 1e-4, 1.0
 
 
 def spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
-    """Return the standard deviation of the logarithm of a nonlinear parameter from the curvature of the evidence."""
+    """Return the standard deviation of the logarithm of a nonlinear parameter from the curvature of the evidence.
+
+    It is the largest one where the torque would have to turn round: nothing is known of it there.
+    """
 
     def at(shift):
         value = float(candidate.nonlinear[parameter.name]) * np.exp(shift)
-        return evidence_at(white, fit, replace(candidate, nonlinear={**candidate.nonlinear, parameter.name: value}))
+        moved = replace(candidate, nonlinear={**candidate.nonlinear, parameter.name: value})
+        # A size at its bound has a slope there, and no edge.
+        return evidence_at(white, fit, moved, any_size=True)
 
-    curvature = -(at(STEP) - 2 * at(0.0) + at(-STEP)) / STEP**2
+    below, here, above = at(-STEP), at(0.0), at(STEP)
+    if not np.isfinite([below, here, above]).all():
+        return LARGEST_SPREAD
+    curvature = -(above - 2 * here + below) / STEP**2
     return float(np.clip(1 / np.sqrt(max(curvature, 1e-9)), LEAST_SPREAD, LARGEST_SPREAD))
 
 
@@ -102,7 +110,7 @@ def zeros_of(state: State, candidate: Candidate, used: np.ndarray) -> list[np.nd
     if len(places) < 2:
         return [columns[chosen[0]] / carrier[chosen[0]]]
     values = columns[chosen[first]] / carrier[chosen[first], None]
-    margin = assumed.BEYOND * (places[-1] - places[0])
+    margin = BEYOND * (places[-1] - places[0])
     low, high = places[0] - margin, places[-1] + margin
     near = [places[0] + 0.5 * margin, places[-1] - 0.5 * margin]
     wanted = np.linspace(low, high, ZEROS)

@@ -343,15 +343,27 @@ class Problem:
         return [np.flatnonzero(used) for used in self.usable.T]
 
     @cached_property
+    def lacking(self) -> np.ndarray:
+        """(n,) RMS of the discrepancy [N m] of the training samples that can be judged."""
+        square = np.where(self.usable, self.discrepancy[self.train] ** 2, 0.0).sum(axis=0)
+        return np.sqrt(square / np.maximum(self.usable.sum(axis=0), 1))
+
+    @cached_property
+    def widest(self) -> np.ndarray:
+        """(n,) torque [N m] that a correction of friction, or a basis of structure in the model, may be worth.
+
+        It is the friction of its axis, or all that the model lacks if that is more.
+        """
+        return np.maximum(self.scale, self.lacking)
+
+    @cached_property
     def scale(self) -> np.ndarray:
         """(n,) torque [N m] that stands for the friction of an axis when priors are set.
 
         Where the robot file knows no friction, it is a share of what the model lacks.
         """
         level = 0.5 * (self.robot.coulomb_positive - self.robot.coulomb_negative)
-        square = np.where(self.usable, self.discrepancy[self.train] ** 2, 0.0).sum(axis=0)
-        lacking = np.sqrt(square / np.maximum(self.usable.sum(axis=0), 1))
-        level = np.where(level > 0, level, self.settings.usual * lacking)
+        level = np.where(level > 0, level, self.settings.usual * self.lacking)
         torque = np.sqrt(np.mean(self.state.torque**2, axis=0))
         return np.maximum(np.maximum(level, assumed.LEAST_FRICTION * torque), 1e-6)
 
@@ -366,7 +378,7 @@ class Problem:
         used = self.usable[:, axis]
         speed = np.sqrt(np.mean(self.train_state.velocity[used, axis] ** 2))
         acceleration = np.sqrt(np.mean(self.train_state.acceleration[used, axis] ** 2))
-        level = assumed.MOST_FRICTION * self.scale[axis]
+        level = self.widest[axis]
         inertia = self.settings.usual * self.scale[axis] / acceleration
         inertia += self.settings.usual * self.robot.armature[axis]
         wide = np.array([level, level, level / speed, inertia])

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.base import pinned
 from jointwear.discovery.candidates import Candidate, term_of
 from jointwear.discovery.linear import Fit, Term
@@ -18,6 +17,8 @@ from jointwear.effects import get_effect
 #: Temperatures at which a search for a reference starts, the part of their range that its first step is, its last step
 #: [K], and by how much a step shortens.
 STARTS, PARTS, FINEST, SHORTER = 13, 16, 0.01, 0.4
+#: Spans of the data beyond them up to which it is searched where an effect vanishes.
+BEYOND = 0.25
 #: Digits of a reference [degC].
 DIGITS = 3
 
@@ -45,7 +46,7 @@ def with_references(white: White, base: list[Term], model: RefinedModel, error: 
         fit = Fit(white.targets, [*pinned(white, base, candidate.axis, error), *rest])
         warm = white.problem.train_state.temperature[:, candidate.axis]
         low, high = float(np.nanmin(warm)), float(np.nanmax(warm))
-        margin = assumed.BEYOND * (high - low)
+        margin = BEYOND * (high - low)
 
         def at(temperature, candidate=candidate, fit=fit, name=name):
             moved = replace(candidate, nonlinear={**candidate.nonlinear, name: round(float(temperature), DIGITS)})

@@ -26,14 +26,19 @@ def free_parameters(candidate: Candidate) -> list[Parameter]:
     return [] if candidate.axis is None else get_effect(candidate.effect).searched(candidate.nonlinear)
 
 
-def evidence_at(white: White, fit: Fit, candidate: Candidate) -> float:
-    """Return the evidence [nats] that a candidate on one axis adds to a fit."""
+def evidence_at(white: White, fit: Fit, candidate: Candidate, any_size: bool = False) -> float:
+    """Return the evidence [nats] that a candidate on one axis adds to a fit.
+
+    Parameters
+    ----------
+    any_size : a torque that misses the size which its one parameter gives it counts too.
+    """
     torques = raw_torques(white, candidate)
     if not all(np.isfinite(columns).all() for columns in torques.values()):
         return -np.inf
     b, gram = fit.gram(whitened(white, torques))
     if on_all_axes(candidate):
-        return gain_about_one(white, b, gram, white.problem.settings.off_scale)
+        return gain_about_one(white, b, gram, np.inf if any_size else white.problem.settings.off_scale)
     if get_effect(candidate.effect).scaled:
         # Its size is in the columns: the coefficient is one.
         return gain_of_one(b, gram)

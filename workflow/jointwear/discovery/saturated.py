@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.instruments import Cutoffs, axis_cutoffs, limited_inertial, limited_state, velocities
 from jointwear.discovery.motor_lines import loud_waves, shown_waves, waves_in_band
 from jointwear.discovery.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, WIDE, Whitener, estimate, whitenable
@@ -22,6 +21,9 @@ from jointwear.measurement.filtering import limit
 SEEN = 0.5
 #: Highest order of the noise model that the correction starts from: a higher one learns what the fit took off.
 START = 2
+#: Samples for each column of the fit from which it may hold still more columns: what Harrell (Regression Modeling
+#: Strategies, 2015, section 4.4) asks for on average.
+FEWEST_EACH = 15
 #: Least noise of a torque over its RMS: below it, as in a simulated log, what is left is round-off of the fit.
 LEAST_NOISE = 1e-6
 #: Frequencies [Hz] above which a step at a reversal is kept.
@@ -99,7 +101,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     if extra is not None:
         groups.append(extra)
     groups += [b.columns for b in axis_bases(state, axis, used, coarse=True, velocity=speeds)]
-    if used.sum() >= assumed.ROOM * sum(g.shape[1] for g in groups):
+    if used.sum() >= FEWEST_EACH * sum(g.shape[1] for g in groups):
         groups += _sequential_columns(limited_state(problem, axis, cutoffs.timing), axis)
         groups.append(_beside_reversals(raw, axis, label, rate))
         groups += _columns_of_neighbours(replace(state, velocity=speeds), axis)

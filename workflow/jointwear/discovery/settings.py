@@ -58,10 +58,6 @@ class Settings:
     reversal_error : how much higher, as the scale of a half-normal logarithm, that torque may be for effects that act
         after reversals than the samples show that can be judged: on choosing cases 0.8 to 2.7 times as high. Of effects
         of timing it is the scale either way: rates of torque hold noise (0.56 to 1.25 times).
-    wrongest_mass : share by which a link mass may be wrong as a parameter; more is a body that is missing.
-    off_scale : factor by which the torque of an effect with one parameter may miss the size that the parameter gives
-        it: beyond it the torque has another shape.
-    cancelled : squared torque of an effect over the squared discrepancy of its axis from which it only cancels others.
     nearly_all : share of the squared error beyond the noise of an axis that makes a name stand beside any structure
         that is left there; and the error on left-out training records, over that of the given robot, above which what
         was fitted to an axis with such structure alone is not written; and the share of what is gained in all that a
@@ -88,9 +84,6 @@ class Settings:
     filter_error: float = 0.3
     peak_error: float = 0.07
     reversal_error: float = 0.5
-    wrongest_mass: float = 0.6
-    off_scale: float = 1.5
-    cancelled: float = 4.0
     nearly_all: float = 0.8
     not_worse: float = 1.03
     near_the_floor: float = 0.10
@@ -108,6 +101,22 @@ class Settings:
         fit corrects of the links there.
         """
         return math.sqrt(self.accept)
+
+    @property
+    def wrongest_mass(self) -> float:
+        """Share by which a link mass may be wrong as a parameter; more is a body that is missing: 0.6.
+
+        Two standard deviations of a link that is off by what is `usual`.
+        """
+        return 2.0 * self.usual
+
+    @property
+    def off_scale(self) -> float:
+        """Factor by which the torque of an effect may miss the size that its one parameter gives it: 1.6.
+
+        Two standard deviations of a size that is off by what is `usual`; beyond it the torque has another shape.
+        """
+        return 1.0 + 2.0 * self.usual
 
     @property
     def noise_sigmas(self) -> float:

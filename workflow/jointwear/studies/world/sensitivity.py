@@ -64,8 +64,6 @@ def variants(settings: Settings) -> dict[tuple[str, float], Settings]:
 GATES = {
     "certainty": ("probability of a smaller error on records left out", 0.7),
     "smallest_share": ("drop of the squared error over the noise variance", 0.7),
-    "cancelled": ("its square over that of the discrepancy of its axis", 1.3),
-    "off_scale": ("its parameters within their bounds", 1.3),
 }
 
 
