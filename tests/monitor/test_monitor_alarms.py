@@ -70,6 +70,16 @@ def test_alarms_of_one_story_are_one_episode():
     assert len({e.key for e in found}) == 4
 
 
+def test_another_program_resolves_what_the_papers_detector_saw_and_no_wear():
+    rows = [
+        {"time": time, "axis": 1, "quantity": "coulomb friction", "detector": detector}
+        for time, detector in ((1.0, "model"), (1.0, "paper"), (9.0, "model"))
+    ]
+    found = episodes_of(rows, events_of({"events": [{"time": 5.0, "kind": "program", "note": "another gripper"}]}))
+    assert [(e.detector, len(e.alarms), e.resolved is None) for e in found] == [("model", 2, True), ("paper", 1, False)]
+    assert found[0].before is None
+
+
 def test_unknown_values_of_an_alarm_stay_empty(tmp_path):
     alarm = dict.fromkeys(ALARM_COLUMNS, float("nan")) | {
         "time": 7200.0,

@@ -211,6 +211,7 @@ def test_an_axis_with_alarms_that_nobody_explained_is_never_green(monitored):
     [
         ({"time": "2027-01-01T00:00:00Z", "axes": [3], "kind": "service"}, "healthy"),
         ({"time": "2027-01-01T00:00:00+01:00", "kind": "acknowledged"}, "healthy"),
+        ({"time": "2027-01-01T00:00:00Z", "axes": [3], "kind": "program"}, UNRESOLVED),
         ({"time": "2027-01-01T00:00:00Z", "axes": [2], "kind": "service"}, UNRESOLVED),
         ({"time": "2026-01-01T00:00:00Z", "axes": [3], "kind": "service"}, UNRESOLVED),
     ],

@@ -15,6 +15,7 @@ from jointwear.monitor.events import Event
 from jointwear.monitor.judge import judge
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
+from jointwear.monitor.open_alarms import OPEN_ALARM
 from jointwear.monitor.records import CHANGED, HEALTHY, UNJUDGED, Reason, Teller
 from jointwear.monitor.shared_error import shared_error
 from jointwear.monitor.watching import watch
@@ -119,6 +120,56 @@ def test_an_axis_that_was_mended_is_healthy_again_once_somebody_says_so():
     assert said.status[-1, 1] == HEALTHY
     assert said.status[181, 1] == UNJUDGED
     assert (said.status[121:, 0] == HEALTHY).all()
+
+
+def worn_under_another_program(grown: float):
+    """Statistics of an axis that wears by 15 %, on which another program from hour 200 on asks `grown` more."""
+    growth = np.zeros((320, 3))
+    growth[120:, 1] = 0.15 * np.arange(200) / 200
+    growth[200:, 1] += grown
+    growth[200:, [0, 2]] += 0.1
+    return statistics_of(residuals(320, growth, 23))
+
+
+@pytest.mark.parametrize("axes", [(), (1,)])
+def test_another_program_repairs_nothing(axes):
+    statistics, at = worn_under_another_program(0.1 if not axes else 0.0), 200 * 3600.0
+    result = judge(statistics, 120, replace(SETTINGS, events=(Event(at, axes, "program", "another gripper"),)))
+    growth = result.estimates["coulomb_percent"][:, 1]
+    assert result.status[199, 1] == CHANGED
+    # The alarm stays open while the axis is learnt anew, and growth goes on but for what came meanwhile.
+    assert set(result.status[200:, 1]) == {CHANGED}
+    assert np.isnan(growth[200:210]).all()
+    # From 5.6 % in the last two shifts before on; 6.8 % is what the axis has grown by while it is learnt anew.
+    assert np.mean(growth[-8:]) == pytest.approx(5.6 + (14.7 - 6.8) / (1.17 if not axes else 1.07), abs=1)
+    assert not result.back[1]
+    (told,) = [f for f in result.findings if f["kind"] == OPEN_ALARM]
+    assert (told["axes"], told["time"], "answered" in told) == ([2], at, False)
+    assert "coulomb friction +5 % by then" in told["words"]
+    alarms = [a["time"] for a in result.alarms if a["detector"] == "model" and a["axis"] == 2]
+    forecast = result.hours_to_limit[1]
+    assert min(alarms) < at
+    assert forecast[1] <= 70 <= forecast[2]
+
+
+@pytest.mark.parametrize("kind", ["service", "sensor", "acknowledged"])
+def test_other_events_close_an_alarm_also_beside_another_program(kind):
+    statistics, at = worn_under_another_program(0.0), 200 * 3600.0
+    events = (Event(at, (), "program"), Event(at, (1,), kind))
+    result = judge(statistics, 120, replace(SETTINGS, events=events))
+    assert result.status[199, 1] == CHANGED
+    assert result.status[201, 1] == UNJUDGED
+    assert [f for f in result.findings if f["kind"] == OPEN_ALARM] == []
+
+
+def test_another_program_without_an_open_alarm_starts_anew_as_before():
+    growth = np.zeros((260, 3))
+    growth[200:] = 0.2
+    statistics = statistics_of(residuals(260, growth, 24))
+    result = judge(statistics, 120, replace(SETTINGS, events=(Event(200 * 3600.0, (), "program"),)))
+    assert not [a for a in result.alarms if a["detector"] == "model"]
+    assert set(result.status[-8:, 0]) == {HEALTHY}
+    assert [f for f in result.findings if f["kind"] == OPEN_ALARM] == []
 
 
 @pytest.mark.parametrize(

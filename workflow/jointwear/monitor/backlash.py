@@ -124,7 +124,7 @@ def raised_status(status: np.ndarray, watched: Watch, changed: str) -> np.ndarra
     """Return the status (w, n) with `changed` from the first alarm of backlash until an event of the config."""
     result, alarm = status.copy(), backlash_alarms(watched)
     for j in range(status.shape[1]):
-        edges = [0, *[s.window for s in watched.starts[j] if not s.proposed], len(status)]
+        edges = [0, *[s.window for s in watched.starts[j] if s.closes], len(status)]
         for a, b in itertools.pairwise(edges):
             hits = np.flatnonzero(alarm[a:b, j])
             if len(hits):

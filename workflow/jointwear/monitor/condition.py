@@ -179,8 +179,8 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
 
 def _mended(resolved: list[Episode]) -> bool:
     """Whether the newest event that closed alarms of an axis did something to it, so that its growth until then tells
-    nothing of it now; somebody who looked at an alarm has changed nothing."""
-    events = [e.resolved for e in resolved if e.resolved is not None]
+    nothing of it now; somebody who looked at an alarm has changed nothing, nor has another program."""
+    events = [e.resolved for e in resolved if e.resolved is not None and e.resolved.mends]
     return bool(events) and max(events, key=lambda e: e.time).kind != "acknowledged"
 
 

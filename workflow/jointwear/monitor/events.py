@@ -12,6 +12,8 @@ from jointwear.measurement.timestamps import LATEST, moment_of
 from jointwear.monitor.local_time import zone_of
 
 KINDS = ("service", "sensor", "program", "acknowledged")
+#: Kind of an event that changes how a robot runs and nothing about its joints: what they had grown by goes on.
+NEW_PROGRAM = "program"
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,11 @@ class Event:
     axes: tuple[int, ...]
     kind: str
     note: str = ""
+
+    @property
+    def mends(self) -> bool:
+        """Whether it may be why an axis is no longer what it was; a change of program repairs no gear."""
+        return self.kind != NEW_PROGRAM
 
     def concerns(self, axis: int) -> bool:
         """Return whether a 0-based axis is concerned."""

@@ -1,4 +1,4 @@
-"""What an axis has grown by when a program begins that its baseline lacks.
+"""What an axis has grown by when a program begins that its baseline lacks, or that an event of the config tells of.
 
 The level of a new program is learnt from its own first windows. Wear does not stop for it: what was learnt as the level
 without the growth so far would hide that growth from then on.
@@ -23,6 +23,17 @@ def growth_so_far(
 ) -> tuple[float, float]:
     """Return the growth of the level (log) over the normal state and its variance, 0 and 0 where nothing tells.
 
+    Parameters are those of :func:`measured_growth`.
+    """
+    measured = measured_growth(normal, residual, predicted, shift, known)
+    return (0.0, 0.0) if measured is None else shrunk(*measured)
+
+
+def measured_growth(
+    normal: AxisNormal, residual: np.ndarray, predicted: np.ndarray, shift: np.ndarray, known: np.ndarray
+) -> tuple[float, float] | None:
+    """Return what the last shifts show of the growth of the level (log), and its variance; None where nothing tells.
+
     Parameters
     ----------
     residual, predicted : (w,) log level over the normal state, and variance of what that predicts.
@@ -30,7 +41,7 @@ def growth_so_far(
     """
     names = np.unique(shift[known])[-SHIFTS:]
     if not len(names):
-        return 0.0, 0.0
+        return None
     means, precisions = [], []
     for name in names:
         rows = known[shift[known] == name]
@@ -39,7 +50,7 @@ def growth_so_far(
         means.append(float(weight @ residual[rows] / weight.sum()))
         precisions.append(1.0 / spread)
     share = np.array(precisions)
-    return shrunk(float(share @ means / share.sum()), float(1.0 / share.sum()))
+    return float(share @ means / share.sum()), float(1.0 / share.sum())
 
 
 def shrunk(mean: float, variance: float) -> tuple[float, float]:

@@ -29,6 +29,7 @@ from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.observed import Observed, observe
 from jointwear.monitor.odd_motion import odd_motion_findings
+from jointwear.monitor.open_alarms import open_alarm_findings
 from jointwear.monitor.parts import viscous_part, viscous_scale
 from jointwear.monitor.present import back_to_normal, error_now
 from jointwear.monitor.programs import program_findings
@@ -135,7 +136,10 @@ def judge(
             [(level, level.alarm), (viscous, teller.viscous_alarm), (backlash, backlash.alarm)], shift, statistics.end
         ),
         reason=teller.reasons(),
-        findings=_findings(statistics, seen, level, steps, teller, limit),
+        findings=[
+            *_findings(statistics, seen, level, steps, teller, limit),
+            *open_alarm_findings(statistics, settings.events, alarms, estimates),
+        ],
     )
 
 
@@ -186,7 +190,8 @@ def _watched(
     **more: Any,
 ) -> Watch:
     """Watch one quantity, at `allowed` false alarms a window; `found` are the windows from which it is learnt anew."""
-    return watch(normal, seen.conditions, seen.baseline, seen.shift, allowed, seen.events, found, recall=recall, **more)
+    where = (seen.events, found, seen.kept)
+    return watch(normal, seen.conditions, seen.baseline, seen.shift, allowed, *where, recall=recall, **more)
 
 
 def _watch_level(

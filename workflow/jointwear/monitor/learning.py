@@ -266,10 +266,24 @@ def _fit(
     return fit_normal_state(design.matrix, value, dispersion.noise(variance), shift, design.prior)
 
 
-def relearnt(axis: AxisNormal, learnt: np.ndarray, shift: np.ndarray, prior: Posterior) -> NormalFit:
-    """Return the fit of windows `learnt` (w,) after a service, from a widened posterior."""
-    value = np.where(learnt, axis.series_value, np.nan)
-    return fit_normal_state(axis.design.matrix, value, axis.dispersion.noise(axis.series_variance), shift, prior)
+def relearnt(
+    axis: AxisNormal,
+    learnt: np.ndarray,
+    shift: np.ndarray,
+    prior: Posterior,
+    grown: tuple[float, float] | None = None,
+) -> Posterior:
+    """Return what windows `learnt` (w,) after an event teach, from a widened posterior.
+
+    `grown` : growth of the axis (log level) that goes on over the event, and its variance; None of one that is as new.
+    """
+    growth, doubt = grown or (0.0, 0.0)
+    value = np.where(learnt, axis.series_value - growth, np.nan)
+    noise = axis.dispersion.noise(axis.series_variance)
+    posterior = fit_normal_state(axis.design.matrix, value, noise, shift, prior).posterior
+    covariance = posterior.covariance.copy()
+    covariance[0, 0] += doubt
+    return Posterior(posterior.mean, covariance)
 
 
 #: After a service: standard deviation of the constant, and how far the other coefficients go back to their priors.

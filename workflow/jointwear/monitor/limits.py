@@ -135,8 +135,8 @@ class Limits:
         return Growth(means.time / 3600, scale * value, scale**2 * variance, scale * shared, start)
 
     def _means(self, watched: Watch, k: int, j: int) -> tuple[ShiftMeans, float]:
-        """Return the means of the shifts since the last start, and the end of what is normal [h]."""
-        begin = max([s.window for s in watched.starts[j] if s.window <= k], default=0)
+        """Return the means of the shifts since growth last began anew, and the end of what is normal [h]."""
+        begin = max([s.window for s in watched.starts[j] if s.window <= k and s.grown is None], default=0)
         rows = ~watched.baseline & (self._place <= k) & (self._place >= begin)
         before = np.flatnonzero(watched.baseline) if not begin else np.arange(begin)
         start = float(self._end[before[-1]]) / 3600 if len(before) else float(self._end[0]) / 3600

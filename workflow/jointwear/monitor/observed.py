@@ -27,7 +27,8 @@ class Observed:
 
     `baseline` (w,) bool; `series`: friction by name; `scale`: of the torque; `hidden`: per axis, why backlash cannot be
     seen, empty where it can; `shift` (w,) labels; `regime` (w,) program of each window or None; `events`: per axis,
-    windows at which the config says that something was done to it.
+    windows at which the config says that something was done to it; `kept`: those of them that tell of another program
+    alone, which repairs nothing.
     """
 
     baseline: np.ndarray
@@ -38,6 +39,7 @@ class Observed:
     shift: np.ndarray
     regime: np.ndarray | None
     events: list[list[int]]
+    kept: list[list[int]]
 
 
 def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: JudgeSettings) -> Observed:
@@ -60,6 +62,8 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     start, end = statistics.start, statistics.end
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
+    events = event_windows(settings.events, start, statistics.axes)
+    mended = event_windows([e for e in settings.events if e.mends], start, statistics.axes)
     return Observed(
         baseline=first,
         series=series,
@@ -68,5 +72,6 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
         conditions=Conditions(start, end, temperature, features, speed, load, regime, named),
         shift=shift_labels(start, end, first, steady),
         regime=regime,
-        events=event_windows(settings.events, start, statistics.axes),
+        events=events,
+        kept=[[k for k in every if k not in own] for every, own in zip(events, mended, strict=True)],
     )

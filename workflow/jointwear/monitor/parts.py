@@ -62,7 +62,7 @@ def episode_parts(level: Watch, j: int, shift: np.ndarray) -> list[tuple[slice, 
     An episode begins with the first shift that its first alarm rests on. `shift` (w,) labels.
     """
     result = []
-    for a, b in itertools.pairwise([0, *sorted({s.window for s in level.starts[j]}), len(shift)]):
+    for a, b in itertools.pairwise([0, *sorted({s.window for s in level.starts[j] if s.grown is None}), len(shift)]):
         hits = a + np.flatnonzero(level.alarm[a:b, j])
         if len(hits):
             names = np.unique(shift[a : hits[0] + 1])

@@ -57,7 +57,7 @@ def back_to_normal(watches: Sequence[tuple[Watch, np.ndarray]], shift: np.ndarra
     for j in range(n):
         found = []
         for watched, alarm in watches:
-            begin = max([s.window for s in watched.starts[j] if not s.proposed], default=0)
+            begin = max([s.window for s in watched.starts[j] if s.closes], default=0)
             hits = begin + np.flatnonzero(alarm[begin:, j])
             if len(hits):
                 found.append(_is_back(watched, j, hits, shift, end))

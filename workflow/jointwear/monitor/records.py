@@ -129,7 +129,7 @@ class Teller:
         """Return which alarms (w, n) are told."""
         told, hour = np.zeros_like(self._alarm), self._s.end / 3600
         for j in range(told.shape[1]):
-            starts = [0, *[s.window for s in self._level.starts[j]], len(hour)]
+            starts = [0, *[s.window for s in self._level.starts[j] if not s.kept], len(hour)]
             last: _Told | None = None
             for k in np.flatnonzero(self._alarm[:, j]):
                 segment = int(np.searchsorted(starts, k, side="right"))
@@ -149,7 +149,7 @@ class Teller:
         status = np.full(residual.shape, HEALTHY, dtype=object)
         status[~np.isfinite(residual)] = UNJUDGED
         for j in range(residual.shape[1]):
-            closed = [s.window for s in self._level.starts[j] if not s.proposed]
+            closed = [s.window for s in self._level.starts[j] if s.closes]
             edges = [0, *closed, len(residual)]
             for a, b in itertools.pairwise(edges):
                 hits = np.flatnonzero(self._alarm[a:b, j])

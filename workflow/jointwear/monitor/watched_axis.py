@@ -11,7 +11,7 @@ import numpy as np
 from jointwear.monitor.conditions import Design
 from jointwear.monitor.decision import Evidence, shift_evidence
 from jointwear.monitor.dispersion import inflated, updated_between
-from jointwear.monitor.growth_so_far import growth_so_far
+from jointwear.monitor.growth_so_far import SHIFTS, growth_so_far, measured_growth
 from jointwear.monitor.learning import AxisNormal, relearnt, widened
 from jointwear.monitor.normal_state import Posterior, introduced, taught
 from jointwear.monitor.recent_shifts import AxisWindows
@@ -29,10 +29,19 @@ UNSEEN = 0.06
 
 @dataclass(frozen=True)
 class Start:
-    """Window from which an axis is learnt anew; `proposed` by a fall, not told by the config."""
+    """Window from which an axis is learnt anew; `proposed` by a fall, not told by the config; `kept`: the axis is as
+    worn as before, so that its alarms stay open; `grown`: growth (log level) and its variance that go on over it, None
+    where no alarm tells of any."""
 
     window: int
     proposed: bool
+    kept: bool = False
+    grown: tuple[float, float] | None = None
+
+    @property
+    def closes(self) -> bool:
+        """Whether it closes the alarms before it: what somebody did to the axis or has looked at."""
+        return not self.proposed and not self.kept
 
 
 class WatchedAxis:
@@ -48,6 +57,7 @@ class WatchedAxis:
         self.states: list[Posterior] = []
         self.which = np.zeros(w, dtype=int)
         edges = [0, *[s.window for s in starts], w]
+        self._baseline = baseline
         memory = normal.dispersion.memory
         variance = normal.noise * (1 + memory) / (1 - memory)
         posterior = normal.fit.posterior
@@ -59,7 +69,7 @@ class WatchedAxis:
             learnt = baseline
             if k > 0:
                 learnt = self._after(a, b)
-                posterior = relearnt(normal, learnt, shift, widened(normal, posterior)).posterior
+                posterior = relearnt(normal, learnt, shift, widened(normal, posterior), starts[k - 1].grown)
                 last = int(np.flatnonzero(learnt)[-1]) + 1 if learnt.any() else b
                 self.learning[a:last] = True
             # Shifts are runs of windows.
@@ -100,6 +110,19 @@ class WatchedAxis:
         place = np.arange(a, b)
         told = np.isfinite(self.residual[place]) & (self.predicted[place] <= UNSEEN**2)
         return np.setdiff1d(place[told], strange)
+
+    def grown_between(self, a: int, b: int, shared: np.ndarray, extra: np.ndarray) -> tuple[float, float] | None:
+        """Return what the last shifts from window `a` to before `b` show of growth, and its variance; None if nothing.
+
+        `shared`, `extra` : those of :meth:`judge`.
+        """
+        known = self._known(a, b, np.flatnonzero(self.learning | self._baseline))
+        known = known[np.isin(self.shift[known], np.unique(self.shift[known])[-SHIFTS:])]
+        measured = measured_growth(self.normal, self.residual - shared, self.predicted, self.shift, known)
+        if measured is None:
+            return None
+        # The normal state is learnt anew from `b`: what is not known of it by then all windows before share.
+        return measured[0], measured[1] + float(np.median((self.predicted + extra)[known]))
 
     @property
     def total_variance(self) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -65,6 +65,7 @@ def watch(
     rate: float,
     events: Sequence[Sequence[int]] = (),
     proposed: Sequence[Sequence[int]] = (),
+    kept: Sequence[Sequence[int]] = (),
     services: bool = True,
     common: bool = True,
     unit: np.ndarray | float = 1.0,
@@ -77,16 +78,19 @@ def watch(
     axes : normal states, :func:`jointwear.monitor.learning.learn_axes`. baseline : (w,) bool. shift : (w,) labels.
     rate : false alarms a window that all axes together may have.
     events : per axis, windows at which the config says that something was done to it.
-    proposed : the same, found in the logs themselves.
+    proposed : the same, found in the logs themselves. kept : those of `events` that leave alarms open, over which what
+        such an alarm tells of goes on.
     services : whether falls propose services. common : whether what all axes have in common is taken out.
     unit : (n,) what the axes have in common comes to each in these units, such as its share of viscous friction.
     recall : of thresholds that were simulated before.
     """
-    starts = _told_starts(events or [[]] * len(axes), proposed or [[]] * len(axes))
+    none: list[list[int]] = [[]] * len(axes)
+    starts = _told_starts(events or none, proposed or none, kept or none)
     fall_rate = FALL_RATE / 1000 * conditions.hours
     limits = _limits(axes, shift, baseline, rate, fall_rate, recall or Recall())
-    falls = limits.fall if services else np.full(len(axes), np.inf)
-    states, beside, evidence = _settled(axes, starts, falls, baseline, shift, common, unit)
+    if not services:
+        limits = replace(limits, fall=np.full(len(axes), np.inf))
+    states, beside, evidence = _settled(axes, starts, limits, baseline, shift, common, unit)
     shape = (len(shift), len(axes))
     nothing = {"growth": -np.inf, "fall": -np.inf, "step": -np.inf, "mean": np.nan, "std": np.nan, "shifts": 0}
     told = {
@@ -102,7 +106,7 @@ def watch(
         std=np.sqrt(beside.variance),
         noise=beside.noise,
         mean_std=told.pop("std"),
-        alarm=((told["growth"] > limits.level) | (told["step"] > limits.step)) & ~baseline[:, None],
+        alarm=_alarms(told["growth"], told["step"], limits.level, limits.step) & ~baseline[:, None],
         threshold=limits.level,
         step_threshold=limits.step,
         shared=beside.shared,
@@ -117,19 +121,19 @@ def watch(
 def _settled(
     axes: Sequence[AxisNormal | None],
     starts: list[list[Start]],
-    falls: np.ndarray,
+    limits: _Limits,
     baseline: np.ndarray,
     shift: np.ndarray,
     common: bool,
     unit: np.ndarray | float,
 ) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence]]:
     """Return the axes that are judged, what they tell of each other and their evidence, once no more falls propose a
-    service; those that are found are added to `starts`.
+    service; those that are found are added to `starts`, and what has grown goes on over those that are kept.
 
     Parameters
     ----------
-    falls : (n,) evidence of a fall above which it proposes a service, infinite where none does. baseline, shift,
-    common, unit : as of :func:`watch`.
+    limits : of the evidence, that of falls infinite where none proposes a service. baseline, shift, common, unit : as
+    of :func:`watch`.
     """
     states: dict[int, WatchedAxis] = {}
     again = [j for j, axis in enumerate(axes) if axis is not None]
@@ -140,20 +144,28 @@ def _settled(
         evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
         again = []
         for j in states:
-            service = _service(evidence[j], falls[j], shift, baseline)
+            service = _service(evidence[j], limits.fall[j], shift, baseline)
             if service is not None and (later := _with_service(starts[j], *service)) is not None:
                 starts[j] = later
+                again.append(j)
+                continue
+            alarm = _alarms(evidence[j].growth, evidence[j].step, limits.level[j], limits.step[j]) & ~baseline
+            if (grown := _with_growth(starts[j], states[j], alarm, *beside.of(j)[:2])) is not None:
+                starts[j] = grown
                 again.append(j)
         if not again:
             break
     return states, beside, evidence
 
 
-def _told_starts(events: Sequence[Sequence[int]], proposed: Sequence[Sequence[int]]) -> list[list[Start]]:
+def _told_starts(
+    events: Sequence[Sequence[int]], proposed: Sequence[Sequence[int]], kept: Sequence[Sequence[int]]
+) -> list[list[Start]]:
     """Return where each axis is learnt anew by events of the config and by those that the logs themselves show."""
     told = (
-        [Start(k, False) for k in e] + [Start(k, True) for k in set(p) - set(e)]
-        for e, p in zip(events, proposed, strict=True)
+        # No growth goes on over what the logs show in the same window, such as another scale.
+        [Start(k, k in g and k in p, k in g and k not in p) for k in e] + [Start(k, True) for k in set(p) - set(e)]
+        for e, p, g in zip(events, proposed, kept, strict=True)
     )
     return [sorted(one, key=lambda start: start.window) for one in told]
 
@@ -257,7 +269,36 @@ def _with_service(starts: Sequence[Start], hit: int, begin: int) -> list[Start] 
     kept = [s for s in starts if s.window <= hit]
     if kept and kept[-1].window >= begin:
         return None
-    return [*kept, Start(begin, True), *(s for s in starts if s.window > hit)]
+    return [*kept, Start(begin, True), *(replace(s, grown=None) for s in starts if s.window > hit)]
+
+
+def _alarms(growth: np.ndarray, step: np.ndarray, level: np.ndarray | float, least: np.ndarray | float) -> np.ndarray:
+    """Return where the evidence of growth or of a step exceeds its threshold, `level` or `least`."""
+    return (growth > level) | (step > least)
+
+
+def _with_growth(
+    starts: Sequence[Start], state: WatchedAxis, alarm: np.ndarray, shared: np.ndarray, extra: np.ndarray
+) -> list[Start] | None:
+    """Return the starts of an axis, the first kept one that follows on an alarm with the growth until then; None if
+    all such have it.
+
+    Without an alarm an axis may have grown by nothing: what it is off by then would become wear of the new program.
+
+    Parameters
+    ----------
+    alarm : (w,) bool. shared, extra : of :meth:`.WatchedAxis.judge`.
+    """
+    since = 0
+    for k, start in enumerate(starts):
+        if start.grown is not None:
+            continue
+        if start.kept and alarm[since : start.window].any():
+            grown = state.grown_between(since, start.window, shared, extra)
+            if grown is not None:
+                return [*starts[:k], replace(start, grown=grown), *starts[k + 1 :]]
+        since = start.window
+    return None
 
 
 def outside_baseline(beyond: np.ndarray, common: np.ndarray, shift: np.ndarray) -> np.ndarray:
