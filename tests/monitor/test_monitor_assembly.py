@@ -1,6 +1,8 @@
 """Logs of one robot put together."""
 
 from dataclasses import replace
+from datetime import datetime
+from zoneinfo import ZoneInfo
 
 import numpy as np
 import pytest
@@ -98,3 +100,90 @@ def test_names_that_do_not_follow_time_tell_no_wrong_date():
     assert not any(p.refused for p in assemble(last).pieces)
     few = [piece("0.csv", 0), piece("1.csv", year), piece("2.csv", 24), piece("3.csv", 48)]
     assert not any(p.refused for p in assemble(few).pieces)
+
+
+DAY = 86400.0
+#: A Monday of a month without a change of the clock.
+MONDAY = datetime(2026, 6, 1, tzinfo=ZoneInfo("UTC")).timestamp()
+
+
+def days(hours: float, wrong: int, off: float, count: int = 9, name: str = "log_{k:02d}.csv") -> list[Piece]:
+    """Logs of `hours` from six o'clock on; one of them is dated `off` [s] wrong."""
+    begin = [MONDAY + DAY * k + 6 * 3600 + (off if k == wrong else 0) for k in range(count)]
+    named = [name.format(k=k, day=k + 1) for k in range(count)]
+    return [part(log, t + 60.0 * k, t + 3600 * hours) for k, (log, t) in enumerate(zip(named, begin, strict=True))]
+
+
+def refused(logs: list[Piece], zone: str | None = None) -> list[int]:
+    return [k for k, p in enumerate(assemble(logs, zone).pieces) if p.refused]
+
+
+@pytest.mark.parametrize("name", ["log_{k:02d}.csv", "2026-06-{day:02d}.csv", "r4_202606{day:02d}0600.csv"])
+@pytest.mark.parametrize(("hours", "off"), [(9, DAY), (16, DAY), (9, -DAY), (16, -DAY), (23.9, 5 * 3600)])
+def test_of_two_days_of_one_date_the_wrong_one_is_refused(name, hours, off):
+    logs = days(hours, 4, off, name=name)
+    assert refused(logs) == [4]
+    words = assemble(logs).pieces[4].refused[0]
+    assert "which one arm cannot do" in words
+    assert "its dates are wrong" in words
+    assert ("by the order of the names" in words) == (name.startswith("log") or abs(off) < DAY)
+
+
+def test_of_the_newest_two_days_only_a_date_in_the_name_tells_which_is_wrong():
+    assert refused(days(16, 7, DAY, name="2026-06-{day:02d}.csv")) == [7]
+    (words,) = assemble(days(16, 7, DAY)).pieces[8].refused
+    assert "dated a day or some hours off" in words
+    # Names that all hold one date tell nothing, nor do few logs.
+    assert refused(days(16, 7, DAY, name="2026-06-01_{k}.csv")) == [8]
+    assert refused(days(16, 1, DAY, count=4)) == [2]
+
+
+def test_hours_of_a_day_that_are_dated_as_the_next_one_are_refused():
+    logs = [
+        part(f"2026-06-{d + 1:02d}_{h:02d}.csv", t := MONDAY + DAY * (d + (d == 4)) + 3600 * h + d, t + 60)
+        for d in range(8)
+        for h in range(6, 10)
+    ]
+    assert refused(logs) == [16, 17, 18, 19]
+    numbered = [replace(p, log=f"{k:03d}.csv") for k, p in enumerate(logs)]
+    assert refused(numbered) == [16, 17, 18, 19]
+    # One of them alone is out of order.
+    alone = [replace(p, log=f"{k:03d}.csv") for k, p in enumerate(logs) if k not in (16, 17, 19)]
+    assert refused(alone) == [16]
+
+
+#: Two o'clock of the last Sunday of October 2026 in Berlin, which comes twice.
+TWICE = datetime(2026, 10, 25, 2, tzinfo=ZoneInfo("Europe/Berlin")).timestamp()
+
+
+def night(second: float = 7.0, hours: tuple[int, ...] = (-1, 0, 0, 2, 3)) -> list[Piece]:
+    """Logs of a minute an hour about the one that comes twice, whose stamps are read as of the first time."""
+    logs = [part(f"{k}.csv", TWICE + 3600 * h + k, TWICE + 3600 * h + 60 + k) for k, h in enumerate(hours)]
+    logs[2] = part("2.csv", TWICE + second, TWICE + second + 60)
+    return logs
+
+
+def test_the_second_log_of_the_hour_that_comes_twice_is_an_hour_later():
+    history = assemble(night(), "Europe/Berlin")
+    assert not any(p.refused for p in history.pieces)
+    assert (history.statistics.start - TWICE).tolist() == [-3600, 0, 3600, 7200, 10800]
+    assert (history.statistics.samples == 60).all()
+    assert history.pieces[2].first == TWICE + 3600 + 7
+
+
+def test_the_hour_that_comes_twice_is_told_where_it_is_not_known():
+    # The zone is not stated; the hour after it is there.
+    (words,) = assemble(night()).pieces[2].refused
+    assert "State the zone of the stamps as 'time_zone'" in words
+    (words,) = assemble(night(hours=(-1, 0, 0, 1, 2)), "Europe/Berlin").pieces[2].refused
+    assert "comes twice where summer time ends" in words
+    # A copy is none, and on any other day nothing comes twice.
+    copy = night()
+    copy[2] = replace(copy[1], log="2.csv")
+    assert [p.copy_of for p in assemble(copy, "Europe/Berlin").pieces] == ["", "", "1.csv", "", ""]
+    later = [replace(p, first=p.first + DAY, last=p.last + DAY) for p in night()]
+    for p in later:
+        p.statistics.start[:] += DAY
+        p.statistics.end[:] += DAY
+    (words,) = assemble(later, "Europe/Berlin").pieces[2].refused
+    assert "of another robot, or a second export" in words

@@ -29,6 +29,19 @@ def zone_of(name: str | None, key: str = "monitor.time_zone") -> tzinfo:
         raise InputError(f"config: '{key}' is {shown(name)}{hint} (allowed: IANA names, as Europe/Berlin)") from None
 
 
+def repeats_after(seconds: float, zone: tzinfo) -> float:
+    """Return after how many seconds the clock on the wall shows the same time again, 0 where it does not: where summer
+    time ends, an hour comes twice. `seconds` since 1970 UTC."""
+    try:
+        local = datetime.fromtimestamp(seconds, tz=zone)
+    except (ValueError, OverflowError, OSError):
+        return 0.0
+    early, late = (zone.utcoffset(local.replace(fold=fold)) for fold in (0, 1))
+    if local.fold or early is None or late is None or early <= late:
+        return 0.0
+    return (early - late).total_seconds()
+
+
 def local_time(seconds: float, zone: tzinfo) -> str:
     """Return seconds since 1970 UTC as `2026-01-05 07:00 CET`; seconds are shown where they are not zero."""
     if not math.isfinite(seconds):

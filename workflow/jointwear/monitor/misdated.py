@@ -1,6 +1,10 @@
-"""Logs whose dates cannot be right, as they stand by name between logs of quite another time."""
+"""Logs whose dates cannot be right: by where they stand by name, or by what their names say."""
 
 from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from datetime import date, datetime, tzinfo
 
 import numpy as np
 
@@ -8,6 +12,10 @@ import numpy as np
 PAUSE = 90 * 86400.0
 #: Fewest logs in order of time by name that say that names follow time: by chance one order in 120 does.
 FEWEST = 5
+#: A day, and what times differ by in writing alone [s].
+DAY, ROUND_OFF = 86400.0, 1e-3
+#: A date in the name of a log: 2026-10-28, 2026_10_28 or 20261028, a time of the day may follow.
+_DATE = re.compile(r"(?<!\d)((?:19|20)\d\d)([-_.]?)(0[1-9]|1[0-2])\2(0[1-9]|[12]\d|3[01])(?!\d(?:\d{2})*(?!\d))")
 
 
 def misdated(first: np.ndarray) -> dict[int, tuple[int, int]]:
@@ -32,3 +40,97 @@ def misdated(first: np.ndarray) -> dict[int, tuple[int, int]]:
         if 0 < next_one < len(others):
             found[k] = (int(others[next_one - 1]), int(others[next_one]))
     return found
+
+
+def wrong_of_overlapping(
+    logs: Sequence[str], first: np.ndarray, last: np.ndarray, overlapping: Mapping[int, int], zone: tzinfo
+) -> dict[int, tuple[int, str]]:
+    """Return of logs whose samples lie between those of others, where it can be told, those whose dates are wrong, each
+    with the other one and what tells it.
+
+    By dates in the names: all other logs that have one, at least :data:`FEWEST`, begin on that day, or as many days
+    off it, and one of the two does not. By order: all other logs follow each other in time as they do by name, and one
+    of the two can be moved to where it stands by name while there is no room for the other one; where there is for
+    both, by whole days, as a wrong date keeps the time of day.
+
+    Parameters
+    ----------
+    logs : (p,) names in their order. first, last : (p,) times of the first and last samples [s], NaN of logs that take
+        no part. overlapping : place of a log -> that of one before it. zone : of the days in the names.
+    """
+    doubtful = {*overlapping, *overlapping.values()}
+    sound = [k for k in np.flatnonzero(np.isfinite(first)).tolist() if k not in doubtful]
+    if len(sound) < FEWEST:
+        return {}
+    off = np.array([_days_off(log, time, zone) for log, time in zip(logs, first, strict=True)])
+    usual = off[sound][np.isfinite(off[sound])]
+    found: dict[int, tuple[int, str]] = {}
+    if len(usual) >= FEWEST:
+        for pair in overlapping.items():
+            wrong = [k for k in pair if not usual.min() <= off[k] <= usual.max()]
+            if len(wrong) == 1 and np.isfinite(off[list(pair)]).all():
+                found[wrong[0]] = (next(k for k in pair if k != wrong[0]), "its name says another day")
+    left = {k: other for k, other in overlapping.items() if not {k, other} & set(found)}
+    if left and np.all(np.diff(first[sound]) >= 0):
+        early, late = sorted(set(left.values())), sorted(left)
+        wrong = _out_of_place(first, last, sound, early, late)
+        told = "it belongs elsewhere by the order of the names"
+        for k, other in left.items():
+            if wrong:
+                found |= {k: (other, told)} if wrong is late else {other: (k, told)}
+    return found
+
+
+def _days_off(log: str, first: float, zone: tzinfo) -> float:
+    """Return by how many days a log begins after the date that its name holds, NaN where it holds none."""
+    dates = _DATE.findall(log)
+    if not dates or not np.isfinite(first):
+        return np.nan
+    year, _, month, day = dates[-1]
+    try:
+        named = date(int(year), int(month), int(day))
+        return float((datetime.fromtimestamp(first, tz=zone).date() - named).days)
+    except (ValueError, OverflowError, OSError):
+        return np.nan
+
+
+def _out_of_place(
+    first: np.ndarray, last: np.ndarray, sound: Sequence[int], early: list[int], late: list[int]
+) -> list[int] | None:
+    """Return which of two runs of logs, `early` or `late` by name, has wrong dates, None where nothing tells.
+
+    Parameters are those of :func:`wrong_of_overlapping`; `sound` are the places of the logs that are in order.
+    """
+    taking = np.flatnonzero(np.isfinite(first))
+    whole = [np.array_equal(taking[(taking >= run[0]) & (taking <= run[-1])], run) for run in (early, late)]
+    if not all(whole) or early[-1] >= late[0]:
+        return None
+
+    def between(run: list[int], other: list[int] | None) -> tuple[float, float]:
+        """Return the end of the log before a run and the begin of the one after it by name, without the other run."""
+        known = [*sound, *(other or ())]
+        before, after = [k for k in known if k < run[0]], [k for k in known if k > run[-1]]
+        return max((last[k] for k in before), default=-np.inf), min((first[k] for k in after), default=np.inf)
+
+    def moved(run: list[int], low: float, high: float, step: float) -> bool:
+        """Return whether a run lies between `low` and `high` once it is moved by a multiple of `step` [s], or any."""
+        begin, end = first[run].min(), last[run].max()
+        if end - begin > high - low + ROUND_OFF:
+            return False
+        # A run that may go on for ever, at either end of all logs, has room.
+        if not step or not np.isfinite(high - low):
+            return True
+        return bool(begin + step * np.ceil((low - begin - ROUND_OFF) / step) + end - begin <= high + ROUND_OFF)
+
+    def stands(run: list[int]) -> bool:
+        low, high = between(run, None)
+        return bool(low <= first[run].min() + ROUND_OFF and last[run].max() <= high + ROUND_OFF)
+
+    ordered = stands(early), stands(late)
+    if ordered[0] != ordered[1]:
+        return late if ordered[0] else early
+    for step in (0.0, DAY):
+        room = moved(early, *between(early, late), step), moved(late, *between(late, early), step)
+        if room[0] != room[1]:
+            return early if room[0] else late
+    return None

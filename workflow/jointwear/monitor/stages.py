@@ -84,7 +84,7 @@ def judge_pieces(
     InputError : if no log could be used.
     """
     arm = load_robot(robot)
-    whole = assemble(pieces)
+    whole = assemble(pieces, entry.get("time_zone"))
     if not whole.statistics.windows:
         reasons = [line for p in whole.pieces for line in p.refused]
         raise InputError(f"no log could be used: {reasons[0] if reasons else 'they hold no samples'}")
