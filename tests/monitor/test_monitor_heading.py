@@ -211,7 +211,6 @@ def test_an_axis_with_alarms_that_nobody_explained_is_never_green(monitored):
     [
         ({"time": "2027-01-01T00:00:00Z", "axes": [3], "kind": "service"}, "healthy"),
         ({"time": "2027-01-01T00:00:00+01:00", "kind": "acknowledged"}, "healthy"),
-        ({"time": "2027-01-01T00:00:00Z", "axes": [3], "kind": "program"}, UNRESOLVED),
         ({"time": "2027-01-01T00:00:00Z", "axes": [2], "kind": "service"}, UNRESOLVED),
         ({"time": "2026-01-01T00:00:00Z", "axes": [3], "kind": "service"}, UNRESOLVED),
     ],
@@ -222,6 +221,15 @@ def test_an_event_of_the_axis_after_its_alarms_explains_them(monitored, event, l
     found = axis_conditions(state)[WORN]
     assert found.level == level
     assert bool(found.past) == (level == "healthy")
+
+
+def test_an_axis_is_not_green_because_another_program_was_entered(monitored):
+    folder, _, _ = monitored
+    event = {"time": "2027-01-01T00:00:00Z", "kind": "program", "note": "another gripper"}
+    found = axis_conditions(greased(read_state(folder / "state.nc"), {"events": [event]}))[WORN]
+    assert found.level == UNRESOLVED
+    assert [e.detector for e in found.episodes] == ["model"]
+    assert "nobody has said why" in found.check
 
 
 @pytest.mark.parametrize(("kind", "level"), [("service", UNJUDGED), ("sensor", UNJUDGED), ("acknowledged", CHANGED)])
