@@ -21,6 +21,7 @@ from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.local_time import local_time, zone_of
+from jointwear.monitor.open_alarms import OPEN_ALARM
 from jointwear.monitor.read_findings import DRIVES, drives_words
 from jointwear.monitor.standing import NOTHING, rhythm_hours
 from jointwear.monitor.told_together import told_together
@@ -199,6 +200,13 @@ def test_what_asks_for_an_answer_is_not_crowded_out():
     assert program.startswith(
         "Wed 2025-12-31: The motion shows 3 programs that the baseline did not have, 18 h in all; in 1 "
     )
+
+
+def test_an_alarm_that_was_open_under_another_program_is_told_first():
+    told = {"time": NOW - 9 * DAY, "axes": [2], "kind": OPEN_ALARM, "words": "An alarm was open."}
+    newer = [{"time": NOW - k * DAY, "axes": [], "kind": "shared", "words": f"Told {k}."} for k in range(4)]
+    row = as_of(robot("arm", findings=[*newer, told]), NOW)
+    assert robot_item(row, zone_of(None), "robots")["findings"][0].endswith(": An alarm was open.")
 
 
 def test_what_an_event_has_answered_is_no_more_to_check():

@@ -129,6 +129,17 @@ def test_of_two_days_of_one_date_the_wrong_one_is_refused(name, hours, off):
     assert ("by the order of the names" in words) == (name.startswith("log") or abs(off) < DAY)
 
 
+@pytest.mark.parametrize("off", [DAY, 400 * DAY])
+def test_a_copy_of_a_log_with_wrong_dates_is_refused_as_well(off):
+    logs = days(16, 4, off)
+    logs.insert(5, replace(logs[4], log="log_04_copy.csv"))
+    history = assemble(logs)
+    assert [k for k, p in enumerate(history.pieces) if p.refused] == [4, 5]
+    assert history.pieces[5].refused == (
+        "log_04_copy.csv: holds the samples of log_04.csv, whose dates are wrong; leave it out",
+    )
+
+
 def test_of_the_newest_two_days_only_a_date_in_the_name_tells_which_is_wrong():
     assert refused(days(16, 7, DAY, name="2026-06-{day:02d}.csv")) == [7]
     (words,) = assemble(days(16, 7, DAY)).pieces[8].refused

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, tzinfo
 
@@ -61,8 +61,16 @@ def assemble(pieces: Sequence[Piece], time_zone: str | None = None) -> History:
     placed, end, last, shifted = [], -np.inf, -np.inf, False
     seen: dict[tuple, str] = {}
     keys = [fingerprint(piece) for piece in pieces]
-    astray = _misdated(pieces, keys) | _wrong_of_two(pieces, keys, zone)
-    among = _overlaps(pieces, [None if k in astray else key for k, key in enumerate(keys)])
+    among = _overlaps(pieces, keys)
+    astray = _misdated(pieces, keys) | _wrong_of_two(pieces, keys, among, zone)
+    wrong = {keys[k]: pieces[k].log for k in astray}
+    astray |= {
+        k: f"{piece.log}: holds the samples of {wrong[key]}, whose dates are wrong; leave it out"
+        for k, (piece, key) in enumerate(zip(pieces, keys, strict=True))
+        if key in wrong and k not in astray
+    }
+    if not astray.keys().isdisjoint({*among, *among.values()}):
+        among = _overlaps(pieces, [None if k in astray else key for k, key in enumerate(keys)])
     for number, (given, key) in enumerate(zip(pieces, keys, strict=True)):
         piece, statistics = given, given.statistics
         if key in seen:
@@ -137,9 +145,14 @@ def _with_second_hours(pieces: Sequence[Piece], zone: tzinfo) -> list[Piece]:
     return result
 
 
-def _wrong_of_two(pieces: Sequence[Piece], keys: Sequence[tuple | None], zone: tzinfo) -> dict[int, str]:
-    """Return in words, by its place among `pieces`, what is wrong with the dates of logs that lie between others."""
-    there = {k: other for k, other in _overlaps(pieces, keys).items() if not (pieces[k].gone or pieces[other].gone)}
+def _wrong_of_two(
+    pieces: Sequence[Piece], keys: Sequence[tuple | None], among: Mapping[int, int], zone: tzinfo
+) -> dict[int, str]:
+    """Return in words, by its place among `pieces`, what is wrong with the dates of logs that lie between others.
+
+    `among` : what :func:`_overlaps` returns. Logs that are gone are not weighed against others.
+    """
+    there = {k: other for k, other in among.items() if not (pieces[k].gone or pieces[other].gone)}
     if not there:
         return {}
     known: set[tuple] = set()
