@@ -51,11 +51,12 @@ def open_alarm_findings(
         axes = list(open_ones)
         before = statistics.end <= event.time
         told = [_grown(estimates[PERCENT[q]][:, a - 1], q, before, statistics.end) for a, q in open_ones.items()]
-        of, were = ("An alarm", "was") if len(axes) == 1 else ("Alarms", "were")
+        one = len(axes) == 1
+        of, were, stay = ("An alarm", "was", "the alarm stays") if one else ("Alarms", "were", "these alarms stay")
         words = (
-            f"{of} of {name_axes(axes)} {were} open when another program was entered here ({listed(told)}). A program "
-            "repairs no gear: the alarm stays open, and growth counts on from there, less what is gained over the "
-            "shifts in which the axis is learnt anew. Enter a repair as 'service', or an alarm that has another cause "
+            f"{of} of {name_axes(axes)} {were} open when another program was entered here ({listed(told)} by "
+            f"then). A program repairs no gear: {stay} open, and growth counts on from there, less what is gained over "
+            "the shifts in which the axis is learnt anew. Enter a repair as 'service', or an alarm that has another cause "
             "as 'acknowledged'."
         )
         closed = all(any(e.concerns(a - 1) and e.time >= event.time for e in mending) for a in axes)
@@ -73,4 +74,4 @@ def _grown(growth: np.ndarray, quantity: str, before: np.ndarray, end: np.ndarra
     if not len(known):
         return quantity
     rows = known[now_windows(end[known])]
-    return f"{quantity} {np.mean(growth[rows]):+.0f} % by then"
+    return f"{quantity} {np.mean(growth[rows]):+.0f} %"
