@@ -56,8 +56,8 @@ def open_alarm_findings(
         words = (
             f"{of} of {name_axes(axes)} {were} open when another program was entered here ({listed(told)} by "
             f"then). A program repairs no gear: {stay} open, and growth counts on from there, less what is gained over "
-            "the shifts in which the axis is learnt anew. Enter a repair as 'service', or an alarm that has another cause "
-            "as 'acknowledged'."
+            "the shifts in which the axis is learnt anew. Enter a repair as 'service', or an alarm that has another "
+            "cause as 'acknowledged'."
         )
         closed = all(any(e.concerns(a - 1) and e.time >= event.time for e in mending) for a in axes)
         answered = {"answered": True} if closed else {}
