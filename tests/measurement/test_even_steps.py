@@ -68,6 +68,29 @@ def test_stamps_that_are_late_are_not_believed(random):
     assert np.array_equal(taken.position, log.position)
 
 
+@pytest.mark.parametrize("step", [0.002, 0.0025, 0.004, 0.004032, 0.012])
+def test_stamps_in_whole_milliseconds_cost_no_acceleration(random, step):
+    """Samples that begin between two milliseconds: the clock is one off in some of them."""
+    time = step * np.arange(5000)
+    speed = np.interp(np.mod(time, 4.0), [0, 0.2, 1.0, 1.2, 2.0, 2.2, 3.0, 3.2], [0, 2, 2, 0, 0, -2, -2, 0])
+    position = np.cumsum(speed)[:, None] * step
+    stamps = np.round(1e3 * (time + 0.0005) + random.normal(0, 0.01, len(time))) / 1e3
+    assert (np.abs(np.diff(stamps) - step) > 4e-4).mean() > 0.03
+    exact, whole = (
+        measure(Recording(t, np.zeros(len(t), int), ROUND * np.round(position / ROUND), 1.0 + position))
+        for t in (time, stamps)
+    )
+    assert np.abs(whole.acceleration - exact.acceleration).max() < 0.1
+    assert np.abs(np.diff(whole.time, 2)).max() < 1e-9
+
+
+def test_a_clock_that_runs_another_rate_for_a_while_keeps_its_stamps():
+    stamps = np.cumsum(np.where(np.arange(3000) < 1500, 1.0, 1.2) / RATE)
+    log, _ = recorded(regular(), stamps)
+    _, time = evenly(log, log.time)
+    assert np.array_equal(time, stamps)
+
+
 def test_late_stamps_and_dropped_samples_together(random):
     time = regular()
     keep = random.random(len(time)) > 0.005

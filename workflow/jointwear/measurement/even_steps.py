@@ -46,7 +46,8 @@ def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
 def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarray]:
     """Return the recording and its elapsed time (m,) with even steps, or both as they are where they are even.
 
-    Samples that were dropped, up to `GAP` steps, are filled; a value that is not finite stays so on the grid.
+    Samples that were dropped, up to `GAP` steps, are filled; a value that is not finite stays so on the grid. Samples
+    that are taken as they come keep their values, and get the time of even steps.
     """
     pieces = pieces_of(time, recording.trajectory)
     usual = [float(np.median(np.diff(time[p]))) if p.stop - p.start > 1 else 0.0 for p in pieces]
@@ -62,7 +63,7 @@ def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarra
         if len(change) and change.mean() < best:
             best, grids = change.mean(), reading
     if grids is None:
-        return recording, time
+        return recording, _time_as_counted(time, pieces)
 
     def put(values):
         if values is None:
@@ -83,6 +84,26 @@ def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarra
         temperature=put(recording.temperature),
     )
     return changed, even
+
+
+def _time_as_counted(time: np.ndarray, pieces: list[slice]) -> np.ndarray:
+    """Return the time (m,) of samples that stay as they come: even in each piece whose stamps allow it.
+
+    Where the stamps themselves vary, as whole milliseconds do, derivatives over them hold noise that the positions have
+    not. Each stamp has to be nearer to the place of its own sample than to another's: those of a clock that runs at
+    another rate for a while are not.
+    """
+    even = time.copy()
+    for piece in pieces:
+        stamps = time[piece]
+        if len(stamps) < SHORTEST:
+            continue
+        place = np.arange(len(stamps), dtype=float)
+        step, start = np.polyfit(place, stamps, 1)
+        line = start + step * place
+        if np.abs(line - stamps).max() < 0.5 * step:
+            even[piece] = line
+    return even
 
 
 def _is_even(time: np.ndarray, usual: float) -> bool:
