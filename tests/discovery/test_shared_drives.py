@@ -5,12 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from discovery_cases import COARSE_RATE as RATE
+from discovery_cases import make_case
 
 from jointwear.discovery import assumed
 from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.problem import build_problem
 from jointwear.discovery.refine import simplest
+from jointwear.discovery.searches import search, whitened
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shared_drives import sticking
+from jointwear.measurement.recording import split
+from jointwear.robots.robot import load_robot
 
 SIGMAS = Settings().noise_sigmas
 
@@ -100,3 +105,21 @@ def test_a_drive_turns_with_what_the_data_say(white, own):
     candidate = Candidate("drive_coupling", 1, 2, {"own": own, "other": 1.0})
     lacking = _lacking(white, candidate.nonlinear)
     assert simplest(lacking, lacking.fit([]), candidate).nonlinear == candidate.nonlinear
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.05])
+def test_inertia_alone_is_no_drive_that_two_joints_share(friction):
+    """A motor that spins in the wrist is felt by the joint before it, without any friction."""
+    robot = load_robot("config/robots/puma560.yaml")
+
+    def spun(q, v, a, *_):
+        full = np.zeros_like(q)
+        full[:, 3] = 0.01 * np.cos(q[:, 4]) * a[:, 5] + friction * np.sign(v[:, 3] + v[:, 5])
+        full[:, 5] = 0.01 * np.cos(q[:, 4]) * a[:, 3] + friction * np.sign(v[:, 3] + v[:, 5])
+        return full
+
+    found = search(whitened(build_problem(split(make_case(robot, 4, spun)), robot, Settings())))
+    shared = {(n.candidate.axis, n.candidate.source) for n in found.named if n.candidate.effect == "drive_coupling"}
+    assert shared == ({(3, 5), (5, 3)} if friction else set())
+    gates = {r.gate for r in found.refusals if r.candidate.effect == "drive_coupling"}
+    assert ("nats of its friction" in gates) == (not friction)

@@ -176,6 +176,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         if effect.of_drive:
             sigmas = _sigmas(white, before, beside, trial)
             gates.append(("standard deviations by which it is off", sigmas, settings.mass_sigmas))
+        if effect.rubs:
+            gates.append(("nats of its friction", _nats_of_friction(beside, trial, effect.rubs), half))
         if on_all_axes(trial.candidate):
             gates.append(("nats in the band that holds its swing", _nats_with_swing(white, beside, trial), half))
         share = _share_of_torque(white, beside, trial)
@@ -275,6 +277,12 @@ def _fitted(beside: Fit, trial: Named) -> tuple[np.ndarray, np.ndarray]:
     """Return the coefficients (k,) of an effect fitted beside others, and their standard deviations under the noise."""
     (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
     return posterior_mean(b, gram, std), np.sqrt(np.diag(np.linalg.inv(gram + np.diag(1 / std**2))))
+
+
+def _nats_of_friction(beside: Fit, trial: Named, rubs: int) -> float:
+    """Return the nats by which an effect does better than what is left of it without its `rubs` first coefficients."""
+    (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
+    return float(gain(b, gram, std) - gain(b[rubs:], gram[rubs:, rubs:], std[rubs:]))
 
 
 def _step_lead(white: White, beside: Fit, trial: Named) -> float:

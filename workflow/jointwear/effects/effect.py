@@ -96,6 +96,7 @@ class Effect:
     late : its `scaled` parameter is the time [s] by which the torque is late.
     of_load : of these, made of the load alone, which the measured torque tells as well as the motion.
     of_drive : a share of all that a drive gives: without a load on the axis, friction and motor inertia say the same.
+    rubs : how many of its first coefficients are friction, without which it is another thing; 0: it need not rub.
     of_torque : its columns are in proportion to the torque of the robot file (`State.torque`), and as wrong as that.
     vanishes_at : the parameter that says at which argument the torque is zero ("reference" of a temperature).
     floats : where the torque is zero is not known from the data, because a constant is a correction of the friction.
@@ -152,6 +153,7 @@ class Effect:
     late: bool = False
     of_load: bool = False
     of_drive: bool = False
+    rubs: int = 0
     of_torque: bool = False
     vanishes_at: str = ""
     floats: bool = False

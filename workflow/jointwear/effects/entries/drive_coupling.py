@@ -60,4 +60,6 @@ EFFECT = Effect(
     bend=Bend(_bent, lambda state, axis, source, p, used: knots_of(np.abs(_speed(state, axis, source, p))[used], 5)),
     regime=lambda state, axis, source, p: state.velocity[..., source],
     needs_source=True,
+    # Motors that spin are felt by the joints before them, and links are not known exactly: inertia alone is no drive.
+    rubs=2,
 )
