@@ -156,6 +156,16 @@ def test_wrong_recordings_are_refused(robot, change, words):
     assert caught.value.suggestion
 
 
+def test_angles_of_the_motors_are_no_degrees_alone(robot):
+    recording = make_case(robot, 3)
+    with pytest.raises(Refused) as caught:
+        discover(replace(recording, position=recording.position * robot.gear_ratio), robot)
+    assert "divide those of each joint by its gear_ratio" in caught.value.suggestion
+    with pytest.raises(Refused) as caught:
+        discover(replace(recording, position=np.degrees(recording.position)), replace(robot, gear_ratio=np.ones(6)))
+    assert "gear_ratio" not in caught.value.suggestion
+
+
 def test_weak_recordings_state_their_restrictions(robot):
     recording = make_case(robot, 3)
     torque = recording.torque.copy()

@@ -53,6 +53,16 @@ FILES = {
 }
 
 
+@pytest.mark.parametrize(("option", "value"), [("--configfile", "my.yaml"), ("--config", "seed=7")])
+def test_a_target_after_the_values_of_an_option_is_told_where_it_belongs(tmp_path, monkeypatch, option, value):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my.yaml").write_text("seed: 7\n")
+    check_command_line(("discover", option, value))
+    assert f"{option} takes every word up to the next option: write a target before it" in said(
+        option, value, "discover"
+    )
+
+
 @pytest.mark.parametrize("name", FILES)
 @pytest.mark.parametrize("option", ["--configfile", "--configfiles", "--configf"])
 def test_a_file_that_snakemake_cannot_take_is_named(tmp_path, name, option):

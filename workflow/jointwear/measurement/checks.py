@@ -108,6 +108,17 @@ def _of_whom(given: Mapping[str, np.ndarray]) -> str:
     return f"; {', '.join(found)}" if found else ""
 
 
+def _of_motors(largest: np.ndarray, reach: np.ndarray, robot: Robot) -> str:
+    """Return what to do where largest positions (n,) [rad] beyond the reach (n,) [rad] of all joints are of motors."""
+    ratio = np.abs(robot.gear_ratio)
+    if np.any(ratio <= 1.0) or np.any(largest / ratio > reach) or np.mean(largest > reach) <= 0.5:
+        return ""
+    return (
+        "; where they are angles of the motors, divide those of each joint by its gear_ratio, and give the gear_ratios "
+        "as 'scale' where the torques are of the motors too"
+    )
+
+
 def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
     """Positions far outside the limits that come inside in a smaller unit are in that one; 200 and more is kelvin."""
     q = recording.position[good]
@@ -125,12 +136,13 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
             axis = int(np.argmax(largest / reach))
             few = inside.sum() > over.sum()
             alone = f"; where the other joints are right, write joint {axis + 1} in their unit" if few else ""
+            motors = _of_motors(largest, reach, robot) if stated == "rad" else ""
             read = "" if stated == "rad" else f" once they are read as {POSITION_WORDS[stated]}"
             raise Refused(
                 f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}{read}, its "
                 f"limits are {robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like "
                 f"{POSITION_WORDS[unit]}",
-                f"state units: {{position: {unit}}}{alone}",
+                f"state units: {{position: {unit}}}{alone}{motors}",
                 by_keys=True,
             )
     warm = None if recording.temperature is None else recording.temperature[np.isfinite(recording.temperature)]

@@ -24,6 +24,8 @@ _VALUES = re.compile(r"--config(?:=(?P<value>.*))?|-C(?P<joined>.+)?", re.DOTALL
 _CORES = re.compile(r"--co(?:r(?:es?)?)?(?:=(?P<value>.*))?|-c(?P<joined>.+)?", re.DOTALL)
 #: A value of the command line, as Snakemake takes it.
 _ENTRY = re.compile(r"(?P<key>[a-zA-Z_][\w-]*\w)=(?P<text>.*)", re.DOTALL)
+#: Why a target stands among the values of an option, and where it belongs.
+_TAKES_ALL = "{option} takes every word up to the next option: write a target before it"
 #: Key that turns a configuration file into a template.
 TEMPLATE = "__use_yte__"
 
@@ -42,6 +44,8 @@ def check_command_line(arguments: Sequence[str], files: Sequence[str | Path] | N
     """
     try:
         for path in _given(arguments, _FILES) if files is None else files:
+            if files is None and _is_word(path):
+                raise InputError(f"{path}: no such file; {_TAKES_ALL.format(option='--configfile')}")
             if TEMPLATE in read_yaml(path):
                 raise InputError(f"{path}: '{TEMPLATE}' makes a template of it, which runs code; only values are read")
         for text in _given(arguments, _VALUES):
@@ -60,12 +64,19 @@ def _check_entry(text: str) -> None:
     if entry is None:
         inner = re.fullmatch(r"(\w+)\.(\w+)=(.*)", text)
         hint = ", with a key inside another as " + shown("{}={{{}: {}}}".format(*inner.groups())) if inner else ""
+        if _is_word(text):
+            hint = f"; {_TAKES_ALL.format(option='--config')}"
         raise InputError(f"--config {shown(text)}: must be key=value{hint}")
     text = entry["text"]
     if ("_" in text or not text.isascii()) and _counts_as_number(text):
         raise InputError(f"--config {entry['key']}: {shown(text)} must be written in digits 0 to 9")
     if text:
         check_written_out(text, f"--config {entry['key']}")
+
+
+def _is_word(text: str) -> bool:
+    """Whether a value is a bare word, as a target is, and no file."""
+    return re.fullmatch(r"[a-z_]+", text) is not None and not Path(text).exists()
 
 
 def _counts_as_number(text: str) -> bool:
