@@ -28,6 +28,7 @@ from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
 from jointwear.measurement.checked import UNASKED
+from jointwear.measurement.even_steps import usual_step
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.publishing.report.numbers import number
@@ -168,7 +169,7 @@ def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Show
 
 def _rate(recording: Recording) -> float:
     inside = np.diff(recording.trajectory) == 0
-    return 1.0 / float(np.median(np.diff(recording.time)[inside])) if inside.any() else np.nan
+    return 1.0 / usual_step(np.diff(recording.time)[inside]) if inside.any() else np.nan
 
 
 def _trajectories(recording: Recording) -> list[Trajectory]:

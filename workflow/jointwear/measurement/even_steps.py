@@ -43,6 +43,19 @@ def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
     return result
 
 
+def usual_step(steps: np.ndarray) -> float:
+    """Return the usual time [s] between samples of steps (k,) [s], 0 of none.
+
+    It is the mean of those within a half of the median: under stamps in whole milliseconds steps of 3.3 ms are of 3 and
+    4, and samples that were dropped or written in a burst are of other lengths.
+    """
+    if not len(steps):
+        return 0.0
+    usual = float(np.median(steps))
+    near = np.abs(steps - usual) < 0.5 * usual
+    return float(np.mean(steps[near])) if near.any() else usual
+
+
 def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarray]:
     """Return the recording and its elapsed time (m,) with even steps, or both as they are where they are even.
 
@@ -103,6 +116,30 @@ def _time_as_counted(time: np.ndarray, pieces: list[slice]) -> np.ndarray:
         line = start + step * place
         if np.abs(line - stamps).max() < 0.5 * step:
             even[piece] = line
+    return even
+
+
+def likelier_time(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the time (k,) [s] of the samples of one piece: as stamped, or as counted from sample to sample.
+
+    The stamps hold where they make the values smoother by far, or stray so far that another sample is meant.
+
+    Parameters
+    ----------
+    time : (k,) stamps [s], rising, with no more than `GAP` steps missing. values : (k, n) of a smooth motion.
+    """
+    usual = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    if _is_even(time, usual):
+        return time
+    stamped, counted = _stamped(time, usual), _counted(time, usual)
+    place, step = counted[0], float(counted[2][-1] - counted[2][0]) / max(len(counted[1]) - 1, 1)
+    even = counted[2][0] + step * place
+    if np.abs(even - time).max() >= 0.5 * step:
+        return time
+    by_stamps, by_count = (_roughness([_on_grid(values, *r[:2])]) for r in (stamped, counted))
+    moves = by_count > 0
+    if moves.any() and np.mean(np.log(np.maximum(by_stamps[moves], 1e-300) / by_count[moves])) < np.log(CLEARER):
+        return time
     return even
 
 

@@ -2,7 +2,8 @@
 
 What the log measures is taken as it is. What it lacks is derived in each uninterrupted stretch: a zero-phase
 low-pass filter (Butterworth of order 4, forward and backward; the cut-off is that of the survey, in Hz, whatever the
-rate), then central differences of fourth order. Stamps that are not even are first brought onto an even grid by cubic
+rate), then central differences of fourth order. Stamps that are not even are those of even samples in the words of a
+coarse clock, or right: the motion tells. Samples that are not even are first brought onto an even grid by cubic
 splines. Samples that a filter edge or a gap reaches are not used.
 
 A joint whose position is counted within one turn is unwrapped first.
@@ -19,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from jointwear.measurement.even_steps import likelier_time
 from jointwear.measurement.filtering import SAFELY, SHORTEST, low_pass
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
@@ -86,7 +88,8 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
         limit = np.minimum(cutoff, SAFELY * rate)
         if given_v:
             out_velocity[part] = velocity[part]
-        due.append(_Derived(part, time, velocity[part] if given_v else position[part], limit, not given_v))
+        values = velocity[part] if given_v else position[part]
+        due.append(_Derived(part, likelier_time(time, values), values, limit, not given_v))
         reach = min(int(np.ceil(REACH * rate / limit.min())) + 1, (b - a) // 4)
         usable[a : a + reach] = False
         usable[b - reach : b] = False

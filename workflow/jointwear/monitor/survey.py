@@ -16,6 +16,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
 from jointwear.measurement.clock import Clock, Ordered
+from jointwear.measurement.even_steps import usual_step
 from jointwear.measurement.filtering import SAFELY
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.formats.chunk import RowsLeftOut, joined
@@ -125,7 +126,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     """
     chunk, stretch = _first_samples(path, layout, length)
     steps = np.diff(chunk.time)[np.diff(stretch) == 0]
-    rate = 1.0 / float(np.median(steps)) if len(steps) else 0.0
+    rate = 1.0 / usual_step(steps) if len(steps) else 0.0
     roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
     derived = "velocity" not in roles or "acceleration" not in roles
     if derived and rate < SLOWEST_RATE:
@@ -306,7 +307,7 @@ def _block_length(first: _First, length: float) -> float:
     gravity, inertial = first.torque.gravity[part], first.torque.inertial[part]
     residual, used = first.left(part)
     steps = np.diff(time)[np.diff(stretch) == 0]
-    step = float(np.median(steps)) if len(steps) else 1.0
+    step = usual_step(steps) if len(steps) else 1.0
     memory = 1.0
     for j in range(v.shape[1]):
         u = used[:, j]
