@@ -17,6 +17,12 @@ from jointwear.robots.robot import load_robot
 
 #: Two turns of the last joint [rad].
 ON = 4 * np.pi * (np.arange(6) == 5)
+#: What to do with degrees, and with angles of the motors, which the limits alone do not tell from them.
+DEGREES = "state units: {position: deg}"
+MOTORS = (
+    "; where they are angles of the motors, divide those of each joint by its gear_ratio, and give the gear_ratios as "
+    "'scale' where the torques are of the motors too"
+)
 
 
 def turning(robot, joints):
@@ -32,10 +38,11 @@ def test_two_turns_are_no_degrees(joints):
     recording = split(load_recording({"measured": "data/examples/puma560_hidden.nc"}, "arm"))
     on = replace(recording, position=recording.position + ON)
     assert checked(on, robot)[1] == checked(recording, robot)[1]
-    for wrong in (recording, on):
+    # Two turns in degrees are more than the motor of that joint would turn within its reach.
+    for wrong, said in ((recording, DEGREES + MOTORS), (on, DEGREES)):
         with pytest.raises(Refused, match="look like degrees") as refused:
             checked(replace(wrong, position=np.degrees(wrong.position)), robot)
-        assert refused.value.suggestion == "state units: {position: deg}"
+        assert refused.value.suggestion == said
 
 
 def test_a_log_of_a_joint_that_turned_twice_is_judged(tmp_path):
