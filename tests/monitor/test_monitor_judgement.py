@@ -145,7 +145,7 @@ def test_another_program_repairs_nothing(axes):
     assert not result.back[1]
     (told,) = [f for f in result.findings if f["kind"] == OPEN_ALARM]
     assert (told["axes"], told["time"], "answered" in told) == ([2], at, False)
-    assert "coulomb friction +5 % by then" in told["words"]
+    assert "Coulomb friction +5 % by then" in told["words"]
     alarms = [a["time"] for a in result.alarms if a["detector"] == "model" and a["axis"] == 2]
     forecast = result.hours_to_limit[1]
     assert min(alarms) < at

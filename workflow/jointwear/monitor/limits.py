@@ -26,6 +26,11 @@ LATEST = 2
 NOTHING = Forecast(np.nan, np.nan, np.nan)
 
 
+def in_sentence(quantity: str) -> str:
+    """Return the quantity of an alarm as it stands within a sentence: Coulomb is a name."""
+    return quantity.replace("coulomb", "Coulomb")
+
+
 @dataclass(frozen=True)
 class Growth:
     """Growth of one quantity over its own baseline, arrays (s,) of shifts: `time` [h], `value`, `variance`; `shared`:

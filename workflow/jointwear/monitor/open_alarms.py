@@ -10,10 +10,11 @@ import numpy as np
 from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.events import Event
-from jointwear.monitor.limits import COULOMB, VISCOUS
+from jointwear.monitor.limits import COULOMB, VISCOUS, in_sentence
 from jointwear.monitor.present import now_windows
 from jointwear.monitor.records import DETECTORS
 from jointwear.monitor.windows import WindowStatistics
+from jointwear.publishing.report.numbers import fixed
 
 #: Kind of the finding.
 OPEN_ALARM = "open_alarm"
@@ -72,6 +73,6 @@ def _grown(growth: np.ndarray, quantity: str, before: np.ndarray, end: np.ndarra
     """
     known = np.flatnonzero(before & np.isfinite(growth))
     if not len(known):
-        return quantity
+        return in_sentence(quantity)
     rows = known[now_windows(end[known])]
-    return f"{quantity} {np.mean(growth[rows]):+.0f} %"
+    return f"{in_sentence(quantity)} {fixed(float(np.mean(growth[rows])), 0, True)} %"
