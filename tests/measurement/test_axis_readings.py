@@ -75,6 +75,22 @@ def test_flipped_joints_are_named(recording, puma, axis):
         check(turned(recording, axis, -1.0, -1.0), puma)
 
 
+@pytest.mark.parametrize(("way", "remedy"), [(1.0, "subtract {} from"), (-1.0, "add {} to")])
+def test_a_joint_that_is_counted_from_the_base_is_named(recording, puma, way, remedy):
+    """As the third joint is in the display of some controllers, from the horizontal."""
+    q = recording.position.copy()
+    q[:, 2] += way * q[:, 1]
+    with pytest.raises(Refused, match="position of joint 3 looks counted from the base") as refused:
+        check(replace(recording, position=q), puma)
+    assert f"{remedy.format('the position of joint 2')} that of joint 3" in refused.value.suggestion
+
+
+def test_only_neighbours_whose_axes_are_parallel_are_counted_together(puma):
+    """The planar pairs of the arm: joints 2 and 3."""
+    pairs = [(r.axes, r.factors) for r in readings(puma) if r.kind == "base"]
+    assert pairs == [((2,), (1.0,)), ((2,), (-1.0,))]
+
+
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_one_joint_in_degrees_is_named(recording, puma, axis):
     with pytest.raises(Refused, match=f"position of joint {axis + 1} looks like degrees, those of the others do not"):
@@ -198,14 +214,15 @@ def test_a_flip_of_an_axis_that_the_model_explains_needs_more(recording, puma, m
 def test_every_reading_is_undone_by_itself_or_its_gear(puma):
     rng = np.random.default_rng(0)
     parts, usable = rng.standard_normal((5, 4, 6)), rng.random((5, 6)) > 0.5
-    kinds = {"swap": 15, "torques": 15, "positions": 15, "flip": 6, "torque": 6, "motor": 6, "zero": 18}
+    kinds = {"swap": 15, "torques": 15, "positions": 15, "flip": 6, "torque": 6, "motor": 6, "zero": 18, "base": 2}
     found = list(readings(puma))
     assert {k: sum(r.kind == k for r in found) for k in kinds} == kinds
     for reading in found:
         once = reading.read(parts, usable, puma)
         assert not np.array_equal(once[0], parts)
         if reading.kind != "motor":
-            again = replace(reading, angle=-reading.angle).read(*once, puma)
+            back = replace(reading, angle=-reading.angle, factors=tuple(-f for f in reading.factors))
+            again = back.read(*once, puma)
             np.testing.assert_allclose(again[0], parts, rtol=1e-12, atol=1e-12)
             assert np.array_equal(again[1], usable)
     scaled = Reading("motor", (2,)).read(parts, usable, puma)[0]

@@ -34,7 +34,7 @@ WRONG = 0.5
 #: of its friction, which no load changes; see :func:`favours`.
 FAVOURS = {
     "swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0, "torques": 40.0, "positions": 40.0,
-    "unit": 40.0,
+    "unit": 40.0, "base": 40.0,
 }  # fmt: skip
 #: Multiple of that of a flip where the model explains the axis as it is, so that nothing asks for another sign: a zero
 #: of the torque that wanders over a day reached 41 nats for a wrist; of 45 flips 37 reach 100, none lies between.
@@ -44,7 +44,7 @@ NOTHING_WRONG = 2.0
 SIZE_TOO, BY_FAR = 0.5, 1.8
 #: Readings that another cause resembles, a load, a mounting or a drive that two joints share: they have to fit far
 #: better in size and be far likelier.
-RESEMBLED = ("zero", "torques", "positions")
+RESEMBLED = ("zero", "base", "torques", "positions")
 #: Readings that have to fit far better in size.
 OF_SIZE = (*RESEMBLED, "unit")
 #: Readings that leave the motion as it is.
@@ -56,6 +56,7 @@ _WHY = {
     "torque": " against its motion",
     "motor": "",
     "zero": "; from there it fits the model",
+    "base": "; taken from that link it fits the model",
     "unit": "; read so it fits the model",
     "scale": ": another unit, a current, or a share of a rating",
 }

@@ -11,6 +11,7 @@ import numpy as np
 from jointwear.files.wording import listed, numbered
 from jointwear.measurement.units import POSITION_WORDS
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.inertia import bodies, inertial_regressor, prior_factor, to_joint_frame
 from jointwear.robots.robot import Robot
 
@@ -29,6 +30,8 @@ PAYLOAD_SHARE, PAYLOAD_LEVER = 0.1, 0.15
 MODEL_ERROR = 1e-3
 #: What the zero of a joint differs by between conventions [rad].
 ZEROS = (0.5 * np.pi, -0.5 * np.pi, np.pi)
+#: Cosine of the angle between two axes from which they count as parallel.
+PARALLEL = 0.999
 #: What two axes exchange, of position, velocity, acceleration and torque, by kind of reading.
 EXCHANGED = {"swap": slice(0, 4), "positions": slice(0, 3), "torques": slice(3, 4)}
 #: Rounds in which the parameters of the model and the noise of each axis are found in turn.
@@ -39,8 +42,9 @@ ROUNDS = 8
 class Reading:
     """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one, turn its
     "torque" around, take it as of the "motor", add an angle [rad] to its position, that is count it from another
-    "zero", multiply it by a factor, that is take it in another "unit", or divide the torques of some by a factor each,
-    that is take them in another "scale".
+    "zero", take off that of the joint before it, times a factor, that is count it from the "base", multiply it by a
+    factor, that is take it in another "unit", or divide the torques of some by a factor each, that is take them in
+    another "scale".
 
     `axes` are 0-based.
     """
@@ -61,6 +65,8 @@ class Reading:
             "torque": f"the sign of the torque of {self._joints} looks flipped",
             "motor": f"the torque of {self._joints} looks like that of the motor, before the gear",
             "zero": f"the position of {self._joints} looks counted from another zero, {self._degrees} deg off",
+            "base": f"the position of {self._joints} looks counted from the base, as by some controllers, and not from "
+            "the link before it",
             "unit": f"the position of {self._joints} looks like {self._unit}, those of the others do not",
             "scale": f"the torque of {self._joints} is {_figures(self.factors)} times that of the model, friction "
             "included",
@@ -80,6 +86,8 @@ class Reading:
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
             "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
             "'offset' in the robot file",
+            "base": f"{'subtract' if self.factors and self.factors[0] > 0 else 'add'} the position of joint "
+            f"{self.axes[0]} {'from' if self.factors and self.factors[0] > 0 else 'to'} that of {self._joints}",
             "unit": f"write the position of {self._joints} in the unit of the others: it is {self._unit} as read",
             "scale": f"give 'scale' with {_figures([1 / f for f in self.factors])} for {self._joints}, or "
             "'torque_constant' in N m/A for a current",
@@ -87,8 +95,9 @@ class Reading:
 
     @property
     def by_keys(self) -> bool:
-        """Whether keys of the configuration mend such a recording; one joint has no unit of its own there."""
-        return self.kind != "unit"
+        """Whether keys of the configuration mend such a recording; one joint has no unit of its own there, and none is
+        counted with another."""
+        return self.kind not in ("unit", "base")
 
     @property
     def _joints(self) -> str:
@@ -122,6 +131,8 @@ class Reading:
             turned[:, :, axis] *= -1.0
         elif self.kind == "zero":
             turned[:, 0, axis] += self.angle
+        elif self.kind == "base":
+            turned[:, :3, axis] -= self.factors[0] * parts[:, :3, axis - 1]
         elif self.kind == "unit":
             turned[:, :3, axis] *= self.factors[0]
         else:
@@ -145,6 +156,12 @@ def readings(robot: Robot) -> Iterator[Reading]:
             yield Reading("zero", (axis,), angle)
         if abs(robot.gear_ratio[axis]) > 2:
             yield Reading("motor", (axis,))
+    axes = FlangeLoad(robot).axes(np.zeros((1, robot.joints)))[0]
+    for axis in range(1, robot.joints):
+        # The angle between neighbours is the same at all positions.
+        if abs(axes[axis - 1] @ axes[axis]) > PARALLEL:
+            for sign in (1.0, -1.0):
+                yield Reading("base", (axis,), factors=(sign,))
 
 
 def units_of_one(robot: Robot, position: np.ndarray) -> Iterator[Reading]:
