@@ -289,9 +289,9 @@ def best_step(
     """Return the first step that mends an axis, else the one that helps most, else all at once; None if none is left.
 
     A step by which the model becomes worse than the given robot on another axis comes after all that do not. What costs
-    other axes, as links and effects of
-    the whole arm do that they lean on, is given up only where all axes together gain by it: the product of their
-    ratios falls. Where that leaves nothing that helps, all goes that acts on the axis alone.
+    other axes, as links and effects of the whole arm do that they lean on, is given up only where all axes together
+    gain by it: the product of their ratios falls. Where that leaves nothing that helps, all goes that acts on the axis
+    alone.
 
     Parameters
     ----------

@@ -75,6 +75,7 @@ class Reading:
     @property
     def remedy(self) -> str:
         """How to mend such a recording."""
+        verb, to = ("add", "to") if self.factors and self.factors[0] < 0 else ("subtract", "from")
         return {
             "swap": f"exchange the columns of {self._joints}: name them in order under 'variables'",
             "torques": f"exchange the torques of {self._joints}: name the columns of 'torque' in order "
@@ -86,8 +87,7 @@ class Reading:
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
             "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
             "'offset' in the robot file",
-            "base": f"{'subtract' if self.factors and self.factors[0] > 0 else 'add'} the position of joint "
-            f"{self.axes[0]} {'from' if self.factors and self.factors[0] > 0 else 'to'} that of {self._joints}",
+            "base": f"{verb} the position of joint {self.axes[0]} {to} that of {self._joints}",
             "unit": f"write the position of {self._joints} in the unit of the others: it is {self._unit} as read",
             "scale": f"give 'scale' with {_figures([1 / f for f in self.factors])} for {self._joints}, or "
             "'torque_constant' in N m/A for a current",
