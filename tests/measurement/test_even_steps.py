@@ -84,6 +84,28 @@ def test_stamps_in_whole_milliseconds_cost_no_acceleration(random, step):
     assert np.abs(np.diff(whole.time, 2)).max() < 1e-9
 
 
+@pytest.mark.parametrize("rate", [400, 640])
+def test_a_coarse_clock_and_dropped_samples_together(random, rate):
+    """A step of two samples is of four to six milliseconds at 400 Hz, one of a late stamp is of three."""
+    time = np.arange(5000) / rate
+    time = time[random.random(len(time)) >= 0.02]
+    stamps = np.floor(1e3 * (time + random.normal(0, 0.02 / rate, len(time)))) / 1e3
+    exact, whole = (worst_of(time, given) for given in (time, stamps))
+    assert whole < 2.0 * exact
+
+
+def worst_of(time, stamps):
+    """Largest error of an acceleration [rad/s2]; half a millisecond is the mean lateness of whole ones."""
+    found = measure(
+        Recording(
+            stamps, np.zeros(len(time), int), ROUND * np.round(moved(time)[0] / ROUND), 1.0 + time[:, None] * [1, 1]
+        )
+    )
+    late = np.array([moved(found.time + shift)[1] for shift in np.linspace(0.0, 1e-3, 11)])
+    wrong = np.abs(late - found.acceleration)[:, found.usable.all(axis=1)]
+    return wrong.max(axis=(1, 2)).min()
+
+
 def test_a_clock_that_runs_another_rate_for_a_while_keeps_its_stamps():
     stamps = np.cumsum(np.where(np.arange(3000) < 1500, 1.0, 1.2) / RATE)
     log, _ = recorded(regular(), stamps)

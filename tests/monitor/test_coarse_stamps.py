@@ -20,7 +20,7 @@ def error_of(time, stamps):
     return np.sqrt(np.mean((motion.acceleration - true)[motion.usable[:, 0]] ** 2, axis=0))
 
 
-@pytest.mark.parametrize("rate", [120, 248, 300])
+@pytest.mark.parametrize("rate", [120, 248, 300, 400, 500, 640])
 @pytest.mark.parametrize("dropped", [0.0, 0.02])
 def test_stamps_in_whole_milliseconds_cost_nothing(rate, dropped):
     time = np.arange(20 * rate) / rate

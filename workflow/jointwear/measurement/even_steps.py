@@ -26,6 +26,10 @@ EVEN = 1e-3
 CLEARER = 0.5
 #: Fewest samples that are put on a grid.
 SHORTEST = 24
+#: Part of a step by which a step may differ from a whole number of them and be counted by itself.
+CLEAR = 0.25
+#: Parts of what a stamp is early or late by which the place of a sample and the step follow it.
+FOLLOW = (0.1, 0.005)
 
 
 def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
@@ -46,14 +50,30 @@ def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
 def usual_step(steps: np.ndarray) -> float:
     """Return the usual time [s] between samples of steps (k,) [s], 0 of none.
 
-    It is the mean of those within a half of the median: under stamps in whole milliseconds steps of 3.3 ms are of 3 and
-    4, and samples that were dropped or written in a burst are of other lengths.
+    It is the mean of those within a half of it, or within one tick of a clock that is coarser: under stamps in whole
+    milliseconds steps of 2.5 ms are of 2 and 3, and samples that were dropped or written in a burst are of other
+    lengths.
     """
     if not len(steps):
         return 0.0
-    usual = float(np.median(steps))
-    near = np.abs(steps - usual) < 0.5 * usual
-    return float(np.mean(steps[near])) if near.any() else usual
+    usual, tick = float(np.median(steps)), _tick(steps)
+    for _ in range(4):
+        near = np.abs(steps - usual) <= max(0.5 * usual, tick) * (1 + 1e-9)
+        if not near.any():
+            break
+        usual = float(np.mean(steps[near]))
+    return usual
+
+
+def _tick(steps: np.ndarray) -> float:
+    """Return the tick [s] of the clock of which all steps (k,) [s] are whole multiples, 0 where there is none."""
+    lengths = np.unique(np.round(steps, 7))
+    if len(lengths) < 2:
+        return 0.0
+    tick = float(np.diff(lengths).min())
+    # Samples that were dropped make steps of whole multiples too, of the step itself.
+    coarse = tick <= 0.75 * np.median(steps) and np.abs(lengths / tick - np.round(lengths / tick)).max() < 1e-3
+    return tick if coarse else 0.0
 
 
 def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarray]:
@@ -63,7 +83,7 @@ def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarra
     that are taken as they come keep their values, and get the time of even steps.
     """
     pieces = pieces_of(time, recording.trajectory)
-    usual = [float(np.median(np.diff(time[p]))) if p.stop - p.start > 1 else 0.0 for p in pieces]
+    usual = [usual_step(np.diff(time[p])) for p in pieces]
     if all(_is_even(time[p], step) for p, step in zip(pieces, usual, strict=True)):
         return recording, time
     readings = [[read(time[p], u) for p, u in zip(pieces, usual, strict=True)] for read in (_stamped, _counted)]
@@ -128,7 +148,7 @@ def likelier_time(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     ----------
     time : (k,) stamps [s], rising, with no more than `GAP` steps missing. values : (k, n) of a smooth motion.
     """
-    usual = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    usual = usual_step(np.diff(time))
     if _is_even(time, usual):
         return time
     stamped, counted = _stamped(time, usual), _counted(time, usual)
@@ -164,10 +184,31 @@ def _counted(time: np.ndarray, usual: float) -> tuple[np.ndarray, np.ndarray, np
     """Return the same: the samples are even, the stamps tell only how many are missing."""
     if len(time) < SHORTEST or usual <= 0:
         return time, time, time
-    place = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(np.diff(time) / usual), 1.0))])
+    place = _places(time, usual)
     step, start = np.polyfit(place, time, 1)
     grid = np.arange(int(place[-1]) + 1, dtype=float)
     return place, grid, start + step * grid
+
+
+def _places(time: np.ndarray, usual: float) -> np.ndarray:
+    """Return the places (k,), 0, 1, ..., of samples on the grid that is the likeliest by their stamps.
+
+    A step that is no whole number of usual ones can be that of a late stamp or of a sample that was dropped. Only what
+    comes after it tells: a loop that is locked to the stamps (a delay-locked one, of second order) says where the
+    sample before it was.
+    """
+    ratio = np.diff(time) / usual
+    steps = np.maximum(np.round(ratio), 1.0)
+    if np.abs(ratio - steps).max() > CLEAR:
+        step, phase, rate = usual, *FOLLOW
+        expected = float(np.median(time[:SHORTEST] - usual * np.arange(len(time[:SHORTEST]))))
+        for k, stamp in enumerate(time[1:].tolist()):
+            count = max(round((stamp - expected) / step), 1)
+            off = stamp - expected - count * step
+            expected += count * step + phase * off
+            step += rate * off / count
+            steps[k] = count
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _on_grid(values: np.ndarray, place: np.ndarray, grid: np.ndarray) -> np.ndarray:
