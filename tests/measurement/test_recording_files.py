@@ -113,8 +113,20 @@ def test_wrong_entries_are_named(tmp_path, recorded, entry, words):
         load(tmp_path, **entry)
 
 
-def test_a_row_that_comes_twice_is_told_with_its_place(tmp_path, log):
+def test_two_rows_of_one_time_are_told_with_their_place(tmp_path, log):
     table = {name: np.insert(values, 30, values[30], axis=0) for name, values in columns(log).items()}
+    # Which of the two holds is not known.
+    table["torque_2"][31] += 1.0
     write_csv(tmp_path / "r.csv", table)
     with pytest.raises(InputError, match=r"time of sample 32 .* is that of the sample before it, as of 1 of"):
         load(tmp_path, "r.csv")
+
+
+def test_rows_that_a_logger_wrote_twice_are_left_out_and_told(tmp_path, log):
+    lines = write_csv(tmp_path / "r.csv", columns(log)).read_text().splitlines()
+    twice = [*lines[:9], lines[8], *lines[9:30], lines[29], lines[29], *lines[30:]]
+    (tmp_path / "r.csv").write_text("\n".join(twice) + "\n")
+    found = load(tmp_path, "r.csv")
+    np.testing.assert_allclose(found.position, log.position, atol=1e-9)
+    assert found.unread == "3 rows were left out as copies of the row before, time and all"
+    assert found.unread in check_recording(found, load_robot("config/robots/puma560.yaml"))
