@@ -131,6 +131,20 @@ def test_a_long_gap_ends_a_piece():
     assert worst_acceleration(log) < 0.3
 
 
+@pytest.mark.parametrize("lost", [3, 4, 5])
+@pytest.mark.parametrize("digits", [5, 12])
+def test_a_gap_of_five_steps_is_filled_or_ends_a_piece(random, lost, digits):
+    """Stamps that vary put one gap above five steps and another below: what is one in between is a jump."""
+    time = regular()
+    keep = np.ones(len(time), bool)
+    for start in (600, 1190, 1600, 2000):
+        keep[start : start + lost] = False
+    time = time[keep]
+    stamps = time + random.uniform(0, 1e-3, len(time))
+    log = Recording(stamps, np.zeros(len(time), int), np.round(moved(time)[0], digits), 1.0 + moved(time)[0])
+    assert worst_acceleration(log) < 0.5
+
+
 def test_a_value_that_is_missing_stays_missing(random):
     time = regular()[random.random(len(regular())) > 0.005]
     log, _ = recorded(time)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from jointwear.measurement.even_steps import GAP, pieces_of
+from jointwear.measurement.filtering import SHORTEST
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.possible import likely_unit
 from jointwear.measurement.recording import Recording
@@ -68,7 +70,7 @@ def check_derivatives(samples: Chunk | Recording, stretch: np.ndarray, name: str
 
 
 def check_rate(recording: Recording, name: str) -> None:
-    """Check that the samples are close enough for a smoothed motion.
+    """Check that the samples are close enough for a smoothed motion, and enough of them in one piece.
 
     Raises
     ------
@@ -88,6 +90,15 @@ def check_rate(recording: Recording, name: str) -> None:
             "no motion is resolved",
             f"record more often, or state the unit of the time, as units: {{time: {unit}}}",
             by_keys=True,
+        )
+    pieces = pieces_of(recording.time, recording.trajectory)
+    longest = max((p.stop - p.start for p in pieces), default=0)
+    if len(recording.time) and longest < SHORTEST:
+        gaps = f"half of the steps are shorter than {np.median(steps):.3g} s" if len(steps) else "each is one sample"
+        raise Refused(
+            f"{name}: no piece without a gap has {SHORTEST} samples (the longest has {longest} of "
+            f"{len(recording.time)}; {gaps}, and more than {GAP:g} of these are a gap); no motion is resolved",
+            "give each sample the time at which it was taken, not that at which it was received or written",
         )
 
 

@@ -9,6 +9,7 @@ noise at high frequencies, and the samples as they come unless another is lower 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -96,7 +97,8 @@ def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarra
         if len(change) and change.mean() < best:
             best, grids = change.mean(), reading
     if grids is None:
-        return recording, _time_as_counted(time, pieces)
+        counted = _time_as_counted(time, pieces)
+        return recording, _kept_apart([counted[p] for p in pieces], recording.trajectory)
 
     def put(values):
         if values is None:
@@ -105,11 +107,12 @@ def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarra
         return np.concatenate(parts)
 
     labels = [np.full(len(r[1]), recording.trajectory[p.start]) for p, r in zip(pieces, grids, strict=True)]
-    even = np.concatenate([r[2] for r in grids])
+    trajectory = np.concatenate(labels)
+    even = _kept_apart([r[2] for r in grids], trajectory)
     changed = replace(
         recording,
         time=even,
-        trajectory=np.concatenate(labels),
+        trajectory=trajectory,
         position=put(recording.position),
         torque=put(recording.torque),
         velocity=put(recording.velocity),
@@ -117,6 +120,22 @@ def evenly(recording: Recording, time: np.ndarray) -> tuple[Recording, np.ndarra
         temperature=put(recording.temperature),
     )
     return changed, even
+
+
+def _kept_apart(times: list[np.ndarray], trajectory: np.ndarray) -> np.ndarray:
+    """Return the times (m,) [s] of pieces as one, still pieces: a line through the stamps of each moves its ends.
+
+    Parameters
+    ----------
+    times : (k,) [s] of each piece. trajectory : (m,) labels.
+    """
+    moved, place = [times[0]], len(times[0])
+    for before, after in itertools.pairwise(times):
+        least = moved[-1][-1] + (1 + EVEN) * GAP * usual_step(np.diff(before))
+        follows = trajectory[place] == trajectory[place - 1]
+        moved.append(after + max(least - after[0], 0.0) if follows else after)
+        place += len(after)
+    return np.concatenate(moved)
 
 
 def _time_as_counted(time: np.ndarray, pieces: list[slice]) -> np.ndarray:

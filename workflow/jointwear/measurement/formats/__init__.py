@@ -11,6 +11,7 @@ from pathlib import Path
 
 from jointwear.files.errors import InputError
 from jointwear.files.regular_files import check_regular
+from jointwear.measurement.formats.bursts import without_bursts
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.formats.layout import Layout, layout_of
 from jointwear.measurement.log_kinds import FORMATS, log_format
@@ -21,7 +22,7 @@ CLOCK_LOOK = 1000
 
 
 def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[Chunk]:
-    """Yield the samples of one log in its order, at most about `rows` at a time.
+    """Yield the samples of one log in its order, at most about `rows` at a time, without bursts in their times.
 
     Raises
     ------
@@ -46,7 +47,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
             if empty:
                 check_clock(path, chunk.time[:CLOCK_LOOK], chunk.units.get("time", "s"))
             empty = False
-            yield chunk
+            yield without_bursts(chunk)
     if empty:
         raise InputError(f"{path}: holds no samples")
 
