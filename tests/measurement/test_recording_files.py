@@ -113,12 +113,12 @@ def test_wrong_entries_are_named(tmp_path, recorded, entry, words):
         load(tmp_path, **entry)
 
 
-def test_two_rows_of_one_time_are_told_with_their_place(tmp_path, log):
-    table = {name: np.insert(values, 30, values[30], axis=0) for name, values in columns(log).items()}
-    # Which of the two holds is not known.
-    table["torque_2"][31] += 1.0
+def test_times_that_do_not_rise_are_told_with_their_place(tmp_path, log):
+    table = {name: list(values) for name, values in columns(log).items()}
+    # Three rows of 200: which of two rows of one time holds is not known.
+    table["time"][31], table["time"][61], table["time"][91] = (table["time"][k] for k in (30, 60, 90))
     write_csv(tmp_path / "r.csv", table)
-    with pytest.raises(InputError, match=r"time of sample 32 .* is that of the sample before it, as of 1 of"):
+    with pytest.raises(InputError, match=r"time of sample 32 .* is that of the sample before it, as of 3 of"):
         load(tmp_path, "r.csv")
 
 
@@ -130,3 +130,13 @@ def test_rows_that_a_logger_wrote_twice_are_left_out_and_told(tmp_path, log):
     np.testing.assert_allclose(found.position, log.position, atol=1e-9)
     assert found.unread == "3 rows were left out as copies of the row before, time and all"
     assert found.unread in check_recording(found, load_robot("config/robots/puma560.yaml"))
+
+
+def test_the_fewest_rows_without_which_time_rises_are_left_out(tmp_path, log):
+    for stamp, gone in ((log.time[30], 30), (log.time[28] + 1e-4, 31), (log.time[60], 31)):
+        table = {name: np.array(values) for name, values in columns(log).items()}
+        table["time"][31] = stamp
+        write_csv(tmp_path / "r.csv", table)
+        found = load(tmp_path, "r.csv")
+        np.testing.assert_allclose(found.position, np.delete(log.position, gone, axis=0), atol=1e-9)
+        assert found.unread == "1 row was left out as out of order in time"

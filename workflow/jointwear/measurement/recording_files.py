@@ -17,7 +17,7 @@ from jointwear.measurement.formats.netcdf import floats
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.possible import LARGEST_LABEL, check_clock
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.repeated_rows import without_repeated_rows
+from jointwear.measurement.row_order import rows_in_order
 from jointwear.measurement.turns import unwrapped
 from jointwear.measurement.units import ROLES
 from jointwear.robots.robot_file import read_robot_file
@@ -50,7 +50,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         if not chunks:
             raise
         left_out = str(told).removeprefix(f"{path}: ")
-    whole, repeated = without_repeated_rows(joined(chunks))
+    whole = joined(chunks)
     for role in JOINT_ROLES:
         values = getattr(whole, role)
         if values is not None and not np.isfinite(values).any():
@@ -60,6 +60,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     if (trajectory == UNLABELLED).any():
         label = (entry.get("variables") or {}).get("trajectory", "trajectory")
         raise InputError(f"{path}: '{label}' must hold whole numbers of at most {LARGEST_LABEL}")
+    whole, trajectory, disordered = rows_in_order(whole, trajectory)
     _check_rises(path, whole.time, trajectory)
 
     def labels_of(key: str) -> tuple[int, ...] | None:
@@ -82,7 +83,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         encoder_side=entry.get("encoder_side") or "motor",
         units=whole.units,
         missing=whole.missing,
-        unread="; ".join(filter(None, (left_out, repeated, unread_in_words(chunk.unread for chunk in chunks)))),
+        unread="; ".join(filter(None, (left_out, disordered, unread_in_words(chunk.unread for chunk in chunks)))),
     )
 
 
