@@ -53,7 +53,7 @@ def _copies(columns, count: int) -> np.ndarray:
         equal = before == after
         if values.dtype.kind == "f":
             equal |= np.isnan(before) & np.isnan(after)
-        same &= equal.reshape(len(same), -1).all(axis=1)
+        same &= equal.all(axis=tuple(range(1, equal.ndim)))
     return np.concatenate([np.zeros(min(count, 1), bool), same])
 
 
@@ -61,7 +61,7 @@ def _out_of_order(time: np.ndarray, trajectory: np.ndarray) -> np.ndarray:
     """Return the fewest rows (m,) without which time rises within each trajectory."""
     found = np.zeros(len(time), bool)
     for run in runs(trajectory):
-        if np.all(np.diff(time[run]) > 0):
+        if np.all(time[run][1:] > time[run][:-1]) or not np.isfinite(time[run]).all():
             continue
         # The longest rising sequence: for each length the row with the earliest time in which one can end.
         ends: list[float] = []

@@ -29,11 +29,12 @@ def without_bursts(chunk: Chunk) -> Chunk:
     """Return a chunk with the times of samples that came in bursts spread evenly from packet to packet."""
     time = np.array(chunk.time, dtype=float)
     labels = np.zeros(len(time)) if chunk.trajectory is None else chunk.trajectory
-    steps = np.diff(time)
-    usual = _long_step(steps)
-    if usual is None:
-        return chunk
-    with np.errstate(invalid="ignore"):
+    # Stamps of a damaged log may be any number.
+    with np.errstate(invalid="ignore", over="ignore"):
+        steps = np.diff(time)
+        usual = _long_step(steps)
+        if usual is None:
+            return chunk
         whole = (steps >= 0) & (steps <= PAUSE * usual) & (np.diff(labels) == 0)
     edges = np.concatenate([[0], np.flatnonzero(~whole) + 1, [len(time)]])
     for a, b in itertools.pairwise(edges):
@@ -71,8 +72,10 @@ def _spread(time: np.ndarray, position: np.ndarray) -> np.ndarray:
     count, arrived = ends - begins + 1, time[ends]
     wait = np.diff(arrived)
     pace = wait / count[1:]
+    if len(pace) < 3:
+        return time
     step = float(np.median(pace))
-    if len(pace) < 3 or np.mean((pace > 0.5 * step) & (pace < 2.0 * step)) < STEADY:
+    if np.mean((pace > 0.5 * step) & (pace < 2.0 * step)) < STEADY:
         return time
     # Where packets are missing the samples are those before the arrival.
     each = np.concatenate([[step], np.where(wait > (count[1:] + 0.5) * step, step, pace)])
