@@ -10,6 +10,7 @@ from monitor_states import changed, with_estimates
 from jointwear.monitor.condition import axis_conditions
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.page import write_page
+from jointwear.monitor.records import UNJUDGED
 from jointwear.monitor.standing import standing
 from jointwear.monitor.state import read_state
 from jointwear.monitor.summaries import UNKNOWN, axis_summary, headline, why_unjudged
@@ -91,6 +92,21 @@ def test_a_value_that_is_not_known_says_why(monitored):
     assert axis_summary(hidden, 0)["unknown"] == [f"Coulomb friction: {UNKNOWN['coulomb_percent']}"]
     assert not axis_summary(state, 0)["unknown"]
     assert "Not known (–):" in (folder / "monitor.html").read_text()
+
+
+def test_a_robot_of_which_nothing_can_be_judged_has_a_page(monitored, tmp_path):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    nothing = {
+        name: (np.full_like(x, np.nan), np.full_like(s, np.nan), u) for name, (x, s, u) in state.estimates.items()
+    }
+    status = np.full_like(state.status, UNJUDGED)
+    state = replace(
+        state, estimates=nothing, status=status, alarms=[], temperature=np.full_like(state.temperature, np.nan)
+    )
+    write_page(state, tmp_path / "p.html", tmp_path / "figures")
+    assert "Friction has changed" not in (tmp_path / "p.html").read_text()
+    assert not list((tmp_path / "figures").iterdir())
 
 
 def test_share_of_the_temperature():

@@ -136,6 +136,8 @@ def write_page(
     InputError : if there is no such zone.
     """
     folder, zone = Path(figures), zone_of(time_zone)
+    # The workflow waits for it, though nothing may be drawn of a robot of which nothing can be judged.
+    folder.mkdir(parents=True, exist_ok=True)
     alarmed = {SHOWN_BY.get(alarm["quantity"]) for alarm in state.alarms}
     shown = {
         name: words
