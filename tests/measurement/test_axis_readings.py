@@ -75,6 +75,14 @@ def test_flipped_joints_are_named(recording, puma, axis):
         check(turned(recording, axis, -1.0, -1.0), puma)
 
 
+@pytest.mark.parametrize("axis", range(6))
+def test_a_position_that_alone_is_turned_is_named(recording, puma, axis):
+    """Not as the torque: that would mirror the arm."""
+    with pytest.raises(Refused, match=f"sign of the position of joint {axis + 1} looks flipped") as refused:
+        check(turned(recording, axis, -1.0), puma)
+    assert f"position of joint {axis + 1}: give 'sign' and 'scale' with -1 for it" in refused.value.suggestion
+
+
 @pytest.mark.parametrize(("way", "remedy"), [(1.0, "subtract {} from"), (-1.0, "add {} to")])
 def test_a_joint_that_is_counted_from_the_base_is_named(recording, puma, way, remedy):
     """As the third joint is in the display of some controllers, from the horizontal."""
@@ -215,6 +223,7 @@ def test_every_reading_is_undone_by_itself_or_its_gear(puma):
     rng = np.random.default_rng(0)
     parts, usable = rng.standard_normal((5, 4, 6)), rng.random((5, 6)) > 0.5
     kinds = {"swap": 15, "torques": 15, "positions": 15, "flip": 6, "torque": 6, "motor": 6, "zero": 18, "base": 2}
+    kinds["position"] = 6
     found = list(readings(puma))
     assert {k: sum(r.kind == k for r in found) for k in kinds} == kinds
     for reading in found:

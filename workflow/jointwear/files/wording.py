@@ -21,6 +21,11 @@ def count(many: int, noun: str, plural: str = "") -> str:
     return f"{many} {noun}" if many == 1 else f"{many} {plural or noun + 's'}"
 
 
+def significant(value: float, digits: int = 3) -> str:
+    """Return a number with `digits` significant digits, and no power of ten where people write none: 1000, 0.00101."""
+    return f"{float(f'{value:.{digits}g}'):.10g}"
+
+
 def listed(words: Iterable[str]) -> str:
     """Return `a`, `a and b` or `a, b and c`; at least one word."""
     *others, last = words

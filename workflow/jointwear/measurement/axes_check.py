@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
+from jointwear.files.wording import significant
 from jointwear.measurement.axis_readings import (
     EXCHANGED,
     Likelihood,
@@ -34,7 +35,7 @@ WRONG = 0.5
 #: of its friction, which no load changes; see :func:`favours`.
 FAVOURS = {
     "swap": 25.0, "flip": 40.0, "torque": 40.0, "motor": 12.0, "zero": 40.0, "torques": 40.0, "positions": 40.0,
-    "unit": 40.0, "base": 40.0,
+    "unit": 40.0, "base": 40.0, "position": 40.0,
 }  # fmt: skip
 #: Multiple of that of a flip where the model explains the axis as it is, so that nothing asks for another sign: a zero
 #: of the torque that wanders over a day reached 41 nats for a wrist; of 45 flips 37 reach 100, none lies between.
@@ -44,7 +45,7 @@ NOTHING_WRONG = 2.0
 SIZE_TOO, BY_FAR = 0.5, 1.8
 #: Readings that another cause resembles, a load, a mounting or a drive that two joints share: they have to fit far
 #: better in size and be far likelier.
-RESEMBLED = ("zero", "base", "torques", "positions")
+RESEMBLED = ("zero", "base", "torques", "positions", "position")
 #: Readings that have to fit far better in size.
 OF_SIZE = (*RESEMBLED, "unit")
 #: Readings that leave the motion as it is.
@@ -54,6 +55,7 @@ _WHY = {
     **dict.fromkeys(EXCHANGED, "; exchanged they fit the model"),
     "flip": "; turned around it fits the model",
     "torque": " against its motion",
+    "position": " against its torque; turned around it fits the model",
     "motor": "",
     "zero": "; from there it fits the model",
     "base": "; taken from that link it fits the model",
@@ -262,6 +264,6 @@ def even_so(left: np.ndarray, robot: Robot) -> tuple[str, str]:
     if not share > RIGHT:
         return "", ""
     return (
-        f"; even so the model leaves {100 * share:.2g} % of the squared torque",
+        f"; even so the model leaves {significant(100 * share, 2)} % of the squared torque",
         f"; or name the robot file of this arm, if that of '{robot.name}' is another's",
     )

@@ -41,10 +41,10 @@ ROUNDS = 8
 @dataclass(frozen=True)
 class Reading:
     """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one, turn its
-    "torque" around, take it as of the "motor", add an angle [rad] to its position, that is count it from another
-    "zero", take off that of the joint before it, times a factor, that is count it from the "base", multiply it by a
-    factor, that is take it in another "unit", or divide the torques of some by a factor each, that is take them in
-    another "scale".
+    "torque" or its "position" alone around, take it as of the "motor", add an angle [rad] to its position, that is
+    count it from another "zero", take off that of the joint before it, times a factor, that is count it from the
+    "base", multiply it by a factor, that is take it in another "unit", or divide the torques of some by a factor each,
+    that is take them in another "scale".
 
     `axes` are 0-based.
     """
@@ -63,6 +63,7 @@ class Reading:
             "positions": f"the positions of {self._joints} look swapped",
             "flip": f"the sign of {self._joints} looks flipped",
             "torque": f"the sign of the torque of {self._joints} looks flipped",
+            "position": f"the sign of the position of {self._joints} looks flipped",
             "motor": f"the torque of {self._joints} looks like that of the motor, before the gear",
             "zero": f"the position of {self._joints} looks counted from another zero, {self._degrees} deg off",
             "base": f"the position of {self._joints} looks counted from the base, as by some controllers, and not from "
@@ -84,6 +85,7 @@ class Reading:
             "order under 'variables'",
             "flip": f"turn the sign of position and torque of {self._joints}: give 'sign' with -1 for it",
             "torque": f"turn the sign of the torque of {self._joints}: give 'scale' with -1 for it",
+            "position": f"turn the sign of the position of {self._joints}: give 'sign' and 'scale' with -1 for it",
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
             "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
             "'offset' in the robot file",
@@ -129,6 +131,8 @@ class Reading:
         (axis,) = self.axes
         if self.kind == "flip":
             turned[:, :, axis] *= -1.0
+        elif self.kind == "position":
+            turned[:, :3, axis] *= -1.0
         elif self.kind == "zero":
             turned[:, 0, axis] += self.angle
         elif self.kind == "base":
@@ -152,6 +156,7 @@ def readings(robot: Robot) -> Iterator[Reading]:
     for axis in range(robot.joints):
         yield Reading("flip", (axis,))
         yield Reading("torque", (axis,))
+        yield Reading("position", (axis,))
         for angle in ZEROS:
             yield Reading("zero", (axis,), angle)
         if abs(robot.gear_ratio[axis]) > 2:
