@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.files.wording import numbered
+from jointwear.files.wording import numbered, significant
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.torque_scale import thinned
@@ -62,8 +62,8 @@ def check_model_size(measured: Measured, robot: Robot, name: str, behind_gears: 
     largest = max(parts, key=lambda part: float(np.mean(parts[part][used, worst] ** 2)))
     remedy = _BEHIND_GEARS if behind_gears and largest == "friction" else _REMEDIES[largest]
     raise Refused(
-        f"{name}: the model of robot '{robot.name}' misses the torque of joint {worst + 1} by {ratio[worst]:.3g} times "
-        f"its size; the torque of {largest} is far too large for it",
+        f"{name}: the model of robot '{robot.name}' misses the torque of joint {worst + 1} by "
+        f"{significant(ratio[worst])} times its size; the torque of {largest} is far too large for it",
         f"{remedy}; or state the unit of the torque",
         by_keys=True,
     )

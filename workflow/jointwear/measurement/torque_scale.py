@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.files.wording import numbered
+from jointwear.files.wording import numbered, significant
 from jointwear.measurement.axis_readings import Likelihood, Reading
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.recording import Recording
@@ -102,9 +102,9 @@ def check_scale_of_one(found: Factors) -> None:
         return
     factor = abs(found.factor[worst])
     raise Refused(
-        f"{found.name}: the torque of joint {worst + 1} is {factor:.3g} times that of the model; it "
+        f"{found.name}: the torque of joint {worst + 1} is {significant(factor)} times that of the model; it "
         "looks like another unit than that of the other joints",
-        f"give 'scale' with {1 / factor:.3g} for joint {worst + 1}, 'torque_constant' for each, or its column",
+        f"give 'scale' with {significant(1 / factor)} for joint {worst + 1}, 'torque_constant' for each, or its column",
         by_keys=True,
     )
 
@@ -122,7 +122,7 @@ def _shared(factor: np.ndarray) -> list[str]:
     middle = float(np.median(known))
     if abs(middle) <= np.log(SHARED) or np.any(np.abs(known - middle) > 0.5 * abs(middle)):
         return []
-    told = f"the torque is about {np.exp(middle):.2g} times that of the model on all joints that tell it"
+    told = f"the torque is about {significant(np.exp(middle), 2)} times that of the model on all joints that tell it"
     return [f"{told}: masses may be as wrong, and so may its unit or scale, which moves every parameter that is found"]
 
 
@@ -235,8 +235,8 @@ def check_size(measured: Measured, robot: Robot, name: str) -> None:
     factor = torque[most] / bodies[most]
     if abs(np.log(factor)) > np.log(FAR_OFF):
         raise Refused(
-            f"{name}: the torque of joint {most + 1} is about {factor:.3g} times what the bodies of the model ask "
-            "there; it looks like another unit, a current or a share of a rating",
+            f"{name}: the torque of joint {most + 1} is about {significant(factor)} times what the bodies of the "
+            "model ask there; it looks like another unit, a current or a share of a rating",
             "state units: {torque: ...}, or give 'torque_constant' in N m/A, or 'scale' in N m of one unit, by axis",
             by_keys=True,
         )
@@ -350,13 +350,13 @@ def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray, stated: str
     middle, remains = float(np.median(np.abs(factor[known]))), float(np.median(left[known]))
     for unit, size in _other_units(stated):
         if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(ALIKE)):
-            reason = f"the torque is about {middle:.3g} times that of the model; it looks like {unit}"
+            reason = f"the torque is about {significant(middle)} times that of the model; it looks like {unit}"
             return WrongScale(reason, f"state units: {{torque: {unit}}}", remains, unit)
     behind = np.abs(np.log(np.abs(factor[known] * gear[known]))) < np.log(ALIKE)
     if np.all(behind) and np.all(np.abs(gear[known]) > FACTOR):
         motor = Reading("motor", tuple(known))
         return WrongScale(motor.reason, motor.remedy, remains, "of the motor")
-    told = ", ".join(f"{abs(factor[j]):.3g} on joint {j + 1}" for j in known)
+    told = ", ".join(f"{significant(abs(factor[j]))} on joint {j + 1}" for j in known)
     reason = (
         f"the torque is another multiple of the model's than one ({told}); it looks like a current, a share of a "
         "rating or a torque of the motor's side, or the robot file is that of another arm"
@@ -364,7 +364,7 @@ def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray, stated: str
     remedy = (
         "give 'torque_constant' in N m/A on the joint side and 'units: {torque: A}', or 'scale' in N m of one unit, "
         "for each axis (what is read now times about "
-        + ", ".join(f"{1 / abs(factor[j]):.3g} for joint {j + 1}" for j in known)
+        + ", ".join(f"{significant(1 / abs(factor[j]))} for joint {j + 1}" for j in known)
         + ")"
     )
     return WrongScale(reason, remedy, remains)

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.files.wording import significant
 from jointwear.measurement.axes_check import explained, explained_otherwise, favours
 from jointwear.measurement.axis_readings import Likelihood, Reading
 from jointwear.measurement.derivative_checks import check_derivatives
@@ -146,8 +147,8 @@ class LaterCheck:
         if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
             return
         known, self._scale = np.flatnonzero(scale != 1.0), scale
-        factors = ", ".join(f"{scale[j]:.3g} on joint {j + 1}" for j in known)
-        mended = ", ".join(f"{1 / scale[j]:.3g} for joint {j + 1}" for j in known)
+        factors = ", ".join(f"{significant(scale[j])} on joint {j + 1}" for j in known)
+        mended = ", ".join(f"{significant(1 / scale[j])} for joint {j + 1}" for j in known)
         self._refusal = Refused(
             f"{self._name}: the torque is another multiple of the model's than in the first log ({factors}); it looks "
             "like another unit, a current, a share of a rating or a torque that counts the other way round; it would "
@@ -176,9 +177,9 @@ class LaterCheck:
             return
         self._scale = scale
         self._refusal = Refused(
-            f"{self._name}: the torques of all joints, friction included, are about {factor:.2g} times those of the "
-            "model, unlike in the first log; it looks like another unit, another torque constant or a share of a "
-            f"rating; it would fit times about {1 / factor:.2g}",
+            f"{self._name}: the torques of all joints, friction included, are about {significant(factor, 2)} times "
+            "those of the model, unlike in the first log; it looks like another unit, another torque constant or a "
+            f"share of a rating; it would fit times about {significant(1 / factor, 2)}",
             "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
             "logs of a robot",
         )
