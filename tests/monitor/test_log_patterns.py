@@ -9,7 +9,7 @@ import pytest
 from jointwear.files import patterns
 from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
-from jointwear.monitor.plan import check_robots, find_logs, in_order, window_seconds
+from jointwear.monitor.plan import check_robots, find_all_logs, find_logs, in_order, window_seconds
 
 
 @pytest.fixture
@@ -67,6 +67,33 @@ def test_a_window_has_a_length_that_an_arm_lives(length):
 def test_a_window_is_a_number_and_a_unit(text):
     with pytest.raises(InputError, match="is no length of time"):
         window_seconds(text)
+
+
+def test_packed_logs_are_told_and_the_others_go_on(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("day_1.csv", "day_1.csv.gz", "day_2.csv", "day_3.csv.gz", "notes.txt.gz"):
+        (tmp_path / name).touch()
+    logs, silent = find_all_logs({"monitor": {"robots": {"arm": {"logs": ["day_*"]}}}})
+    assert logs == {"arm": ["day_1.csv", "day_2.csv"]}
+    assert "matches 1 packed log, as 'day_3.csv.gz', which cannot be read; unpack" in silent["arm"]
+    with pytest.raises(InputError, match=r"'day_3\.csv\.gz': is packed; unpack it"):
+        find_logs(["day_3*"])
+    with pytest.raises(InputError, match=r"'notes\.txt\.gz': no kind of log"):
+        find_logs(["notes*"])
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"), [("1 hour", "1h"), ("1w", "7d"), ("1.5 Days", "1.5d"), ("20 min.", "20min")]
+)
+def test_a_length_in_words_is_told_as_it_is_written(text, meant):
+    with pytest.raises(InputError, match=f"; the nearest valid value is {meant}$"):
+        window_seconds(text)
+    window_seconds(meant)
+
+
+def test_five_m_may_be_minutes_or_months():
+    with pytest.raises(InputError, match=r"as 1h\)$"):
+        window_seconds("5m")
 
 
 @pytest.mark.parametrize("key", ["torque_constant", "scale", "sign", "dead_band"])

@@ -9,6 +9,17 @@ FORMATS = {
     ".parquet": "parquet", ".mcap": "bag", ".db3": "bag",
 }  # fmt: skip
 
+#: Endings of what packers write behind the name of a log.
+PACKED = (".gz", ".bz2", ".xz", ".zst", ".zip", ".7z")
+
+
+def unpacked(path: str | Path) -> str:
+    """Return the name that a packed log has once it is unpacked, as day_3.csv for day_3.csv.gz; empty for others."""
+    path = Path(path)
+    if path.suffix.lower() not in PACKED or path.with_suffix("").suffix.lower() not in FORMATS:
+        return ""
+    return path.with_suffix("").as_posix()
+
 
 def log_format(path: str | Path) -> str | None:
     """Return the format of a log by its name, or None; a folder with a metadata.yaml is a bag."""

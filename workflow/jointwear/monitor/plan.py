@@ -20,8 +20,9 @@ from typing import Any
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.patterns import matches
 from jointwear.files.regular_files import nearest_file
+from jointwear.files.wording import count
 from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
-from jointwear.measurement.log_kinds import FORMATS, log_format
+from jointwear.measurement.log_kinds import FORMATS, log_format, unpacked
 from jointwear.measurement.timestamps import LATEST, moment_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.local_time import zone_of
@@ -39,6 +40,12 @@ SHORTEST, LONGEST = 1.0, 3650 * 86400.0
 #: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
 ZONES = 14 * 3600.0
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+#: Units as people write them, without the s of the plural: (how many, of which unit). Not "m", which may be a month.
+_SAID = {
+    "sec": (1, "s"), "second": (1, "s"), "minute": (1, "min"), "min": (1, "min"), "h": (1, "h"), "hr": (1, "h"),
+    "hour": (1, "h"), "d": (1, "d"), "day": (1, "d"), "w": (7, "d"), "wk": (7, "d"), "week": (7, "d"),
+    "fortnight": (14, "d"),
+}  # fmt: skip
 
 
 def window_seconds(text: str | float) -> float:
@@ -56,11 +63,20 @@ def window_seconds(text: str | float) -> float:
             length = float(match[1]) * _SECONDS[match[2]]
         except (TypeError, ValueError):
             raise InputError(
-                f"{shown(text)} is no length of time (allowed: a number with s, min, h or d, as 1h)"
+                f"{shown(text)} is no length of time (allowed: a number with s, min, h or d, as 1h){_meant(text)}"
             ) from None
     if not SHORTEST <= length <= LONGEST:
         raise InputError(f"{shown(text)} is out of range (allowed: {SHORTEST:g} s to {LONGEST / 86400:g} d)")
     return length
+
+
+def _meant(text: str) -> str:
+    """Return the length of time that a text most likely means, as a proposal; empty where nothing comes near."""
+    said = re.fullmatch(r"\s*([0-9]{1,9}(?:\.[0-9]{1,9})?)\s*([A-Za-z]+?)s?\.?\s*", text)
+    if said is None or said[2].lower() not in _SAID:
+        return ""
+    times, unit = _SAID[said[2].lower()]
+    return f"; the nearest valid value is {times * float(said[1]):g}{unit}"
 
 
 def log_sources(path: str | Path) -> list[str]:
@@ -90,30 +106,34 @@ def find_logs(patterns: Iterable[str], where: str = "logs") -> list[str]:
     InputError : if a pattern matches nothing, a match is of an unknown kind, or lies (through a link) outside the
         folder that its pattern names.
     """
-    found: list[str] = []
-    for pattern in patterns:
-        matching = matches(pattern)
-        if not matching:
-            folder = _folder(pattern)
-            there = [p.name for p in folder.iterdir()] if folder.is_dir() else []
-            hint = nearest(Path(pattern).name, there) if folder.is_dir() else f"; there is no folder {folder}"
-            raise InputError(f"config: '{where}' holds '{pattern}', which matches no file{hint}")
-        root = _folder(pattern).resolve()
-        known = [m for m in matching if log_format(m)]
-        if not known:
-            allowed = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
+    return in_order(log for pattern in patterns for log in _matching(pattern, where)[0])
+
+
+def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
+    """Return the logs that a pattern matches, and the packed logs, which cannot be read; see :func:`find_logs`."""
+    matching = matches(pattern)
+    if not matching:
+        folder = _folder(pattern)
+        there = [p.name for p in folder.iterdir()] if folder.is_dir() else []
+        hint = nearest(Path(pattern).name, there) if folder.is_dir() else f"; there is no folder {folder}"
+        raise InputError(f"config: '{where}' holds '{pattern}', which matches no file{hint}")
+    root = _folder(pattern).resolve()
+    known = [m for m in matching if log_format(m)]
+    packed = [m for m in matching if unpacked(m)]
+    if not known:
+        allowed = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
+        what = "is packed; unpack it" if packed else "no kind of log"
+        raise InputError(
+            f"config: '{where}' holds '{pattern}', which matches '{(packed or matching)[0]}': {what} "
+            f"(allowed: {allowed})"
+        )
+    for match in known:
+        if not Path(match).resolve().is_relative_to(root):
             raise InputError(
-                f"config: '{where}' holds '{pattern}', which matches '{matching[0]}': no kind of log "
-                f"(allowed: {allowed})"
+                f"config: '{where}' holds '{pattern}'; '{match}' leads outside the folder {_folder(pattern)}; "
+                "name the folder that it is in"
             )
-        for match in known:
-            if not Path(match).resolve().is_relative_to(root):
-                raise InputError(
-                    f"config: '{where}' holds '{pattern}'; '{match}' leads outside the folder {_folder(pattern)}; "
-                    "name the folder that it is in"
-                )
-        found += known
-    return in_order(found)
+    return known, sorted(set(packed) - {m for m in packed if unpacked(m) in known})
 
 
 def in_order(logs: Iterable[str]) -> list[str]:
@@ -216,12 +236,19 @@ def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict
         found: set[str] = set()
         reasons = []
         for pattern in entry["logs"]:
+            where = f"monitor.robots.{name}.logs"
             try:
-                found.update(find_logs([pattern], f"monitor.robots.{name}.logs"))
+                known, packed = _matching(pattern, where)
+                found.update(known)
+                if packed:
+                    reasons.append(
+                        f"config: '{where}' holds '{pattern}', which matches {count(len(packed), 'packed log')}, as "
+                        f"'{packed[0]}', which cannot be read; unpack what was not read before it was packed"
+                    )
             except InputError as error:
                 reasons.append(str(error))
             except OSError as error:
-                reasons.append(f"config: 'monitor.robots.{name}.logs' holds '{pattern}': {error.strerror or error}")
+                reasons.append(f"config: '{where}' holds '{pattern}': {error.strerror or error}")
         logs[name] = in_order(found)
         if reasons:
             silent[name] = reasons[0]

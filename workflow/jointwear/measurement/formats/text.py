@@ -37,6 +37,8 @@ _OTHER_FILES = {
     b"PK\x03\x04": "is a workbook of a spreadsheet or a zip file, not text; export it as CSV, or unpack it",
     b"\x1f\x8b": "is packed by gzip; unpack it",
 }
+#: How a web page begins.
+_PAGES, _OF_A_PAGE = (b"<!doctype html", b"<html"), 14
 #: What the reader says of a cell that is not of its column's type.
 _CONVERSION = "conversion error"
 #: Lines looked at for the header and for the form of the numbers.
@@ -233,6 +235,8 @@ def _first_lines(path: Path) -> tuple[list[str], str]:
     for start, words in _OTHER_FILES.items():
         if whole.startswith(start):
             raise InputError(f"{path}: {words}")
+    if whole.lstrip(b"\xef\xbb\xbf \t\r\n")[:_OF_A_PAGE].lower().startswith(_PAGES):
+        raise InputError(f"{path}: is a web page, not CSV, as a server sends in place of a file after a failed login")
     if b"\x00" in whole:
         raise InputError(f"{path}: is not a text file in UTF-8")
     for encoding in ("utf-8-sig", "cp1252"):
