@@ -5,6 +5,7 @@ Imported by the Snakefile at every call of Snakemake, so nothing heavy is import
 
 from __future__ import annotations
 
+import math
 import re
 from copy import deepcopy
 from datetime import date
@@ -26,6 +27,10 @@ LARGEST_YAML = 4 << 20
 MOST_VALUES = 200_000
 #: Deepest nesting of a YAML file; the configuration has five levels.
 DEEPEST = 50
+
+
+#: A number in quotes, with a decimal comma (1,000 is left alone, which means two things) or a percent sign.
+_NUMBER = re.compile(r"(?P<number>[-+]?[0-9]+(?:\.[0-9]+|,(?![0-9]{3}\b)[0-9]+)?)\s*(?P<percent>%?)")
 
 
 class _StrictLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
@@ -227,10 +232,15 @@ def _describe(error) -> str:
         allowed = [str(v) for v in error.validator_value]
         return f"'{where}' is {said}; allowed: {', '.join(allowed)}{nearest(str(value), allowed)}"
     if rule == "type":
-        return f"'{where}' is {said}, must be {_words(error.validator_value)}{_limits(error.schema)}"
+        near = _number_in(where, value, error.validator_value, error.schema)
+        return f"'{where}' is {said}, must be {_words(error.validator_value)}{_limits(error.schema)}{near}"
     if rule in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"):
         bound = error.validator_value
         near = "" if rule.startswith("exclusive") else f"; the nearest valid value is {bound}"
+        if math.isclose(abs(bound), 2 * math.pi):
+            near = f"; this looks like degrees: {math.radians(value):.6g}"
+        if rule == "maximum" and bound <= 1 and _within(value / 100, error.schema):
+            near += f", or {value / 100:.6g} if {value:.6g} % is meant"
         return f"'{where}' is {said}, out of range{_limits(error.schema)}{near}"
     if rule == "uniqueItems":
         twice = next(v for i, v in enumerate(value) if v in value[:i])
@@ -243,11 +253,37 @@ def _describe(error) -> str:
     if rule == "pattern":
         return f"'{where}' is {said}; {error.schema.get('description', 'it does not match ' + error.validator_value)}"
     if rule in ("minLength", "maxLength", "minProperties", "maxProperties"):
-        few, what = rule.startswith("min"), "characters" if rule.endswith("Length") else "entries"
-        return f"'{where}' has {len(value)} {what}, at {'least' if few else 'most'} {error.validator_value}"
+        few, what = rule.startswith("min"), ("character",) if rule.endswith("Length") else ("entry", "entries")
+        return f"'{where}' has {counted(len(value), *what)}, at {'least' if few else 'most'} {error.validator_value}"
     if rule == "not" and "const" in error.validator_value:
         return f"'{where}' is {said}; allowed: anything but {error.validator_value['const']}{_limits(error.schema)}"
     return f"'{where}' is {said}; it breaks '{rule}' of the schema"
+
+
+def _within(value: float, schema: dict[str, Any]) -> bool:
+    """Whether a number is within the limits of a schema."""
+    return schema.get("minimum", -math.inf) <= value <= schema.get("maximum", math.inf) and schema.get(
+        "exclusiveMinimum", -math.inf
+    ) < value < schema.get("exclusiveMaximum", math.inf)
+
+
+def _number_in(where: str, value: Any, rule: str | list[str], schema: dict[str, Any]) -> str:
+    """Return the valid number that a text holds, as a proposal: 0.05 of '0,05', and of '5 %' for a share.
+
+    Nothing is proposed for a text with a unit: 500 is not what '500 ms' means.
+    """
+    kinds = rule if isinstance(rule, list) else [rule]
+    said = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
+    if said is None or not {"number", "integer"} & set(kinds):
+        return ""
+    number = float(said["number"].replace(",", "."))
+    if said["percent"] and "_percent" not in where.rpartition(".")[2]:
+        if schema.get("maximum", math.inf) > 1:
+            return ""
+        number /= 100
+    if not _within(number, schema) or ("number" not in kinds and number != int(number)):
+        return ""
+    return f"; the nearest valid value is {number:.10g}"
 
 
 def _words(rule) -> str:
