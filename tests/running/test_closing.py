@@ -32,3 +32,15 @@ def test_a_damaged_summary_costs_no_run(tmp_path):
     page(tmp_path / "results/report/index.html")
     (tmp_path / "results/report/summary.json").write_text("{")
     assert closing_lines(tmp_path, time.time() - 60) == ["report: results/report/index.html"]
+
+
+def test_what_a_robot_learnt_is_told(tmp_path):
+    for name, adopted in (("a", "friction"), ("b", "given"), ("c", None)):
+        page(tmp_path / f"results/learned/{name}/learned.json").write_text(
+            json.dumps({"adopted": adopted} if adopted else {})
+        )
+    assert closing_lines(tmp_path, time.time() - 60) == [
+        "learnt: results/learned/a/learned.json, the friction model is used from now on",
+        "learnt: results/learned/b/learned.json, the given model stays",
+        "learnt: results/learned/c/learned.json",
+    ]
