@@ -227,6 +227,8 @@ def test_confusion_and_calibration_count_the_same_cases():
     assert sum(c["count"] for c in drawn["rows"][0]["cells"]) == 35
     right = {r["truth"]: sum(c["count"] for c in r["cells"] if c["right"]) for r in drawn["rows"]}
     assert (right["stribeck_friction"], right["nothing"]) == (24, 9)
+    retuned = confusion_table({"nothing": {"none": 1, "retuned": 8, "unknown": 1}}, wrong_file=True)
+    assert [c["answer"] for c in retuned["rows"][0]["cells"] if c["right"]] == ["none", "retuned"]
     bins = calibration(rows)
     assert sum(b["names"] for b in bins) == 25
     assert sum(b["right"] for b in bins) == 24
@@ -257,6 +259,16 @@ def test_a_part_holds_the_first_batches_of_every_tier():
     _, all_of_them = part_batches("report")
     assert min(all_of_them.values()) > 5
     assert part_batches("sample_first_999") == part_batches("sample")
+
+
+def test_a_curve_over_sizes_needs_cases_on_both_sides(tmp_path, root):
+    scores, page = tmp_path / "scores.json", tmp_path / "page.html"
+    scores.write_text(json.dumps(summarise(rows_of_a_tier())))
+    write_page(str(scores), None, str(page), "sample", 1)
+    assert page.read_text().count('<td class="left">larger</td>') == 1
+    scores.write_text(json.dumps(summarise(rows_of_a_tier()[14:24])))
+    write_page(str(scores), None, str(page), "sample", 1)
+    assert '<td class="left">larger</td>' not in page.read_text()
 
 
 def test_the_summary_is_small_and_says_how_much_was_run(tmp_path, root):

@@ -33,8 +33,28 @@ _WORDS = {
     "right_parameter": "the wrong parameter itself is listed",
 }
 _ORDER = [*TARGETS, "name_first_strict", "exact_set_strict", "right_parameter", "not_worse_named"]
+_SPELLED = {
+    "stribeck": "Stribeck",
+    "coulomb": "Coulomb",
+    "temperature dependent": "temperature-dependent",
+    "load dependent": "load-dependent",
+    "position dependent": "position-dependent",
+    "presliding": "pre-sliding",
+}
+#: Fewest cases of an effect, and fewest of them right and wrong, from which a curve over their sizes means anything.
+FEWEST_CASES, FEWEST_OF_EACH = 12, 3
+
+
+def in_words(name: str) -> str:
+    """Return identifiers of effects in a text as words, spelled as on the other pages."""
+    text = name.replace("_", " ")
+    for plain, spelled in _SPELLED.items():
+        text = text.replace(plain, spelled)
+    return text
+
+
 _NAMES = {
-    **{name: name.replace("_", " ").replace("stribeck", "Stribeck").replace("coulomb", "Coulomb") for name in EFFECTS},
+    **{name: in_words(name) for name in EFFECTS},
     **{answer: answer for answer in ("nothing", "none", "retuned", "unknown", "refused")},
     "outside": "outside the library",
 }
@@ -87,10 +107,18 @@ def score_table(tiers: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 #: What has to be answered to the kinds that hide no effect of the library.
-RIGHT_ANSWER = {"nothing": "none", "outside": "unknown"}
+RIGHT_ANSWER = {"nothing": ("none",), "outside": ("unknown",)}
 
 
-def confusion_table(confusion: Mapping[str, Mapping[str, int]]) -> dict[str, Any]:
+def right_answers(truth: str, wrong_file: bool) -> tuple[str, ...]:
+    """Return the answers that are right; `wrong_file`: the robot file of every case is off, so that it may be retuned
+    where nothing is hidden.
+    """
+    answers = RIGHT_ANSWER.get(truth, (truth,))
+    return (*answers, "retuned") if truth == "nothing" and wrong_file else answers
+
+
+def confusion_table(confusion: Mapping[str, Mapping[str, int]], wrong_file: bool = False) -> dict[str, Any]:
     """Return columns and rows of a confusion matrix; every cell has the count and its share of the row."""
     given = {answer for answers in confusion.values() for answer in answers}
     columns = [n for n in EFFECTS if n in given or confusion.get(n)]
@@ -105,12 +133,18 @@ def confusion_table(confusion: Mapping[str, Mapping[str, int]]) -> dict[str, Any
                     "answer": c,
                     "count": answers.get(c, 0),
                     "share": answers.get(c, 0) / total,
-                    "right": c == RIGHT_ANSWER.get(truth, truth),
+                    "right": c in right_answers(truth, wrong_file),
                 }
                 for c in columns
             ]
             rows.append({"truth": truth, "total": total, "cells": cells})
     return {"columns": columns, "rows": rows}
+
+
+def _told(limit: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is known of the sizes of an effect, its curve only where there are cases enough for one."""
+    enough = limit["cases"] >= FEWEST_CASES and min(limit["right"], limit["cases"] - limit["right"]) >= FEWEST_OF_EACH
+    return dict(limit) if enough else {**limit, "half": None, "ninety": None, "grows_with_size": None}
 
 
 def calibration_points(bins: list[Mapping[str, Any]]) -> list[dict[str, float]]:
@@ -196,7 +230,13 @@ def write_page(
         "table": score_table(tiers),
         "missed": missed,
         "judged": judged,
-        "confusion": {name: confusion_table(content["confusion"]) for name, content in tiers.items()},
+        "confusion": {
+            name: confusion_table(content["confusion"], TIERS[name].inertial_error > 0)
+            for name, content in tiers.items()
+        },
+        "curves": {name: [_told(limit) for limit in content["limits"]] for name, content in tiers.items()},
+        "fewest": (FEWEST_CASES, FEWEST_OF_EACH),
+        "in_words": in_words,
         "calibration": {name: calibration_points(content["calibration"]) for name, content in tiers.items()},
         "world": world_context(read_json(world_path)) if world_path else None,
         "limits": limits_context(read_json(limits_path)) if limits_path else None,
