@@ -225,7 +225,7 @@ def test_a_load_is_given_as_a_body():
     value |= {"xx": 0.01 + mass * z**2, "yy": 0.02 + mass * (x**2 + z**2), "zz": 0.03 + mass * x**2}
     words = body_in_words({"parameters": {name: {"value": v} for name, v in value.items()}})
     assert words.startswith("2 kg with its centre of mass at (100, 0, 200) mm in the frame of the last link")
-    assert "0.01, 0.02, 0.03 kg m2" in words
+    assert "0.01, 0.02, 0.03 kg m²" in words
     assert body_in_words({"parameters": {"level": {"value": 1.0}}}) == ""
 
 

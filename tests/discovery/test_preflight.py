@@ -76,6 +76,8 @@ def test_the_page_has_one_row_an_effect_and_one_column_a_joint(case, robot, tmp_
     assert columns["position-dependent friction"] == 6
     assert "whole arm" in dict(rows)["payload"]
     assert columns["payload"] == 0
+    assert "Discovery accepts these data" in page
+    assert f"This motion shows {len(rows)} effects of the library" in page
 
 
 def test_the_check_of_a_long_recording_reads_a_part_of_it_and_lists_all(case, robot, monkeypatch):

@@ -224,7 +224,7 @@ def test_one_program_and_logs_without_a_date_stay_as_they_are():
 
 def test_logs_that_are_not_there_are_none_of_those_that_are(built):
     page = (built / "index.html").read_text()
-    assert "5 logs of about 120 windows expected of silent robots since their newest ones." in page
+    assert "Due from silent robots since their newest logs: 5 logs of about 120 windows." in page
     assert "overdue" not in page
 
 

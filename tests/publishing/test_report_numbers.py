@@ -12,7 +12,7 @@ from scipy import stats
 
 from jointwear.files.json_values import as_json
 from jointwear.files.storage import Variable, read_variables, write_dataset
-from jointwear.publishing.report import detection_rates, drivers
+from jointwear.publishing.report import detection_rates, drivers, numbers
 from jointwear.publishing.report.assembly import assumptions, paper_facts
 from jointwear.publishing.report.figure_scores import score_components
 from jointwear.publishing.report.numbers import with_std
@@ -213,3 +213,14 @@ def test_assumptions_tell_what_was_chosen(default_reading):
     assert entry["chosen"] == "means_removed"
     assert [o["name"] for o in entry["others"]] == ["raw"]
     assert entry["default"] == "raw"
+
+
+def test_units_read_as_in_a_text():
+    assert [numbers.unit(u) for u in ("kg m2", "degC", "N m/rad3", "(N m)^(1-p)", "1", "N m s/rad")] == [
+        "kg m²",
+        "°C",
+        "N m/rad³",
+        "(N m)^(1-p)",
+        "1",
+        "N m s/rad",
+    ]

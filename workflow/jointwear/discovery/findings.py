@@ -283,7 +283,10 @@ def _not_identifiable(effects: list[NamedEffect], seen: list[Visible], needed: f
             )
         elif v.left < needed:
             yield NotIdentifiable(
-                (effect, v.rival), axis, f"after {v.rival} only {v.left:.3g} times the noise variance is left of it"
+                (effect, v.rival),
+                axis,
+                f"once {get_effect(v.rival).phrase} is fitted, {v.left:.3g} noise variances are left of it, "
+                f"less than {needed:.0f}",
             )
     for effect in library().values():
         if not effect.identifiable:

@@ -117,13 +117,18 @@ def body_in_words(effect: Mapping[str, Any]) -> str:
     return (
         f"{with_std(value['mass'], std)} kg with its centre of mass at "
         f"({', '.join(number(1e3 * x) for x in com)}) mm in the frame of the last link, "
-        f"moments of inertia about it {', '.join(number(x) for x in moments)} kg m2."
+        f"moments of inertia about it {', '.join(number(x) for x in moments)} kg m²."
     )
 
 
 def parameter_words(key: str) -> str:
     """Return a parameter of a robot file as readers know it."""
     return _PARAMETERS.get(key, key.replace("_", " "))
+
+
+def meaning(effect: str, parameter: str) -> str:
+    """Return what a parameter of an effect is, with its symbol in the equation; empty where the effect says nothing."""
+    return next((p.description for p in library()[effect].parameters if p.name == parameter), "")
 
 
 def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -208,7 +213,8 @@ def write_page(
     content = read_json(verdict)
     files = draw_all(verdict, where, models, figures)
     effects = library()
-    single = [n for n in content["not_identifiable"] if len(n["effects"]) == 1]
+    untried = {n["effect"] for n in content["not_tried"]}
+    single = [n for n in content["not_identifiable"] if len(n["effects"]) == 1 and n["effects"][0] not in untried]
     pairs = [n for n in content["not_identifiable"] if len(n["effects"]) > 1]
     context = {
         "content": content,
@@ -222,9 +228,11 @@ def write_page(
         "joints": joint_table(content),
         "put_back": put_back_in_words(content),
         "parameter_words": parameter_words,
+        "meaning": meaning,
         "body": body_in_words,
         "published": None,
         "pairs": pairs,
+        "weak": list(dict.fromkeys(effects[n["effects"][0]].phrase for n in single)),
     }
     if published is not None:
         others = read_yaml(str(published))

@@ -273,6 +273,14 @@ def write_check(
         suggestion = getattr(error, "suggestion", "mend the entry or the file that the reason names")
         found = DataCheck(name, str(error), suggestion)
     replace_text(output, found.to_json())
-    context = {"check": found, "number": number, "phrase": lambda effect: get_effect(effect).phrase}
+    seen = {s.effect for s in found.shown}
+    hidden = dict.fromkeys(s.effect for s in [*found.pairs, *found.not_shown] if s.effect not in seen)
+    context = {
+        "check": found,
+        "number": number,
+        "phrase": lambda effect: get_effect(effect).phrase,
+        "seen": seen,
+        "hidden": [get_effect(effect).phrase for effect in hidden],
+    }
     replace_text(page, render_page("check.html.j2", context))
     return found

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 MISSING = "–"
 #: Below this a deviation would need more decimals than a table holds.
 SMALLEST_STD = 1e-6
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: A digit behind a letter of a unit.
+_POWER = re.compile(r"(?<=[A-Za-z])[0-9]")
 _THIN = "\u202f"  # narrow space that does not break
 
 
@@ -36,6 +39,11 @@ def number(value: float | None, digits: int = 3, plus: bool = False) -> str:
     if plus and value > 0:
         text = "+" + text
     return text.replace("-", "−")
+
+
+def unit(text: str) -> str:
+    """Return a unit as readers know it: kg m² for the kg m2 of files, °C for degC."""
+    return _POWER.sub(lambda power: power[0].translate(_RAISED), text.replace("degC", "°C"))
 
 
 def fixed(value: float | None, decimals: int, plus: bool = False) -> str:

@@ -49,7 +49,7 @@ def _environment(templates: Path) -> Environment:
     )
     env.filters.update(number=numbers.number, with_std=numbers.with_std, fixed=numbers.fixed, percent=numbers.percent)
     env.globals.update(span=numbers.span, span_percent=numbers.span_percent, count=count)
-    env.filters.update(run_name=numbers.run_name)
+    env.filters.update(run_name=numbers.run_name, unit=numbers.unit)
     return env
 
 
