@@ -1,5 +1,7 @@
 """CSV logs as loggers of plants write them: read, or refused with the key that mends it."""
 
+import gzip
+
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -29,6 +31,32 @@ def test_preamble_units_row_decimal_commas_and_code_page(tmp_path):
     assert np.allclose(chunk.time, [0.0, 0.02])
     assert np.allclose(chunk.position[:, 0], np.radians([90, 180.5]))
     assert np.allclose(chunk.torque[:, 0], [1.0, -1.25])
+
+
+@pytest.mark.parametrize("name", ["a.csv.gz", "a.TSV.GZ"])
+def test_logs_that_a_logger_packs(tmp_path, name):
+    rows = [f"{0.02 * k:.2f},{0.001 * k:.3f},{k}" for k in range(5000)]
+    text = "\n".join([",".join(HEADER), *rows]).encode()
+    path = tmp_path / name
+    path.write_bytes(gzip.compress(text + b"\n"))
+    chunks = list(read_log(path, layout_of({}, ["joint_1"]), rows=1000))
+    assert np.array_equal(np.concatenate([c.torque[:, 0] for c in chunks]), np.arange(5000.0))
+    # A logger that appends writes several packed parts one after another.
+    half = text.index(b"\n50.00,") + 1
+    path.write_bytes(gzip.compress(text[:half]) + gzip.compress(text[half:] + b"\n"))
+    chunks = list(read_log(path, layout_of({}, ["joint_1"]), rows=1000))
+    assert sum(len(c.time) for c in chunks) == 5000
+    # The last row was cut while it was being written: left out, as of a file that is not packed.
+    path.write_bytes(gzip.compress(text + b"\n100.00,5.0"))
+    chunks = list(read_log(path, layout_of({}, ["joint_1"]), rows=1000))
+    assert sum(len(c.time) for c in chunks) == 5000
+    # The file itself was cut: what comes before counts, and the reason is told.
+    path.write_bytes(gzip.compress(text)[:-9])
+    with pytest.raises(InputError, match="cannot be read as CSV"):
+        list(read_log(path, layout_of({}, ["joint_1"]), rows=1000))
+    path.write_bytes(b"no gzip at all")
+    with pytest.raises(InputError, match="cannot be read"):
+        one(path)
 
 
 @pytest.mark.parametrize(

@@ -71,12 +71,12 @@ def test_a_window_is_a_number_and_a_unit(text):
 
 def test_packed_logs_are_told_and_the_others_go_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("day_1.csv", "day_1.csv.gz", "day_2.csv", "day_3.csv.gz", "notes.txt.gz"):
+    for name in ("day_1.csv", "day_1.csv.xz", "day_2.csv", "day_3.csv.xz", "notes.txt.gz"):
         (tmp_path / name).touch()
     logs, silent = find_all_logs({"monitor": {"robots": {"arm": {"logs": ["day_*"]}}}})
     assert logs == {"arm": ["day_1.csv", "day_2.csv"]}
-    assert "matches 1 packed log, as 'day_3.csv.gz', which cannot be read; unpack" in silent["arm"]
-    with pytest.raises(InputError, match=r"'day_3\.csv\.gz': is packed; unpack it"):
+    assert "matches 1 packed log, as 'day_3.csv.xz', which cannot be read; unpack" in silent["arm"]
+    with pytest.raises(InputError, match=r"'day_3\.csv\.xz': is packed; unpack it"):
         find_logs(["day_3*"])
     with pytest.raises(InputError, match=r"'notes\.txt\.gz': no kind of log"):
         find_logs(["notes*"])
@@ -102,6 +102,14 @@ def test_a_list_has_one_number_for_each_joint(root, key):
     check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 6}}}})
     with pytest.raises(InputError, match=f"'monitor.robots.arm.{key}' has 7 values, robot 'puma560' has 6 joints"):
         check_robots({"monitor": {"robots": {"arm": {**entry, key: [1] * 7}}}})
+
+
+def test_packed_logs_of_a_mixed_folder_are_found(tmp_path):
+    """A logger that packs its CSV from an update on: the later half would be missing without a word."""
+    names = ["log_1.parquet", "log_2.csv.gz", "log_3.CSV.GZ"]
+    for name in (*names, "notes.txt", "notes.gz"):
+        (tmp_path / name).touch()
+    assert [Path(p).name for p in find_logs([f"{tmp_path}/*"])] == names
 
 
 def test_links_do_not_lead_out_of_the_folder(tmp_path, good):

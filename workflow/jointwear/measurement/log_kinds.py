@@ -6,7 +6,7 @@ from pathlib import Path
 
 FORMATS = {
     ".nc": "netcdf", ".nc4": "netcdf", ".cdf": "netcdf", ".netcdf": "netcdf", ".csv": "csv", ".tsv": "csv",
-    ".parquet": "parquet", ".mcap": "bag", ".db3": "bag",
+    ".csv.gz": "csv", ".tsv.gz": "csv", ".parquet": "parquet", ".mcap": "bag", ".db3": "bag",
 }  # fmt: skip
 
 #: Endings of what packers write behind the name of a log.
@@ -14,9 +14,10 @@ PACKED = (".gz", ".bz2", ".xz", ".zst", ".zip", ".7z")
 
 
 def unpacked(path: str | Path) -> str:
-    """Return the name that a packed log has once it is unpacked, as day_3.csv for day_3.csv.gz; empty for others."""
+    """Return the name that a packed log has once it is unpacked, as day_3.nc for day_3.nc.gz; empty for others and for
+    those that are read as they are."""
     path = Path(path)
-    if path.suffix.lower() not in PACKED or path.with_suffix("").suffix.lower() not in FORMATS:
+    if path.suffix.lower() not in PACKED or _kind_of(path.name) or path.with_suffix("").suffix.lower() not in FORMATS:
         return ""
     return path.with_suffix("").as_posix()
 
@@ -26,4 +27,8 @@ def log_format(path: str | Path) -> str | None:
     path = Path(path)
     if path.is_dir():
         return "bag" if (path / "metadata.yaml").is_file() else None
-    return FORMATS.get(path.suffix.lower())
+    return _kind_of(path.name)
+
+
+def _kind_of(name: str) -> str | None:
+    return next((kind for ending, kind in FORMATS.items() if name.lower().endswith(ending)), None)

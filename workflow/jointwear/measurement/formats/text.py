@@ -1,16 +1,20 @@
 """CSV logs: a header line, one column an axis; separated by commas, semicolons or tabs.
 
-A preamble before the header, a row of units after it, decimal commas and code page 1252 are read as they are.
+A preamble before the header, a row of units after it, decimal commas and code page 1252 are read as they are. So are
+files that a logger packs by gzip, if their name ends with .gz: they are unpacked block by block.
 """
 
 from __future__ import annotations
 
 import csv
+import gzip
 import re
+import zlib
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import BinaryIO, cast
 
 import pyarrow as pa
 from pyarrow import csv as arrow_csv
@@ -35,7 +39,7 @@ _OTHER_FILES = {
     b"\xff\xfe": "is text in UTF-16; save it as UTF-8",
     b"\xfe\xff": "is text in UTF-16; save it as UTF-8",
     b"PK\x03\x04": "is a workbook of a spreadsheet or a zip file, not text; export it as CSV, or unpack it",
-    b"\x1f\x8b": "is packed by gzip; unpack it",
+    b"\x1f\x8b": "is packed by gzip; unpack it, or let its name end with .csv.gz",
 }
 #: How a web page begins.
 _PAGES, _OF_A_PAGE = (b"<!doctype html", b"<html"), 14
@@ -123,7 +127,8 @@ def _batches(
 ) -> Iterator[pa.RecordBatch]:
     """Yield the columns of `types` as these, about `rows` rows at a time."""
     with arrow_csv.open_csv(
-        path,
+        # By the name alone pyarrow would take .GZ for text.
+        pa.input_stream(str(path), compression="gzip" if _packed(path) else None),
         read_options=arrow_csv.ReadOptions(
             use_threads=False,
             block_size=max(1 << 16, rows * _BYTES_A_NUMBER * len(head.names)),
@@ -182,10 +187,30 @@ class _TornRow:
 
     def _unfinished(self) -> str | None:
         """Return the last line where no line end follows it."""
-        with self._path.open("rb") as file:
-            file.seek(max(0, self._path.stat().st_size - _LAST))
-            end = file.read().decode("utf-8" if self._encoding == "utf8" else self._encoding, errors="replace")
+        end = _last_bytes(self._path).decode("utf-8" if self._encoding == "utf8" else self._encoding, errors="replace")
         return None if end.endswith("\n") else end.rpartition("\n")[2]
+
+
+def _packed(path: Path) -> bool:
+    """Return whether a log is packed by gzip, by its name."""
+    return path.suffix.lower() == ".gz"
+
+
+def _open(path: Path) -> BinaryIO:
+    """Open a log for reading its text."""
+    return cast(BinaryIO, gzip.open(path, "rb")) if _packed(path) else path.open("rb")
+
+
+def _last_bytes(path: Path) -> bytes:
+    """Return the last :data:`_LAST` bytes of the text of a log; a packed one is read through for them."""
+    with _open(path) as file:
+        if not _packed(path):
+            file.seek(max(0, path.stat().st_size - _LAST))
+            return file.read()
+        end = b""
+        while more := file.read(_LAST):
+            end = (end + more)[-_LAST:]
+        return end
 
 
 def _head(path: Path, layout: Layout) -> Head:
@@ -226,11 +251,17 @@ def _head(path: Path, layout: Layout) -> Head:
 
 def _first_lines(path: Path) -> tuple[list[str], str]:
     """Return the first lines and the encoding: UTF-8, or the code page that Western Windows writes."""
+    raw: list[bytes] = []
     try:
-        with path.open("rb") as file:
-            raw = [file.readline(1 << 20) for _ in range(_LOOK)]
+        with _open(path) as file:
+            for _ in range(_LOOK):
+                raw.append(file.readline(1 << 20))
+    except (EOFError, zlib.error):
+        # A packed log that was cut: what its first lines tell may be enough to read what is there.
+        if not raw:
+            raise InputError(f"{path}: cannot be unpacked (it was cut or damaged)") from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     whole = b"".join(raw)
     for start, words in _OTHER_FILES.items():
         if whole.startswith(start):
