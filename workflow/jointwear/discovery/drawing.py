@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -18,27 +19,39 @@ from jointwear.publishing.report.numbers import number
 MODELS = ("nominal", "retuned", "augmented")
 
 
-#: From so many joints on, a cell of the map has room for one number on a line only.
-CROWDED = 8
+#: Widths [inches] of a joint of a map and of the names beside it: that of an ordinary arm fills a phone, where a number
+#: in every cell is read without scrolling.
+_OF_JOINT, _OF_NAMES = 0.46, 1.6
+#: Longest line [characters] of a name beside a map.
+_LINE = 21
+
+
+def _map_width(joints: int) -> float:
+    """Return the width [inches] of a map with a column for every joint."""
+    return _OF_NAMES + _OF_JOINT * joints
+
+
+def _wrapped(name: str) -> str:
+    return "\n".join(textwrap.wrap(name, _LINE))
 
 
 def draw_regimes(regimes: Regimes, output: str | Path) -> None:
     """Draw the residual torque in N m by joint and regime, after retuning; the colour is the share of the residual."""
     joints = len(regimes.residual)
-    between = "\n" if joints >= CROWDED else " · "
     rows = max(len(regimes.arguments), 1)
-    figure = new_figure((0.42 if joints >= CROWDED else 0.3) * rows + 0.9)
+    figure = new_figure(0.42 * rows + 0.9, width=_map_width(joints))
     axes = figure.add_subplot()
     for j, k in np.argwhere(np.isfinite(regimes.rms)):
         share = float(regimes.share[j, k])
         colour = palette.mix(palette.SEQUENTIAL, share)
         axes.add_patch(Rectangle((j - 0.5, k - 0.5), 1, 1, facecolor=colour, edgecolor=palette.PAPER))
-        text = f"{number(float(regimes.rms[j, k]), 2)}{between}{100 * share:.0f} %"
+        text = f"{number(float(regimes.rms[j, k]), 2)}\n{100 * share:.0f} %"
         axes.text(j, k, text, ha="center", va="center", fontsize=7.5, color=palette.text_on(colour))
     axes.set(xlim=(-0.5, joints - 0.5), ylim=(rows - 0.5, -0.5))
-    whole = ["at rest" if np.isnan(r) else f"{number(float(r), 2)} N m" for r in regimes.residual]
-    axes.set_xticks(range(joints), [f"joint {j + 1}\n{text}" for j, text in enumerate(whole)])
-    axes.set_yticks(range(len(regimes.arguments)), list(regimes.arguments))
+    whole = ["at rest" if np.isnan(r) else number(float(r), 2) for r in regimes.residual]
+    axes.set_xticks(range(joints), [f"{j + 1}\n{text}" for j, text in enumerate(whole)])
+    axes.set_xlabel("joint, and its whole residual [N m]")
+    axes.set_yticks(range(len(regimes.arguments)), [_wrapped(a) for a in regimes.arguments])
     axes.grid(False)
     text = "Residual torque after retuning that a mean over each regime explains, RMS in N m and share of the square"
     most = regimes.largest()
@@ -53,7 +66,7 @@ def draw_regimes(regimes: Regimes, output: str | Path) -> None:
 def draw_where(where: str | Path, output: str | Path) -> None:
     """Draw the map of structure that retuning leaves: joints across, arguments down."""
     argument, joint, structure = read_variables(where, "argument", "joint", "structure")
-    figure = new_figure(0.3 * len(argument) + 0.9)
+    figure = new_figure(0.3 * len(argument) + 0.9, width=_map_width(len(joint)))
     axes = figure.add_subplot()
     most = max(float(np.nanmax(structure, initial=1.0)), 10.0)
     for k in range(len(argument)):
@@ -65,8 +78,9 @@ def draw_where(where: str | Path, output: str | Path) -> None:
             axes.add_patch(Rectangle((j - 0.5, k - 0.5), 1, 1, facecolor=colour, edgecolor=palette.PAPER))
             axes.text(j, k, f"{max(value, 0):.0f}", ha="center", va="center", fontsize=8, color=palette.text_on(colour))
     axes.set(xlim=(-0.5, len(joint) - 0.5), ylim=(max(len(argument), 1) - 0.5, -0.5))
-    axes.set_xticks(range(len(joint)), [f"joint {j}" for j in joint])
-    axes.set_yticks(range(len(argument)), list(argument))
+    axes.set_xticks(range(len(joint)), [str(j) for j in joint])
+    axes.set_xlabel("joint")
+    axes.set_yticks(range(len(argument)), [_wrapped(a) for a in argument])
     axes.grid(False)
     text = "Structure left after retuning, in nats, by joint and argument"
     if np.isfinite(structure).any():
