@@ -186,6 +186,30 @@ def test_axes_that_rise_and_fall_within_two_shifts_are_told_as_one_cause(change,
         assert told[0]["time"] >= 192 * 3600.0
 
 
+@pytest.mark.parametrize("length", [24, 48, 96])
+def test_logs_of_another_robot_are_told_as_that_and_as_no_wear(length):
+    growth = np.zeros((360, 3))
+    growth[192 : 192 + length] = (0.14, -0.12, 0.2)
+    result = judge(statistics_of(residuals(360, growth, 19)), 120, SETTINGS)
+    assert [a for a in result.alarms if a["detector"] == "model"] == []
+    told = [f for f in result.findings if f["kind"] == "at_once"]
+    assert told[0]["time"] == 192 * 3600.0
+    assert "logs of another robot" in told[0]["words"]
+    assert (result.status[-8:] == HEALTHY).all()
+
+
+def test_wear_is_told_over_the_logs_of_another_robot():
+    growth = np.zeros((360, 3))
+    growth[168:, 1] = 0.15
+    growth[216:264] = (0.14, -0.12, 0.2)
+    result = judge(statistics_of(residuals(360, growth, 20)), 120, SETTINGS)
+    assert {a["axis"] for a in result.alarms if a["detector"] == "model"} == {2}
+    assert [f["axes"] for f in result.findings if f["kind"] == "at_once"] == [[1, 2, 3]]
+    told = result.estimates["coulomb_percent"]
+    assert np.isnan(told[220:260]).all()
+    assert np.median(told[-24:, 1]) == pytest.approx(15.0, abs=2.0)
+
+
 def test_a_service_that_is_told_raises_no_alarm_and_wear_after_it_does():
     growth = np.zeros((420, 3))
     growth[200:, 0] = -0.15

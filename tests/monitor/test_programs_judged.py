@@ -74,6 +74,41 @@ def test_a_new_program_hides_no_wear_that_was_there_before(grown):
     assert np.abs(np.median(told[:, [0, 2]], axis=0)).max() < 4.0
 
 
+def at_speed(statistics, rows, factor):
+    """Let windows run their program at another speed: its path is the same."""
+    scale = np.array([1.0, 1.0, factor, 1.0, factor**2])
+    statistics.gram[rows] *= scale[:, None] * scale
+    statistics.moment[rows] *= scale
+    return statistics
+
+
+@pytest.mark.parametrize("wear", [0.0, 0.2])
+def test_a_speed_that_the_baseline_lacks_is_no_wear_and_hides_none(wear):
+    growth, slow = np.zeros((240, 3)), np.zeros(240, dtype=bool)
+    slow[120:144] = slow[192:216] = True
+    # What the model lacks on the path looks like another friction at another speed, on each axis by its own share.
+    growth[slow, :2] = (0.25, -0.1)
+    growth[150:, 2] = wear
+    judgement = judge(at_speed(statistics_of(residuals(240, growth, 31)), slow, 0.8), 96, SETTINGS)
+    assert (judgement.status[120:122] == UNJUDGED).all()
+    assert (judgement.reason[120:122] == Reason.CONDITIONS).all()
+    assert {a["axis"] for a in judgement.alarms if a["detector"] == "model"} == ({3} if wear else set())
+    (told,) = (f for f in judgement.findings if f["kind"] == "override")
+    assert told["time"] == 120 * 3600.0
+    assert "48 h at 0.8 times its usual speed" in told["words"]
+    # Its level is known when it comes again.
+    assert np.abs(np.median(judgement.estimates["coulomb_percent"][200:216, :2], axis=0)).max() < 4.0
+
+
+def test_a_speed_within_those_of_the_baseline_is_judged_as_it_was():
+    growth, slow = np.zeros((200, 3)), np.zeros(200, dtype=bool)
+    slow[40:50] = slow[150:] = True
+    growth[150:, 1] = 0.25
+    judgement = judge(at_speed(statistics_of(residuals(200, growth, 32)), slow, 0.8), 96, SETTINGS)
+    assert {a["axis"] for a in judgement.alarms if a["detector"] == "model"} == {2}
+    assert not [f for f in judgement.findings if f["kind"] == "override"]
+
+
 def test_windows_that_mix_programs_are_a_program_of_their_own():
     total = np.full(2, "", dtype=object)
     add_labels(total, [0, 0, 1], [label_text(np.array(["a"] * 30)), label_text(np.array(["b"] * 30)), ""])

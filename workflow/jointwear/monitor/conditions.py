@@ -12,6 +12,8 @@ operating feature that is itself a log is an elasticity:
 - a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`; its products with the load, since
   a part that is carried on some moves of a program weighs on an axis there and not elsewhere, and with the speed, at
   which programs that use other parts of the friction curve differ: :data:`LOAD_PROGRAM`, :data:`SPEED_PROGRAM`;
+- by how much all axes together are faster or slower than any window of the baseline in the same program
+  (:mod:`.override`): :data:`OVERRIDE`;
 - products of the features with temperature, or with the warm-up state: :data:`PRODUCT` times that of the feature.
 
 The sizes are those that friction of joints shows (see Bittencourt and Gunnarsson 2012 for speed, load and temperature;
@@ -25,6 +27,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.monitor.normal_state import Posterior
+from jointwear.monitor.override import unseen_speed
 from jointwear.monitor.warm_up import warm_up_state
 from jointwear.monitor.windows import WindowStatistics
 
@@ -41,6 +44,8 @@ NAMED_PROGRAM, LATE_PROGRAM = 0.3, 0.15
 #: Of the features: speed (log of its mean, log of the ratio of root mean square and mean), gravity and inertial torque
 #: (root mean square over the friction), gravity against the motion (mean over the friction).
 FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
+#: Per log of the speed beyond those of the baseline: 25 to 40 % of the friction were seen at 0.85.
+OVERRIDE = 1.5
 #: Change of a feature's coefficient per K, as a share of its own prior; per unit of the warm-up state.
 PRODUCT, PRODUCT_WARM = 0.02, 0.4
 #: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond.
@@ -114,8 +119,9 @@ def operating_features(
 @dataclass(frozen=True)
 class Design:
     """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range, of
-    temperatures and of how fast they change; `programs`: columns of programs that the log names or the baseline lacks;
-    their normal is learnt when they first run. `thermal`: columns of temperature, warming and hour, with products."""
+    temperatures and of how fast they change; `programs`: columns of programs that the log names or the baseline lacks,
+    and of speeds that it lacks; their normal is learnt when they first run. `thermal`: columns of temperature, warming
+    and hour, with products."""
 
     matrix: np.ndarray
     prior: Posterior
@@ -197,10 +203,15 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
         columns += list((centred * columns[1][:, None]).T)
         scales += list(FEATURES * PRODUCT_WARM)
     thermal += range(before, len(columns))
+    programs: list[int] = []
+    override = unseen_speed(conditions.features[..., 0], conditions.regime, baseline)
+    if override.any():
+        programs.append(len(columns))
+        columns.append(override)
+        scales.append(OVERRIDE)
     load = conditions.load - float(np.median(conditions.load[baseline]))
     columns.append(load)
     scales.append(LOAD)
-    programs: list[int] = []
     if conditions.regime is not None:
         names, counts = np.unique(conditions.regime[baseline & (conditions.regime >= 0)], return_counts=True)
         usual_one = names[np.argmax(counts)] if len(names) else -1

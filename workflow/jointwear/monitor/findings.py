@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import name_axes
+from jointwear.monitor.another_robot import FEWEST_RISEN, MOST_AXES, Exchange
 from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import NORMAL
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.loud import loud_findings
-from jointwear.monitor.scale import ScaleStep
+from jointwear.monitor.override import override_findings
+from jointwear.monitor.scale import FEWEST_TOGETHER, ScaleStep
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.thermometers import broken, other_unit
 from jointwear.monitor.watching import Watch
@@ -23,11 +25,8 @@ from jointwear.publishing.report.numbers import fixed
 
 #: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
 WITH_SCALE = 2
-#: Share of the axes, and fewest, that change within two shifts from a cause that they share; fewest of these that rise:
-#: one may wear while a service takes friction off the others.
-MOST_AXES, FEWEST_AXES, FEWEST_RISEN = 0.5, 3, 2
-#: Kind of a finding on a fall that may be a service, and on a program that the baseline lacks.
-FELL, PROGRAM = "proposed_service", "program"
+#: Kind of a finding on a fall that may be a service, on a program that the baseline lacks, and on most axes together.
+FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
 
 
 def moment_words(statistics: WindowStatistics, seconds: float) -> str:
@@ -43,6 +42,7 @@ def findings_of(
     baseline: np.ndarray,
     level: Watch,
     steps: Sequence[ScaleStep],
+    exchanges: Sequence[Exchange],
     changed: np.ndarray,
     conditions: Conditions,
 ) -> list[dict[str, Any]]:
@@ -50,11 +50,16 @@ def findings_of(
 
     Parameters
     ----------
-    steps : changed scales. changed : (w, n) bool, axes with an open alarm of friction. conditions : of all windows.
+    steps : changed scales. exchanges : of robots or drives. changed : (w, n) bool, axes with an open alarm of friction.
+    conditions : of all windows.
     """
-    found = _scales(statistics, shift, steps, changed) + _services(statistics, level, steps)
-    found += _at_once(statistics, shift, level, steps)
+    explained = {(s.axis, s.window) for s in steps} | {(j, one.window) for one in exchanges for j in one.axes}
+    found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained)
+    found += [_exchanged(statistics, level, one) for one in exchanges]
+    found += _at_once(statistics, shift, level, explained)
     found += _programs(statistics, conditions, baseline, level)
+    most = np.isfinite(level.residual).mean(axis=1) > 0.5
+    found += override_findings(statistics, conditions.features[..., 0], conditions.regime, baseline, most)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline) + broken(statistics, baseline)
     events = [[s.window for s in starts if not s.proposed] for starts in level.starts]
@@ -84,8 +89,7 @@ def _scales(
     return result
 
 
-def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleStep]) -> list[dict[str, Any]]:
-    explained = {(s.axis, s.window) for s in steps}
+def _services(statistics: WindowStatistics, level: Watch, explained: set[tuple[int, int]]) -> list[dict[str, Any]]:
     result = []
     for j, starts in enumerate(level.starts):
         for start in starts:
@@ -100,10 +104,9 @@ def _services(statistics: WindowStatistics, level: Watch, steps: Sequence[ScaleS
 
 
 def _at_once(
-    statistics: WindowStatistics, shift: np.ndarray, level: Watch, steps: Sequence[ScaleStep]
+    statistics: WindowStatistics, shift: np.ndarray, level: Watch, explained: set[tuple[int, int]]
 ) -> list[dict[str, Any]]:
     """One finding for the first two shifts in which most axes begin to alarm or fall, each by itself."""
-    explained = {(s.axis, s.window) for s in steps}
     begins = [
         (int(shift[k]), int(k), j, rose)
         for j, starts in enumerate(level.starts)
@@ -116,19 +119,38 @@ def _at_once(
         here = [b for b in begins if 0 <= b[0] - name <= 1]
         rose, fell = (sorted({j + 1 for _, _, j, up in here if up == wanted}) for wanted in (True, False))
         axes = sorted({*rose, *fell})
-        if len(axes) < max(FEWEST_AXES, MOST_AXES * len(level.starts)) or len(rose) < FEWEST_RISEN:
+        if len(axes) < max(FEWEST_TOGETHER, MOST_AXES * len(level.starts)) or len(rose) < FEWEST_RISEN:
             continue
         window = min(k for _, k, _, _ in here)
-        told = [f"of {name_axes(a)} {word}" for a, word in ((rose, "rose"), (fell, "fell")) if a]
-        answered = all(any(not s.proposed and s.window >= window for s in level.starts[a - 1]) for a in axes)
         words = (
-            f"Within two shifts friction {' and '.join(told)}, which no gear does: logs of another robot under this "
+            f"Within two shifts friction {_moved(rose, fell)}, which no gear does: logs of another robot under this "
             "name, exchanged drives, another controller, a load, or weather that no thermometer shows. Look for that "
             "before you look at a gear, and enter under 'events' what was changed."
         )
-        known = {"answered": True} if answered else {}
-        return [{"time": float(statistics.start[window]), "axes": axes, "kind": "at_once", "words": words, **known}]
+        return [_of_many(statistics, level, window, axes, words)]
     return []
+
+
+def _exchanged(statistics: WindowStatistics, level: Watch, one: Exchange) -> dict[str, Any]:
+    rose, fell = ([j + 1 for j in axes] for axes in (one.rose, one.fell))
+    words = (
+        f"From one shift to the next friction {_moved(rose, fell)}, which no gear does: logs of another robot under "
+        "this name, exchanged drives, or another controller. No wear is told of it, and all axes are learnt anew from "
+        "there: put the logs where they belong, or enter under 'events' what was changed."
+    )
+    return _of_many(statistics, level, one.window, sorted([*rose, *fell]), words)
+
+
+def _moved(rose: Sequence[int], fell: Sequence[int]) -> str:
+    """Return in words which 1-based axes rose and fell."""
+    return " and ".join(f"of {name_axes(a)} {word}" for a, word in ((rose, "rose"), (fell, "fell")) if a)
+
+
+def _of_many(statistics: WindowStatistics, level: Watch, window: int, axes: list[int], words: str) -> dict[str, Any]:
+    """Return the finding on 1-based axes that changed together at a window; answered by a later event of each."""
+    answered = all(any(not s.proposed and s.window >= window for s in level.starts[a - 1]) for a in axes)
+    known = {"answered": True} if answered else {}
+    return {"time": float(statistics.start[window]), "axes": axes, "kind": AT_ONCE, "words": words, **known}
 
 
 def fell_words(axes: Sequence[int]) -> str:

@@ -9,15 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.monitor.scale import ALIKE, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_of, mean_residual
+from jointwear.monitor.scale import ALIKE, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_of, shift_steps
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.watching import Watch
-from jointwear.statistics.known import known_median
 
 #: Share of the axes whose friction must step alike, and of those that show their bodies whose bodies must, too.
 MOST, SOME = 2 / 3, 1 / 3
-#: Shifts whose median a step is held against: friction that fell or rose long before is no part of it.
-BEFORE = 3
 
 
 def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
@@ -37,8 +34,8 @@ def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
     names = np.unique(shift)
     if len(axes) < FEWEST_TOGETHER or not named:
         return []
-    usual, friction = _steps(level, axes, names, shift)
-    _, bodies = _steps(scale, named, names, shift)
+    usual, friction = shift_steps(level, axes, names, shift)
+    _, bodies = shift_steps(scale, named, names, shift)
     known = np.isfinite(friction[..., 0])
     sizes = np.array([np.median(f[k]) if k.any() else 0.0 for f, k in zip(friction[..., 0], known, strict=True)])
     least = ALIKE * np.abs(sizes)[:, None]
@@ -62,17 +59,3 @@ def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
     factor = float(np.exp(np.median(bodies[a + 1, shown[a + 1], 0])))
     off = known[a : a + 2] & ~alike[a : a + 2] & ~shown[a : a + 2]
     return [ScaleStep(j, begin, factor) for j in axes if not off[:, j].all()]
-
-
-def _steps(watched: Watch, axes: list[int], names: np.ndarray, shift: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return what was usual (s, n) before each shift of `names` (s,), its median over :data:`BEFORE` of them, and the
-    step from there (s, n, 2) with the error of the shift."""
-    n = len(watched.axes)
-    means = np.full((len(names), n, 2), np.nan)
-    for a, s in enumerate(names):
-        for j in axes:
-            means[a, j] = mean_residual(watched, shift == s, j, shift)
-    usual = np.full((len(names), n), np.nan)
-    for a in range(1, len(names)):
-        usual[a] = known_median(means[max(a - BEFORE, 0) : a, :, 0], axis=0)
-    return usual, np.stack([means[..., 0] - usual, means[..., 1]], axis=-1)

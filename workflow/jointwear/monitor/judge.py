@@ -16,6 +16,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHARE
+from jointwear.monitor.another_robot import Exchange, first_exchange, without_exchange
 from jointwear.monitor.backlash import (
     BACKLASH,
     backlash_findings,
@@ -104,8 +105,9 @@ def judge(
     normal = _normal_states(statistics, seen, {} if known is None else known, recall)
     stated = settings.false_alarms_per_1000_h
     rate = stated / 1000 * seen.conditions.hours
-    level, steps, found = _watch_level(normal, seen, stated, recall)
-    backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, found, recall, services=False)
+    friction = _watch_level(normal, seen, stated, recall)
+    level, normal = friction.watch, friction.normal
+    backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
     fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
     # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.
@@ -137,21 +139,22 @@ def judge(
         ),
         reason=teller.reasons(),
         findings=[
-            *_findings(statistics, seen, level, steps, teller, limit),
+            *_findings(statistics, seen, friction, teller, limit),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
         ],
     )
 
 
 def _findings(
-    statistics: WindowStatistics, seen: Observed, level: Watch, steps: list[ScaleStep], teller: Teller, limit: float
+    statistics: WindowStatistics, seen: Observed, friction: _Level, teller: Teller, limit: float
 ) -> list[dict[str, Any]]:
     """Return what is no alarm but must be told; `limit` of growth, as a share."""
-    first, shift = seen.baseline, seen.shift
+    first, shift, level = seen.baseline, seen.shift, friction.watch
+    changes = friction.steps, friction.exchanges
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
     zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
     return [
-        *findings_of(statistics, shift, first, level, steps, teller.status == CHANGED, seen.conditions),
+        *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, seen.conditions),
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),
         *backlash_findings(seen.hidden, float(statistics.start[0])),
@@ -194,17 +197,26 @@ def _watched(
     return watch(normal, seen.conditions, seen.baseline, seen.shift, allowed, *where, recall=recall, **more)
 
 
+@dataclass(frozen=True)
+class _Level:
+    """The watched level of friction: changes of `steps` of the torque's scale and `exchanges` of robots, for each axis
+    the windows from which these make it learnt anew, `found`, and the normal states by name that all is held against.
+    """
+
+    watch: Watch
+    steps: list[ScaleStep]
+    exchanges: list[Exchange]
+    found: list[list[int]]
+    normal: Mapping[str, list[AxisNormal | None]]
+
+
 def _watch_level(
     normal: Mapping[str, list[AxisNormal | None]], seen: Observed, stated: float, recall: Recall | None
-) -> tuple[Watch, list[ScaleStep], list[list[int]]]:
-    """Watch the level of friction, learnt anew where the scale of the torque changed.
-
-    Returns
-    -------
-    the watch at the `stated` rate [false alarms per 1,000 h], the changes of scale, and for each axis the windows at
-    which they are.
-    """
+) -> _Level:
+    """Watch the level of friction at the `stated` rate [false alarms per 1,000 h], learnt anew where the scale of the
+    torque changed or the logs of another robot begin."""
     steps: list[ScaleStep] = []
+    exchanges: list[Exchange] = []
     found: list[list[int]] = [[] for _ in normal["level"]]
     scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
     allowed = LEVEL_SHARE * scale_rate
@@ -215,19 +227,27 @@ def _watch_level(
         level = _watched(normal["level"], seen, allowed, found, recall, unit=unit)
         scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
         plain = _watched(normal["level"], seen, allowed, found, recall, **alone)
-        changed = gain_of_all(plain, scaled, seen.shift, seen.baseline)
-        changed = changed or scale_steps(level, plain, scaled, seen.shift, seen.baseline)
-        told = {(s.axis, s.window) for s in steps}
-        fresh = [s for s in changed if (s.axis, s.window) not in told]
-        if not fresh:
-            settled = True
-            break
-        steps += fresh
-        found = [[s.window for s in steps if s.axis == j and s.window > 0] for j in range(len(found))]
+        one = first_exchange(plain, seen.shift, seen.baseline)
+        if one is not None and one not in exchanges:
+            exchanges.append(one)
+            if one.end is not None:
+                normal = {name: without_exchange(axes, one) for name, axes in normal.items()}
+        else:
+            changed = gain_of_all(plain, scaled, seen.shift, seen.baseline)
+            changed = changed or scale_steps(level, plain, scaled, seen.shift, seen.baseline)
+            told = {(s.axis, s.window) for s in steps} | {(j, e.window) for e in exchanges for j in e.axes}
+            fresh = [s for s in changed if (s.axis, s.window) not in told]
+            if not fresh:
+                settled = True
+                break
+            steps += fresh
+        begins = [(s.axis, s.window) for s in steps if s.window > 0]
+        begins += [(j, e.window) for e in exchanges if e.end is None for j in e.axes]
+        found = [sorted({window for axis, window in begins if axis == j}) for j in range(len(found))]
     if not settled or stated != SCALE_RATE:
         rate = stated / 1000 * seen.conditions.hours
         level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall, unit=unit)
-    return level, steps, found
+    return _Level(level, steps, exchanges, found, normal)
 
 
 def _estimates(

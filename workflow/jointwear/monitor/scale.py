@@ -15,6 +15,7 @@ import numpy as np
 from jointwear.monitor.estimate import COLUMNS, Sums, column_estimate
 from jointwear.monitor.series import Series
 from jointwear.monitor.watching import Watch
+from jointwear.statistics.known import known_median
 
 #: A scale explains growth where the growth is likelier as its step than as no step of it by this log likelihood ratio;
 #: smallest step. Of a second axis the factors are alike within this share, a third contradicts that many errors off.
@@ -23,6 +24,8 @@ CLEAR, LEAST, ALIKE, AGAINST = 1.0, 0.01, 0.5, 2.5
 TOGETHER, FEWEST_TOGETHER = 4.0, 3
 #: Share of the axes whose friction must step with it: a load or a program moves the bodies of all axes alone.
 MOST = 0.5
+#: Shifts whose median a step is held against: friction that fell or rose long before is no part of it.
+BEFORE = 3
 #: Change of the gravity torque, as a share, below which hardly anything of it is left: no scale is told from that.
 LEAST_LEFT = -0.9
 _GRAVITY, _INERTIAL = COLUMNS.index("gravity"), COLUMNS.index("inertial")
@@ -203,3 +206,25 @@ def mean_residual(watched: Watch, rows: slice | np.ndarray, j: int, shift: np.nd
     normal = float(np.nanmedian(axis.fit.left_out_variance))
     error = np.sqrt(1.0 / weight.sum() + axis.dispersion.between**2 / len(np.unique(label[good])) + normal)
     return float(weight @ value[good] / weight.sum()), float(error)
+
+
+def shift_steps(
+    watched: Watch, axes: list[int], names: np.ndarray, shift: np.ndarray, unknown: float = np.nan
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what was usual (s, n) before each shift of `names` (s,), its median over :data:`BEFORE` of them, and the
+    step from there (s, n, 2) with the error of the shift, NaN on axes that are not of `axes`.
+
+    Parameters
+    ----------
+    unknown : what was usual where none of the shifts before is judged.
+    """
+    n = len(watched.axes)
+    means = np.full((len(names), n, 2), np.nan)
+    for a, s in enumerate(names):
+        for j in axes:
+            means[a, j] = mean_residual(watched, shift == s, j, shift)
+    usual = np.full((len(names), n), np.nan)
+    for a in range(1, len(names)):
+        usual[a] = known_median(means[max(a - BEFORE, 0) : a, :, 0], axis=0)
+    usual[np.isnan(usual)] = unknown
+    return usual, np.stack([means[..., 0] - usual, means[..., 1]], axis=-1)

@@ -200,7 +200,7 @@ def _new_programs(design: Design, posterior: Posterior, rows: np.ndarray) -> tup
     """
     waiting, new = np.zeros(len(rows), dtype=bool), np.zeros(len(rows), dtype=bool)
     for c in design.programs:
-        own = design.matrix[rows, c] > 0
+        own = design.matrix[rows, c] != 0
         if not own.any():
             continue
         usual = design.matrix[rows[own]].copy()

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.findings import AT_ONCE, FELL
 from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN
 from jointwear.monitor.odd_motion import CLOCK_SPEED, STOPPED
 from jointwear.monitor.open_alarms import OPEN_ALARM
@@ -18,7 +19,7 @@ from jointwear.monitor.zeros import ZERO
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = (OPEN_ALARM, "scale", "clock", "proposed_service", LOUD, ZERO)
+ASKING = (OPEN_ALARM, "scale", "clock", FELL, AT_ONCE, LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
 WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, BROKEN)
