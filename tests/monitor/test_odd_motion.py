@@ -61,6 +61,17 @@ def test_a_position_that_stops_is_told():
     assert answered["answered"]
 
 
+def test_positions_that_all_stop_are_told():
+    (found,) = findings(rest(month(), [0, 1, 2]))
+    assert (found["kind"], found["axes"], found["time"]) == (STOPPED, [1, 2, 3], 48 * 3600.0)
+    assert "all axes" in found["words"]
+    # A robot that stands has torques that stand, too.
+    stands = rest(month(), [0, 1, 2])
+    stands.torque_histogram[48:] = 0
+    stands.torque_histogram[48:, :, 20] = 80
+    assert findings(stands) == []
+
+
 def test_one_shift_two_axes_at_rest_or_another_program_are_no_stopped_position():
     assert findings(rest(month(since=56), 1, since=56)) == []
     assert findings(rest(month(), [0, 1])) == []

@@ -4,7 +4,8 @@ A program run at another speed takes other speeds at the same time between sampl
 at the same speeds. Where both change by the same factor, one up and one down, the rows hold the motion that they always
 held, and the clock is what changed: friction and inertia are then seen at speeds that never were.
 
-A joint that keeps its place while the others move as in a program in which it moves has a position that stopped.
+A joint that keeps its place while the others move as in a program in which it moves has a position that stopped. So
+have all joints where none of them moves while their torques change as they do in motion.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ CLOCK_SPEED, STOPPED = "clock_speed", "stopped"
 #: Smallest change (log) of a clock that is told, and the part of it that speeds may be off by: a program that windows
 #: hold parts of differs by a tenth from shift to shift, both ways (one of 100 simulated months).
 SMALLEST, AGREES = 0.2, 1 / 3
+#: Part of the spread of a torque in motion from which on no arm stands still, on most axes.
+SPREAD, MOST = 0.5, 0.5
 #: Shifts in a row that show it, and windows of each; windows of a program in the baseline that its usual is told from.
 SHIFTS, WINDOWS, USUAL = 2, 3, 3
 
@@ -60,9 +63,14 @@ def odd_motion_findings(
             found.append(spell_finding(statistics, own, axes, kind, text, asked))
 
     tell([_of_clock(step[r], speed[r]) for r in rows], CLOCK_SPEED, lambda own: ([], _clock_words(step[own])))
+
+    def stops(windows: np.ndarray, fewest: int) -> list[bool]:
+        return [windows[r].sum() >= fewest and windows[r].mean() > 0.5 for r in rows]
+
     for j in range(statistics.axes):
-        told = [still[r, j].sum() >= WINDOWS and still[r, j].mean() > 0.5 for r in rows]
-        tell(told, STOPPED, lambda own, j=j: ([j + 1], _STOPPED.format(axes=name_axes([j + 1]))))
+        tell(stops(still[:, j], WINDOWS), STOPPED, lambda own, j=j: ([j + 1], _STOPPED.format(axes=name_axes([j + 1]))))
+    every = list(range(1, statistics.axes + 1))
+    tell(stops(_frozen(statistics, baseline), 1), STOPPED, lambda own: (every, _FROZEN))
     return found
 
 
@@ -70,6 +78,10 @@ _STOPPED = (
     "The position of {axes} stays where it is while all other axes move as in a program in which it moves: its sensor, "
     "or its column in the log. What the other axes need is worked out with a wrong posture: growth from there on is "
     "not to be trusted. If the program was changed, enter it under 'events'."
+)
+_FROZEN = (
+    "The positions of all axes stay where they are while their torques change as in motion: the sensors, or the "
+    "columns of the log. Nothing can be judged until they tell where the robot is."
 )
 
 
@@ -121,3 +133,16 @@ def _stopped(statistics: WindowStatistics, program: np.ndarray, baseline: np.nda
             if differences(signature[k], [centres[centre]], hidden)[0] <= UNSEEN:
                 result[k] |= hidden
     return result
+
+
+def _frozen(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
+    """Return the windows (w,) in which no joint moves, and the torques of most are spread as in motion."""
+    counts, place = statistics.torque_histogram, np.arange(statistics.torque_histogram.shape[-1], dtype=float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        total = counts.sum(axis=-1)
+        spread = np.sqrt(counts @ place**2 / total - (counts @ place / total) ** 2)
+    rest = statistics.flags & int(Flag.AT_REST) != 0
+    usual = known_median(np.where(rest | ~baseline[:, None], np.nan, spread), axis=0)
+    with np.errstate(invalid="ignore"):
+        wide = spread > SPREAD * np.maximum(usual, 1.0)
+    return rest.all(axis=1) & (wide.sum(axis=1) > MOST * np.maximum(np.isfinite(usual).sum(), 1))
