@@ -11,6 +11,7 @@ from monitor_windows import SETTINGS, VISCOUS, motion, residuals, statistics_of
 
 from jointwear.measurement.flags import Flag
 from jointwear.monitor import judge as judge_module
+from jointwear.monitor.another_robot import first_exchange
 from jointwear.monitor.events import Event
 from jointwear.monitor.judge import judge
 from jointwear.monitor.judge_settings import JudgeSettings
@@ -196,6 +197,23 @@ def test_logs_of_another_robot_are_told_as_that_and_as_no_wear(length):
     assert told[0]["time"] == 192 * 3600.0
     assert "logs of another robot" in told[0]["words"]
     assert (result.status[-8:] == HEALTHY).all()
+
+
+def test_five_axes_of_which_one_rises_are_another_robot():
+    n = 300
+    level = SimpleNamespace(
+        axes=[SimpleNamespace(fit=SimpleNamespace(left_out_variance=np.full(4, 1e-5)), dispersion=SimpleNamespace(
+            between=0.005))] * 6,
+        residual=np.zeros((n, 6)), noise=np.full((n, 6), 1e-4),
+    )  # fmt: skip
+    level.residual[192:, :5] = (-0.1, -0.1, -0.1, -0.1, 0.1)
+    # A shift in which nothing can be judged lies between the two that show it.
+    level.residual[200:208] = np.nan
+    shift, baseline = np.arange(n) // 8, np.arange(n) < 96
+    found = first_exchange(level, shift, baseline)
+    assert (found.window, found.end, found.rose, found.fell) == (192, None, (4,), (0, 1, 2, 3))
+    level.residual[192:, 0] = 0.0
+    assert first_exchange(level, shift, baseline) is None
 
 
 def test_wear_is_told_over_the_logs_of_another_robot():

@@ -19,8 +19,8 @@ from jointwear.monitor.watching import Watch
 from jointwear.statistics.known import known_median
 
 #: Share of the axes that have to step, by more than what they have in common has to be to be told; fewest of them that
-#: rise: one may wear while a service takes friction off the others.
-MOST_AXES, FEWEST_RISEN = 0.5, 2
+#: rise: one may wear while a service takes friction off the others, unless so many step.
+MOST_AXES, FEWEST_RISEN, MANY = 0.5, 2, 5
 #: It is over where less than this part of the step is left, of more than this share of the axes that show it.
 OVER, MOST_OVER = 0.5, 2 / 3
 
@@ -57,22 +57,29 @@ def first_exchange(level: Watch, shift: np.ndarray, baseline: np.ndarray) -> Exc
         return None
     # Where an axis has just been learnt anew, nothing is usual but what it was learnt to be.
     usual, step = shift_steps(level, axes, names, shift, unknown=0.0)
-    size, error = step[..., 0], step[..., 1]
+    told = np.isfinite(step[..., 0]).sum(axis=1) > 0.5 * len(axes)
+    names, usual, step = names[told], usual[told], step[told]
+    if len(names) < 2:
+        return None
+    mean, error = usual + step[..., 0], step[..., 1]
+    first, second = (mean[rows] - usual[:-1] for rows in (slice(0, -1), slice(1, None)))
+    both = np.sign(first) == np.sign(second)
     with np.errstate(invalid="ignore"):
-        clear = (np.abs(size) > FINDING) & (np.abs(size) > TOGETHER * error)
-    both = clear[1:] & clear[:-1] & (np.sign(size[1:]) == np.sign(size[:-1]))
-    rose, fell = both & (size[1:] > 0), both & (size[1:] < 0)
-    known = np.isfinite(size[1:]).sum(axis=1)
+        for size, own in ((first, error[:-1]), (second, error[1:])):
+            both &= (np.abs(size) > FINDING) & (np.abs(size) > TOGETHER * own)
+    rose, fell = both & (first > 0), both & (first < 0)
+    known = (np.isfinite(first) & np.isfinite(second)).sum(axis=1)
     found = both.sum(axis=1) >= np.maximum(FEWEST_TOGETHER, MOST_AXES * known)
-    found &= (rose.sum(axis=1) >= FEWEST_RISEN) & fell.any(axis=1)
+    found &= rose.any(axis=1) & fell.any(axis=1)
+    found &= (rose.sum(axis=1) >= FEWEST_RISEN) | (both.sum(axis=1) >= MANY)
     found &= ~np.isin(names[:-1], shift[baseline])
     if not found.any():
         return None
     a = int(np.argmax(found))
     some = np.flatnonzero(both[a])
     # What is left of the step, window by window: one while it lasts.
-    part = (level.residual[:, some] - usual[a, some]) / size[a + 1, some]
-    noise = level.noise[:, some] / size[a + 1, some] ** 2
+    size = second[a, some]
+    part, noise = (level.residual[:, some] - usual[a, some]) / size, level.noise[:, some] / size**2
     begin = _cut(part, noise, shift, names[max(a - 1, 0) : a + 1], baseline)
     where = (tuple(int(j) for j in np.flatnonzero(x)) for x in (rose[a], fell[a]))
     return Exchange(begin, _end(part, noise, shift, names, a, baseline), tuple(axes), *where)
