@@ -196,6 +196,7 @@ def test_logs_of_another_robot_are_told_as_that_and_as_no_wear(length):
     told = [f for f in result.findings if f["kind"] == "at_once"]
     assert told[0]["time"] == 192 * 3600.0
     assert "logs of another robot" in told[0]["words"]
+    assert "these windows are not judged" in told[0]["words"]
     assert (result.status[-8:] == HEALTHY).all()
 
 

@@ -132,11 +132,17 @@ def _at_once(
 
 
 def _exchanged(statistics: WindowStatistics, level: Watch, one: Exchange) -> dict[str, Any]:
+    """The finding on logs of another robot."""
     rose, fell = ([j + 1 for j in axes] for axes in (one.rose, one.fell))
+    if one.end is None:
+        since, then = "", "all axes are learnt anew from there"
+    else:
+        lasted = duration((statistics.start[one.end] - statistics.start[one.window]) / 3600)
+        since, then = f", and for {lasted},", "these windows are not judged"
     words = (
-        f"From one shift to the next friction {_moved(rose, fell)}, which no gear does: logs of another robot under "
-        "this name, exchanged drives, or another controller. No wear is told of it, and all axes are learnt anew from "
-        "there: put the logs where they belong, or enter under 'events' what was changed."
+        f"From one shift to the next{since} friction {_moved(rose, fell)}, which no gear does: logs of another robot "
+        f"under this name, exchanged drives, or another controller. No wear is told of it, and {then}: put the logs "
+        "where they belong, or enter under 'events' what was changed."
     )
     return _of_many(statistics, level, one.window, sorted([*rose, *fell]), words)
 
