@@ -213,6 +213,8 @@ def test_five_axes_of_which_one_rises_are_another_robot():
     shift, baseline = np.arange(n) // 8, np.arange(n) < 96
     found = first_exchange(level, shift, baseline)
     assert (found.window, found.end, found.rose, found.fell) == (192, None, (4,), (0, 1, 2, 3))
+    running = SimpleNamespace(axes=level.axes, residual=level.residual[:196], noise=level.noise[:196])
+    assert first_exchange(running, shift[:196], baseline[:196]) == found
     level.residual[192:, 0] = 0.0
     assert first_exchange(level, shift, baseline) is None
 

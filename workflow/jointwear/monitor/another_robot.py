@@ -49,7 +49,7 @@ def first_exchange(level: Watch, shift: np.ndarray, baseline: np.ndarray) -> Exc
 
     Notes
     -----
-    Two shifts in a row must show it, each of the axes to the same side, and two its end.
+    Two shifts in a row must show it, each of the axes to the same side, or the one that runs; and two its end.
     """
     axes = [j for j, axis in enumerate(level.axes) if axis is not None]
     names = np.unique(shift)
@@ -59,20 +59,22 @@ def first_exchange(level: Watch, shift: np.ndarray, baseline: np.ndarray) -> Exc
     usual, step = shift_steps(level, axes, names, shift, unknown=0.0)
     told = np.isfinite(step[..., 0]).sum(axis=1) > 0.5 * len(axes)
     names, usual, step = names[told], usual[told], step[told]
-    if len(names) < 2:
+    if not len(names):
         return None
     mean, error = usual + step[..., 0], step[..., 1]
-    first, second = (mean[rows] - usual[:-1] for rows in (slice(0, -1), slice(1, None)))
+    # The shift that runs has none behind it, and nobody is to be sent to a gear until there is.
+    after = np.minimum(np.arange(len(names)) + 1, len(names) - 1)
+    first, second = mean - usual, mean[after] - usual
     both = np.sign(first) == np.sign(second)
     with np.errstate(invalid="ignore"):
-        for size, own in ((first, error[:-1]), (second, error[1:])):
+        for size, own in ((first, error), (second, error[after])):
             both &= (np.abs(size) > FINDING) & (np.abs(size) > TOGETHER * own)
     rose, fell = both & (first > 0), both & (first < 0)
     known = (np.isfinite(first) & np.isfinite(second)).sum(axis=1)
     found = both.sum(axis=1) >= np.maximum(FEWEST_TOGETHER, MOST_AXES * known)
     found &= rose.any(axis=1) & fell.any(axis=1)
     found &= (rose.sum(axis=1) >= FEWEST_RISEN) | (both.sum(axis=1) >= MANY)
-    found &= ~np.isin(names[:-1], shift[baseline])
+    found &= ~np.isin(names, shift[baseline])
     if not found.any():
         return None
     a = int(np.argmax(found))
