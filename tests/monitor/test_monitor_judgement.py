@@ -219,6 +219,21 @@ def test_five_axes_of_which_one_rises_are_another_robot():
     assert first_exchange(level, shift, baseline) is None
 
 
+def test_wear_that_goes_on_beside_a_fall_of_five_axes_is_no_other_robot():
+    n = 300
+    level = SimpleNamespace(
+        axes=[SimpleNamespace(fit=SimpleNamespace(left_out_variance=np.full(4, 1e-5)), dispersion=SimpleNamespace(
+            between=0.005))] * 6,
+        residual=np.zeros((n, 6)), noise=np.full((n, 6), 1e-4),
+    )  # fmt: skip
+    level.residual[192:, :5] = -0.1
+    shift, baseline = np.arange(n) // 8, np.arange(n) < 96
+    level.residual[:, 5] = 0.06 * np.maximum(shift - 19, 0)
+    assert first_exchange(level, shift, baseline) is None
+    level.residual[:, 5] = 0.06 * (shift >= 24)
+    assert first_exchange(level, shift, baseline) is not None
+
+
 def test_wear_is_told_over_the_logs_of_another_robot():
     growth = np.zeros((360, 3))
     growth[168:, 1] = 0.15

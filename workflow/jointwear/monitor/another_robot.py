@@ -21,6 +21,8 @@ from jointwear.statistics.known import known_median
 #: Share of the axes that have to step, by more than what they have in common has to be to be told; fewest of them that
 #: rise: one may wear while a service takes friction off the others, unless so many step.
 MOST_AXES, FEWEST_RISEN, MANY = 0.5, 2, 5
+#: Part of the step that has to lie between a shift and the one before it.
+SUDDEN = 0.5
 #: It is over where less than this part of the step is left, of more than this share of the axes that show it.
 OVER, MOST_OVER = 0.5, 2 / 3
 
@@ -65,8 +67,12 @@ def first_exchange(level: Watch, shift: np.ndarray, baseline: np.ndarray) -> Exc
     # The shift that runs has none behind it, and nobody is to be sent to a gear until there is.
     after = np.minimum(np.arange(len(names)) + 1, len(names) - 1)
     first, second = mean - usual, mean[after] - usual
+    # What has been growing, or stepped in the shift before, does not step in this one.
+    before = np.where(np.isfinite(mean[:-1]), mean[:-1], usual[1:])
+    jump = mean - np.concatenate([usual[:1], before])
     both = np.sign(first) == np.sign(second)
     with np.errstate(invalid="ignore"):
+        both &= jump * np.sign(second) > SUDDEN * np.abs(second)
         for size, own in ((first, error), (second, error[after])):
             both &= (np.abs(size) > FINDING) & (np.abs(size) > TOGETHER * own)
     rose, fell = both & (first > 0), both & (first < 0)
