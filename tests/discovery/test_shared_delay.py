@@ -196,6 +196,20 @@ def test_joints_agree_by_their_torque_with_one_that_has_a_name(
     assert asked == pytest.approx(expected, abs=0.03)
 
 
+def test_joints_with_names_agree_with_each_other(recording, robot, monkeypatch):
+    shares = (-0.42, -0.38, -0.4, -0.44, -0.37, -0.41)
+    model = dict.fromkeys(range(6), (-0.3, 0.5))
+    _curves(monkeypatch, model, {axis: (share, 3000.0) for axis, share in enumerate(shares)})
+    period, white = sampling_period(recording), _white(recording, robot)
+    for count in (1, 3, 6):
+        named = {axis: share * period for axis, share in enumerate(shares[:count])}
+        assert shared_delay(white, period, named=named) / period == pytest.approx(-0.4, abs=0.03)
+    # Names that do not agree are the delays of their joints.
+    _curves(monkeypatch, model, {axis: (-0.1 * axis, 3000.0) for axis in range(6)})
+    named = {axis: -0.1 * axis * period for axis in range(1, 6)}
+    assert shared_delay(white, period, named=named) == 0.0
+
+
 @pytest.mark.parametrize(
     ("asked", "read"), [((0.4, -0.5, 0.0), 0.0), ((0.4, -0.5, -0.5, -0.5), -0.5), ((0.4, 0.3, 0.3), 0.3)]
 )

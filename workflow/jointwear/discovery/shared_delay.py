@@ -121,14 +121,14 @@ def _agreed_on(
 ) -> int | None:
     """Return the index of a delay with a name on which the other joints agree by their recorded torque, or None.
 
-    Three of them have to, as of the model, which must not speak against it.
+    Three of them have to, with a name or without, as of the model, which must not speak against it.
 
     Parameters
     ----------
     named : axis -> delay that has a name there, in sampling periods.
     """
-    for share in named.values():
-        others = [{a: told[a] for a in told if a not in named} for told in (lost, recorded)]
+    for own, share in named.items():
+        others = [{a: told[a] for a in told if a != own} for told in (lost, recorded)]
         if abs(share) > shares[-2] or not all(others):
             continue
         place = int(np.argmin(np.abs(shares[:-1] - share)))
