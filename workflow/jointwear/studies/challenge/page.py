@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
-from jointwear.effects import library
 from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
 from jointwear.publishing.report.rendering import render_page
@@ -35,24 +33,32 @@ _WORDS = {
     "right_parameter": "the wrong parameter itself is listed",
 }
 _ORDER = [*TARGETS, "name_first_strict", "exact_set_strict", "right_parameter", "not_worse_named"]
+#: As the library of effects spells them, which the rooms that make and show the hidden effects know nothing of.
+_SPELLED = {
+    "stribeck": "Stribeck",
+    "coulomb": "Coulomb",
+    "temperature dependent": "temperature-dependent",
+    "load dependent": "load-dependent",
+    "position dependent": "position-dependent",
+    "presliding": "pre-sliding",
+}
 #: Fewest cases of an effect, and fewest of them right and wrong, from which a curve over their sizes means anything.
 FEWEST_CASES, FEWEST_OF_EACH = 12, 3
 
 
-_IDENTIFIER = re.compile(r"[a-z]+(_[a-z]+)*")
+def in_words(name: str) -> str:
+    """Return identifiers of effects in a text as words, spelled as on the other pages."""
+    text = name.replace("_", " ")
+    for plain, spelled in _SPELLED.items():
+        text = text.replace(plain, spelled)
+    return text
+
+
 _NAMES = {
-    **{name: library()[name].phrase for name in EFFECTS},
+    **{name: in_words(name) for name in EFFECTS},
     **{answer: answer for answer in ("nothing", "none", "retuned", "unknown", "refused")},
-    "coulomb_friction": "Coulomb friction",
     "outside": "outside the library",
 }
-
-
-def in_words(text: str) -> str:
-    """Return a text with words in place of the identifiers of effects and of what else was hidden."""
-    return _IDENTIFIER.sub(lambda found: _NAMES.get(found[0], found[0].replace("_", " ")), text)
-
-
 _SET_WORDS = {
     "choose": "the seeds on which thresholds were chosen",
     "sample": "a sample of cases with seeds of their own",
