@@ -49,8 +49,8 @@ def shared_delay(
     It is 0, or the delay that has been taken out already, where no other is clearly likelier. No joint counts for more
     than half of what a name needs, so that three have to agree, and one with a delay of its own speaks neither for nor
     against. Where noise leaves the model of most joints no band to tell it, but one of them has a name for a delay, the
-    others may agree with that by the recorded torque. Where three have names for delays that undo what was read, none
-    was to be read.
+    others may agree with that by the recorded torque. Where most joints have names for one delay it is that of the log.
+    Where three have names for delays that undo what was read, none was to be read.
 
     Parameters
     ----------
@@ -79,6 +79,8 @@ def shared_delay(
     if open_still:
         wanted = {axis: (read + delay) / period for axis, delay in named.items()}
         agreed = _agreed_on(wanted, lost, recorded, shares, settings.accept)
+        if agreed is None:
+            agreed = _named_alike(wanted, len(lost), shares)
         if agreed is None:
             return read
         best = agreed
@@ -138,6 +140,24 @@ def _agreed_on(
         if by_torque[-1] - there > accept and by_torque[STEPS] - there > accept and by_model[place] < by_model[-1]:
             return place
     return None
+
+
+def _named_alike(named: Mapping[int, float], joints: int, shares: np.ndarray) -> int | None:
+    """Return the index of the delay that most of so many joints have in their names, or None.
+
+    No joint is the cause of what most have alike. Neither model nor recorded torque need show it: an elastic joint
+    moves the one, and the torque of light joints is what their controller answers to noise.
+
+    Parameters
+    ----------
+    named : axis -> delay that has a name there, in sampling periods.
+    """
+    delays = np.array(list(named.values()))
+    middle = float(np.median(delays)) if len(delays) else 0.0
+    alike = np.abs(delays - middle) <= 2.0 * assumed.CLOCK
+    if alike.sum() <= 2 or 2 * alike.sum() <= joints or abs(middle) > shares[-2]:
+        return None
+    return int(np.argmin(np.abs(shares[:-1] - middle)))
 
 
 def _of_joints(
