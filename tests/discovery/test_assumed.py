@@ -26,6 +26,9 @@ OTHERS = {
         refine.SHORTER
         instruments.LOWER peak_torque.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
+    "what a filter does": """
+        reversals.RINGS
+    """,
     "a bound on time": """
         leftovers.SPEEDS
         base.MOST_FREE base.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED

@@ -1,13 +1,15 @@
 """Samples beside reversals that a derived motion does not show as they were."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from jointwear.discovery import assumed
-from jointwear.discovery.reversals import leave_out_reversals
-from jointwear.measurement.motion import Measured
+from jointwear.discovery.reversals import leave_out_reversals, leave_out_ringing
+from jointwear.measurement.motion import Measured, measure
+from jointwear.measurement.recording import Recording
 
 RATE, TURN = 200.0, 300
 
@@ -59,3 +61,27 @@ def test_what_sampling_does_not_resolve_is_left_out_on_both_sides(fitted):
 def test_wide_knots_leave_out_no_more_than_what_is_not_resolved():
     wide = replace(turning(reach=np.array([1.0, 1.0]), fitted=True), cutoff=np.array([1.0, 1.0]))
     assert left_out(wide)[0] == TURN - int(np.ceil(assumed.BESIDE * RATE))
+
+
+@pytest.mark.parametrize("rate", [500.0, 1000.0])
+def test_the_step_of_friction_rings_in_no_sample_that_is_used_of_a_reduced_rate(rate):
+    time = np.arange(0.0, 20.0, 1.0 / rate)
+    phase = np.outer(time, [3.1, 4.3]) + np.arange(2.0)
+    position, velocity = [0.8, 0.5] * np.sin(phase), [2.48, 2.15] * np.cos(phase)
+    torque = -0.6 * position * [9.61, 18.49] + 2.0 * np.sign(velocity)
+    arm = SimpleNamespace(coulomb_positive=np.full(2, 2.0), coulomb_negative=np.full(2, -2.0))
+
+    def seen(noise):
+        heard = torque + noise * np.random.default_rng(1).standard_normal(torque.shape)
+        return measure(Recording(time, np.zeros(len(time), dtype=int), position, heard))
+
+    quiet = seen(1e-4)
+    assert 0 < quiet.rate < 0.5 * rate
+    left = np.abs(quiet.torque - 0.6 * quiet.acceleration - 2.0 * np.sign(quiet.velocity))
+    used = leave_out_ringing(quiet, arm).usable
+    assert used.mean() > 0.8
+    assert left[used].max() < 0.03 < left[quiet.usable].max()
+    loud = seen(1.0)
+    assert np.array_equal(leave_out_ringing(loud, arm).usable, loud.usable)
+    slow = replace(quiet, band=np.inf)
+    assert leave_out_ringing(slow, arm) is slow

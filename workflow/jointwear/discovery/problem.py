@@ -14,7 +14,7 @@ from jointwear.discovery.gear_waves import gear_orders
 from jointwear.discovery.linear import least_squares, posterior_mean
 from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.noise_spectrum import drives
-from jointwear.discovery.reversals import leave_out_reversals
+from jointwear.discovery.reversals import leave_out_reversals, leave_out_ringing
 from jointwear.discovery.ridge_fit import RidgeFit
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.shaken import shaken_shares
@@ -394,7 +394,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     """Set up the comparison of a split recording with `robot`; `measured` are its samples if already at hand."""
     measured = measured or measure(recording)
     moving = measured.usable
-    measured = leave_out_reversals(measured)
+    measured = leave_out_ringing(leave_out_reversals(measured), robot)
     dynamics = Dynamics(robot)
     q, v, a = measured.position, measured.velocity, measured.acceleration
     regressor = inertial_regressor(dynamics, q, v, a)

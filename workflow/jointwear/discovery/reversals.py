@@ -14,10 +14,15 @@ import numpy as np
 
 from jointwear.discovery import assumed
 from jointwear.measurement.motion import RESOLVED, Measured
+from jointwear.robots.robot import Robot
+from jointwear.statistics.known import OVER_MEDIAN
 
 #: Slow motion is missing where all but one sample in a hundred are this many times faster than the slowest that shows
 #: a direction.
 SLOWEST, MISSING = 0.01, 3.0
+#: The filter before a high rate is reduced rings at a step of friction: the part of it that is left at the samples
+#: which are the third and the fourth ones from it. The first two are never used.
+RINGS = ((3, 0.04), (4, 0.02))
 
 
 def resolved_motion(measured: Measured) -> bool:
@@ -42,6 +47,33 @@ def leave_out_reversals(measured: Measured) -> Measured:
         for instant in np.flatnonzero(np.diff(moves) != 0) + 1:
             usable[max(instant - before, 0) : instant + after + 1, axis] = False
     return replace(measured, usable=usable)
+
+
+def leave_out_ringing(measured: Measured, robot: Robot) -> Measured:
+    """Return the samples of a reduced rate without those near reversals where the filter rings by more than the noise.
+
+    The friction of the model steps at once there, and the torque, which was filtered, as the filter does.
+    """
+    if not np.isfinite(measured.band):
+        return measured
+    usable, step = measured.usable.copy(), robot.coulomb_positive - robot.coulomb_negative
+    for axis, noise in enumerate(_noise(measured)):
+        reach = max((sample for sample, part in RINGS if part * step[axis] > noise), default=0)
+        turns = np.diff(np.sign(measured.velocity[:, axis])) != 0
+        for instant in np.flatnonzero(turns & (np.diff(measured.trajectory) == 0)) + 1:
+            usable[max(instant - reach, 0) : instant + reach, axis] = False
+    return replace(measured, usable=usable)
+
+
+def _noise(measured: Measured) -> np.ndarray:
+    """Return the standard deviation (n,) [N m] of the torque from sample to sample, infinite where no axis is judged.
+
+    Third differences of white noise have twenty times its variance, and those of a motion hardly any.
+    """
+    third = np.diff(measured.torque, 3, axis=0)
+    whole = measured.usable[3:] & measured.usable[:-3]
+    middle = [float(np.median(np.abs(d[w]))) if w.any() else np.inf for d, w in zip(third.T, whole.T, strict=True)]
+    return OVER_MEDIAN * np.array(middle) / np.sqrt(20.0)  # of the binomial coefficients 1, 3, 3, 1
 
 
 def _beside(measured: Measured, axis: int) -> tuple[int, int]:

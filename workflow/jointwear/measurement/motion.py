@@ -36,9 +36,6 @@ SLOW_SHARE, SLOW = 0.02, 0.02
 FAST = 0.95
 #: Periods of the cut-off after which the transient of the filter at an end has fallen to a thousandth.
 TRANSIENT = 3.0
-#: Samples of a reduced rate beside a reversal that are left out: the step of friction is in the filtered torque as a
-#: step that rings, by 7, 4, 2 and 0.6 % of it beyond 1 to 4 samples.
-RINGS = 4
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
 RESOLVED = 0.155
 #: Accelerations keep what lies below this [Hz]: friction that jumps at reversals shakes an arm up to there.
@@ -140,7 +137,8 @@ def measure(recording: Recording) -> Measured:
     fitted = splines is not None
     samples = _stretches(raw, cutoff, factor, fitted)
     speed_floor = _speed_floor(samples.velocity, floor)
-    moves = _moving(samples.velocity, samples.trajectory, speed_floor, RINGS if factor > 1 else 1)
+    guard = 2 if factor > 1 else 1
+    moves = _moving(samples.velocity, samples.trajectory, speed_floor, guard)
     band = np.where(np.isfinite(cutoff), cutoff, np.inf)
     return replace(
         samples,
