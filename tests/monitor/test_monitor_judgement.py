@@ -200,17 +200,20 @@ def test_logs_of_another_robot_are_told_as_that_and_as_no_wear(length):
     assert (result.status[-8:] == HEALTHY).all()
 
 
+def six_axes(n=300):
+    """A watched level of six axes in `n` windows that nothing happens to, labels of the shifts and the baseline."""
+    axis = SimpleNamespace(
+        fit=SimpleNamespace(left_out_variance=np.full(4, 1e-5)), dispersion=SimpleNamespace(between=0.005)
+    )
+    level = SimpleNamespace(axes=[axis] * 6, residual=np.zeros((n, 6)), noise=np.full((n, 6), 1e-4))
+    return level, np.arange(n) // 8, np.arange(n) < 96
+
+
 def test_five_axes_of_which_one_rises_are_another_robot():
-    n = 300
-    level = SimpleNamespace(
-        axes=[SimpleNamespace(fit=SimpleNamespace(left_out_variance=np.full(4, 1e-5)), dispersion=SimpleNamespace(
-            between=0.005))] * 6,
-        residual=np.zeros((n, 6)), noise=np.full((n, 6), 1e-4),
-    )  # fmt: skip
+    level, shift, baseline = six_axes()
     level.residual[192:, :5] = (-0.1, -0.1, -0.1, -0.1, 0.1)
     # A shift in which nothing can be judged lies between the two that show it.
     level.residual[200:208] = np.nan
-    shift, baseline = np.arange(n) // 8, np.arange(n) < 96
     found = first_exchange(level, shift, baseline)
     assert (found.window, found.end, found.rose, found.fell) == (192, None, (4,), (0, 1, 2, 3))
     running = SimpleNamespace(axes=level.axes, residual=level.residual[:196], noise=level.noise[:196])
@@ -220,14 +223,8 @@ def test_five_axes_of_which_one_rises_are_another_robot():
 
 
 def test_wear_that_goes_on_beside_a_fall_of_five_axes_is_no_other_robot():
-    n = 300
-    level = SimpleNamespace(
-        axes=[SimpleNamespace(fit=SimpleNamespace(left_out_variance=np.full(4, 1e-5)), dispersion=SimpleNamespace(
-            between=0.005))] * 6,
-        residual=np.zeros((n, 6)), noise=np.full((n, 6), 1e-4),
-    )  # fmt: skip
+    level, shift, baseline = six_axes()
     level.residual[192:, :5] = -0.1
-    shift, baseline = np.arange(n) // 8, np.arange(n) < 96
     level.residual[:, 5] = 0.06 * np.maximum(shift - 19, 0)
     assert first_exchange(level, shift, baseline) is None
     level.residual[:, 5] = 0.06 * (shift >= 24)

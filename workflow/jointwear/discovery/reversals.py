@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.measurement.motion import RESOLVED, Measured
+from jointwear.measurement.motion import RESOLVED, Measured, moving
 from jointwear.robots.robot import Robot
 from jointwear.statistics.known import OVER_MEDIAN
 
@@ -59,9 +59,8 @@ def leave_out_ringing(measured: Measured, robot: Robot) -> Measured:
     usable, step = measured.usable.copy(), robot.coulomb_positive - robot.coulomb_negative
     for axis, noise in enumerate(_noise(measured)):
         reach = max((sample for sample, part in RINGS if part * step[axis] > noise), default=0)
-        turns = np.diff(np.sign(measured.velocity[:, axis])) != 0
-        for instant in np.flatnonzero(turns & (np.diff(measured.trajectory) == 0)) + 1:
-            usable[max(instant - reach, 0) : instant + reach, axis] = False
+        own = slice(axis, axis + 1)
+        usable[:, own] &= moving(measured.velocity[:, own], measured.trajectory, measured.speed_floor[own], reach)
     return replace(measured, usable=usable)
 
 

@@ -138,7 +138,7 @@ def measure(recording: Recording) -> Measured:
     samples = _stretches(raw, cutoff, factor, fitted)
     speed_floor = _speed_floor(samples.velocity, floor)
     guard = 2 if factor > 1 else 1
-    moves = _moving(samples.velocity, samples.trajectory, speed_floor, guard)
+    moves = moving(samples.velocity, samples.trajectory, speed_floor, guard)
     band = np.where(np.isfinite(cutoff), cutoff, np.inf)
     return replace(
         samples,
@@ -379,7 +379,7 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
     return [x[keep] for x in (t, raw.trajectory[p], q, v, a, tau, raw.temperature[p], ok)]
 
 
-def _moving(velocity: np.ndarray, trajectory: np.ndarray, floor: np.ndarray, guard: int) -> np.ndarray:
+def moving(velocity: np.ndarray, trajectory: np.ndarray, floor: np.ndarray, guard: int) -> np.ndarray:
     """Return where each joint moves faster than its floor and does not reverse within `guard` samples."""
     moving = np.abs(velocity) > floor
     sense = np.sign(velocity)

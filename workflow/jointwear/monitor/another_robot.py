@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.monitor.learning import AxisNormal
-from jointwear.monitor.scale import FEWEST_TOGETHER, TOGETHER, cut_of, shift_steps
+from jointwear.monitor.scale import FEWEST_TOGETHER, TOGETHER, cut_beside, shift_steps
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.watching import Watch
 from jointwear.statistics.known import known_median
@@ -88,7 +88,7 @@ def first_exchange(level: Watch, shift: np.ndarray, baseline: np.ndarray) -> Exc
     # What is left of the step, window by window: one while it lasts.
     size = second[a, some]
     part, noise = (level.residual[:, some] - usual[a, some]) / size, level.noise[:, some] / size**2
-    begin = _cut(part, noise, shift, names[max(a - 1, 0) : a + 1], baseline)
+    begin = cut_beside(part, noise, 1.0, shift, names[max(a - 1, 0) : a + 1], baseline)
     where = (tuple(int(j) for j in np.flatnonzero(x)) for x in (rose[a], fell[a]))
     return Exchange(begin, _end(part, noise, shift, names, a, baseline), tuple(axes), *where)
 
@@ -111,14 +111,7 @@ def _end(
     pairs = np.flatnonzero(over[1:] & over[:-1])
     if not len(pairs):
         return None
-    return _cut(1 - part, noise, shift, names[pairs[0] - 1 : pairs[0] + 1], baseline)
-
-
-def _cut(value: np.ndarray, noise: np.ndarray, shift: np.ndarray, names: np.ndarray, baseline: np.ndarray) -> int:
-    """Return the window of two shifts, of the one that shows a step and of the one before, from which on values (w, k)
-    are one: the step itself may lie within a shift."""
-    rows = np.flatnonzero(np.isin(shift, names) & ~baseline)
-    return int(rows[cut_of(value[rows], noise[rows], 1.0)])
+    return cut_beside(1 - part, noise, 1.0, shift, names[pairs[0] - 1 : pairs[0] + 1], baseline)
 
 
 def without_exchange(axes: list[AxisNormal | None], one: Exchange) -> list[AxisNormal | None]:

@@ -15,7 +15,6 @@ from jointwear.monitor.conditions import Conditions
 from jointwear.monitor.decision import NORMAL
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.loud import loud_findings
-from jointwear.monitor.override import override_findings
 from jointwear.monitor.scale import FEWEST_TOGETHER, ScaleStep
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.thermometers import broken, other_unit
@@ -58,8 +57,6 @@ def findings_of(
     found += [_exchanged(statistics, level, one) for one in exchanges]
     found += _at_once(statistics, shift, level, explained)
     found += _programs(statistics, conditions, baseline, level)
-    most = np.isfinite(level.residual).mean(axis=1) > 0.5
-    found += override_findings(statistics, conditions.features[..., 0], conditions.regime, baseline, most)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline) + broken(statistics, baseline)
     events = [[s.window for s in starts if not s.proposed] for starts in level.starts]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.monitor.scale import ALIKE, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_of, shift_steps
+from jointwear.monitor.scale import ALIKE, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_beside, shift_steps
 from jointwear.monitor.shared_error import FINDING
 from jointwear.monitor.watching import Watch
 
@@ -52,10 +52,8 @@ def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
     if not pairs.any():
         return []
     a = int(np.argmax(pairs))
-    # The step itself may lie within a shift: of that one, which shows it in part, and of the one before.
-    part = np.flatnonzero(np.isin(shift, names[max(a - 1, 0) : a + 1]) & ~baseline)
-    value = level.residual[np.ix_(part, axes)] - usual[a, axes]
-    begin = int(part[cut_of(value, level.noise[np.ix_(part, axes)], float(sizes[a + 1]))])
+    value, variance = level.residual[:, axes] - usual[a, axes], level.noise[:, axes]
+    begin = cut_beside(value, variance, float(sizes[a + 1]), shift, names[max(a - 1, 0) : a + 1], baseline)
     factor = float(np.exp(np.median(bodies[a + 1, shown[a + 1], 0])))
     off = known[a : a + 2] & ~alike[a : a + 2] & ~shown[a : a + 2]
     return [ScaleStep(j, begin, factor) for j in axes if not off[:, j].all()]

@@ -31,6 +31,7 @@ from jointwear.monitor.learning import AxisNormal, learn_axes
 from jointwear.monitor.observed import Observed, observe
 from jointwear.monitor.odd_motion import odd_motion_findings
 from jointwear.monitor.open_alarms import open_alarm_findings
+from jointwear.monitor.override import override_findings
 from jointwear.monitor.parts import viscous_part, viscous_scale
 from jointwear.monitor.present import back_to_normal, error_now
 from jointwear.monitor.programs import program_findings
@@ -159,6 +160,7 @@ def _findings(
         *loose_findings(statistics, first, level),
         *backlash_findings(seen.hidden, float(statistics.start[0])),
         *program_findings(statistics, first, most),
+        *override_findings(statistics, seen.conditions.features[..., 0], seen.regime, first, most),
         *reading_findings(statistics, first, shift),
         *zero_finding(statistics, zero),
         *odd_motion_findings(statistics, seen.regime, shift, first, seen.events),

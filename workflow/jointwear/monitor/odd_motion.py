@@ -17,7 +17,7 @@ import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.regimes import UNSEEN, beyond_usual, differences, signatures
+from jointwear.monitor.regimes import UNSEEN, USUAL, beyond_usual, differences, signatures
 from jointwear.monitor.spells import spell_finding, spells
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
@@ -30,8 +30,8 @@ CLOCK_SPEED, STOPPED = "clock_speed", "stopped"
 SMALLEST, AGREES = 0.2, 1 / 3
 #: Part of the spread of a torque in motion from which on no arm stands still, on most axes.
 SPREAD, MOST = 0.5, 0.5
-#: Shifts in a row that show it, and windows of each; windows of a program in the baseline that its usual is told from.
-SHIFTS, WINDOWS, USUAL = 2, 3, 3
+#: Shifts in a row that show it, and windows of each.
+SHIFTS, WINDOWS = 2, 3
 
 
 def odd_motion_findings(
@@ -112,7 +112,7 @@ def _changes(statistics: WindowStatistics, program: np.ndarray, baseline: np.nda
             np.log(statistics.travel / (gram[..., 0, 2] + gram[..., 1, 2])),
             0.5 * np.log(gram[..., 2, 2] / moved),
         ]
-    step, speed = (known_median(beyond_usual(value, program, baseline, USUAL), axis=1) for value in values)
+    step, speed = (known_median(beyond_usual(value, program, baseline), axis=1) for value in values)
     return step, speed
 
 

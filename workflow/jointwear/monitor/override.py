@@ -19,18 +19,8 @@ from jointwear.statistics.known import known_median
 #: Log of the speed by which a window leaves the range of the baseline before it counts: windows that hold parts of a
 #: cycle scatter by less.
 BEYOND = 0.05
-#: Windows of a program in the baseline from which its usual speed is told.
-FEWEST_USUAL = 3
 #: Kind of the finding, and windows from which on it is told: fewer are an arm that waited for something.
 OVERRIDE, FEWEST_TOLD = "override", 3
-
-
-def _changed(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the log (w,) of the speed of all axes over the usual one of the same program, NaN unknown, and the program
-    (w,)."""
-    program = np.zeros(len(baseline), dtype=int) if regime is None else regime
-    # Axes that rest have no say; nor have windows of which no axis moves.
-    return known_median(beyond_usual(speed, program, baseline, FEWEST_USUAL), axis=1), program
 
 
 def unseen_speed(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) -> np.ndarray:
@@ -42,16 +32,23 @@ def unseen_speed(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndar
     speed : (w, n) log of the mean speed of the axes, NaN at rest. regime : (w,) program, -1 unknown, or None for one.
     baseline : (w,) bool.
     """
-    change, program = _changed(speed, regime, baseline)
-    result = np.zeros(len(baseline))
+    return _speeds(speed, regime, baseline)[1]
+
+
+def _speeds(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the log (w,) of the speed of all axes over the usual one of the same program, NaN unknown, and by how much
+    (w,) it leaves the range of the baseline."""
+    program = np.zeros(len(baseline), dtype=int) if regime is None else regime
+    # Axes that rest have no say; nor have windows of which no axis moves.
+    change, unseen = known_median(beyond_usual(speed, program, baseline), axis=1), np.zeros(len(baseline))
     for name in np.unique(program[baseline]):
         inside = program == name
         known = change[inside & baseline]
         known = known[np.isfinite(known)]
         if len(known):
             below, above = change[inside] - known.min() + BEYOND, change[inside] - known.max() - BEYOND
-            result[inside] = np.nan_to_num(np.minimum(below, 0.0) + np.maximum(above, 0.0))
-    return result
+            unseen[inside] = np.nan_to_num(np.minimum(below, 0.0) + np.maximum(above, 0.0))
+    return change, unseen
 
 
 def override_findings(
@@ -67,10 +64,11 @@ def override_findings(
     ----------
     judged : (w,) bool, whether most axes are.
     """
-    rows = np.flatnonzero((unseen_speed(speed, regime, baseline) != 0) & ~baseline)
+    change, unseen = _speeds(speed, regime, baseline)
+    rows = np.flatnonzero((unseen != 0) & ~baseline)
     if len(rows) < FEWEST_TOLD:
         return []
-    factors = np.exp(_changed(speed, regime, baseline)[0][rows])
+    factors = np.exp(change[rows])
     low, high = (significant(float(x), 2) for x in (factors.min(), factors.max()))
     times = low if low == high else f"{low} to {high}"
     hours = statistics.length / 3600

@@ -24,6 +24,8 @@ ALIKE, UNSEEN = 0.15, 0.3
 CLOSE, MOST = 2.0, 0.9
 #: Fewest windows of a regime; share of the baseline's windows that regimes must hold.
 FEWEST, COVERED = 4, 0.7
+#: Windows of a program in the baseline that its usual is told from.
+USUAL = 3
 
 
 def signatures(statistics: WindowStatistics) -> np.ndarray:
@@ -123,17 +125,18 @@ def _split(
         apart[alike] = False
 
 
-def beyond_usual(values: np.ndarray, program: np.ndarray, normal: np.ndarray, fewest: int) -> np.ndarray:
+def beyond_usual(values: np.ndarray, program: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Return values (w, n) less what is usual in the program of each window, NaN where that is not known.
 
     Parameters
     ----------
-    program : (w,) of each window, -1 unknown. normal : (w,) bool, the windows whose median is usual, `fewest` of them.
+    program : (w,) of each window, -1 unknown. normal : (w,) bool, the windows whose median is usual, :data:`USUAL` of
+        them.
     """
     result = np.full(values.shape, np.nan)
     for name in np.unique(program[normal & (program >= 0)]):
         there = program == name
-        if (there & normal).sum() >= fewest:
+        if (there & normal).sum() >= USUAL:
             result[there] = values[there] - known_median(values[there & normal], axis=0)
     return result
 

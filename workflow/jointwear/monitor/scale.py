@@ -121,10 +121,8 @@ def _common(plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
     if not pairs.any():
         return []
     a = int(np.argmax(pairs))
-    # The step itself may lie within a shift: of that one, which shows it in part, and of the one before.
-    part = np.flatnonzero(np.isin(shift, names[max(a - 1, 0) : a + 1]) & ~baseline)
-    value, variance = scale.residual[np.ix_(part, named)], scale.noise[np.ix_(part, named)]
-    begin = int(part[cut_of(value, variance, float(size[a + 1]))])
+    value, variance = scale.residual[:, named], scale.noise[:, named]
+    begin = cut_beside(value, variance, float(size[a + 1]), shift, names[max(a - 1, 0) : a + 1], baseline)
     factor = float(np.exp(size[a + 1]))
     against = {j for k, j in enumerate(named) if apart[a : a + 2, k].all()}
     return [ScaleStep(j, begin, factor) for j in range(n) if plain.axes[j] is not None and j not in against]
@@ -185,6 +183,20 @@ def cut_of(value: np.ndarray, variance: np.ndarray, size: float) -> int:
     weight = np.where(np.isfinite(value), 1.0 / variance, 0.0)
     gain = (weight * (2 * np.nan_to_num(value) * size - size**2)).sum(axis=1)
     return int(np.argmax(np.cumsum(gain[::-1])[::-1]))
+
+
+def cut_beside(
+    value: np.ndarray, variance: np.ndarray, size: float, shift: np.ndarray, names: np.ndarray, baseline: np.ndarray
+) -> int:
+    """Return the window after the `baseline` (w,) from which on residuals (w, k) are likelier `size` than zero.
+
+    Parameters
+    ----------
+    names : labels in `shift` (w,) of the one that shows the step and of the one before: the step itself may lie within
+        a shift, which shows it in part.
+    """
+    rows = np.flatnonzero(np.isin(shift, names) & ~baseline)
+    return int(rows[cut_of(value[rows], variance[rows], size)])
 
 
 def _end(k: int, shift: np.ndarray) -> int:

@@ -21,7 +21,7 @@ import numpy as np
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.carried import UnitTorques
 from jointwear.monitor.model import ModelTorque
-from jointwear.monitor.regimes import beyond_usual
+from jointwear.monitor.regimes import USUAL, beyond_usual
 from jointwear.monitor.torque_lag import nuisances
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
@@ -38,8 +38,6 @@ SMALLEST, CLEAR, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
 #: Standard error [rad] of the angle of a window from which on it tells nothing: what hardly shows in the torques, as
 #: the zero of a wrist, does no harm to friction either; and largest angle that is found to first order.
 KNOWN, LARGEST = 0.7 * SMALLEST, np.radians(45.0)
-#: Windows of a program in the baseline that its usual angle is told from.
-USUAL = 3
 #: Share of the evidence of the likeliest joint from which another is named beside it.
 AS_LIKELY = 0.8
 
@@ -127,7 +125,7 @@ def changed_zero(
     known = (shown > KNOWN**-2) & ~cut[:, None]
     angle = np.divide(statistics.turned, shown, out=np.full((w, n), np.nan), where=known)
     angle[np.abs(np.nan_to_num(angle)) > LARGEST] = np.nan
-    change = beyond_usual(angle, program, baseline & known.any(axis=1), USUAL)
+    change = beyond_usual(angle, program, baseline & known.any(axis=1))
     shifts = [(s, np.flatnonzero((shift == s) & np.isfinite(change).any(axis=1))) for s in np.unique(shift)]
     shifts = [(s, rows) for s, rows in shifts if len(rows) >= WINDOWS]
     if not shifts:
