@@ -28,6 +28,7 @@ import numpy as np
 
 from jointwear.monitor.normal_state import Posterior
 from jointwear.monitor.override import unseen_speed
+from jointwear.monitor.payload import GravityTorque
 from jointwear.monitor.warm_up import warm_up_state
 from jointwear.monitor.windows import WindowStatistics
 
@@ -94,26 +95,42 @@ class Conditions:
 
 
 def operating_features(
-    statistics: WindowStatistics, friction: np.ndarray, share: np.ndarray
+    statistics: WindowStatistics, friction: np.ndarray, static: GravityTorque
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the operating features (w, n, 5) and the root mean square speed (w, n); `friction` (n,) [N m] scales,
-    `share` (w, n) by which the gravity torque differs from the model's."""
+    `static` tells what the gravity torque differs by from the model's."""
     gram = statistics.gram
     with np.errstate(invalid="ignore", divide="ignore"):
         count = np.where(statistics.count > 0, statistics.count, np.nan).astype(float)
         speed = np.sqrt(gram[..., 2, 2] / count)
         mean = (gram[..., 0, 2] + gram[..., 1, 2]) / count
+        gravity, against = _gravity(gram / count[..., None, None], static)
         features = np.stack(
             [
                 np.log(mean),
                 np.log(speed / mean),
-                np.sqrt(gram[..., 3, 3] / count) * np.abs(1 + share) / friction,
+                gravity / friction,
                 np.sqrt(gram[..., 4, 4] / count) / friction,
-                (gram[..., 0, 3] + gram[..., 1, 3]) * (1 + share) / count / friction,
+                against / friction,
             ],
             axis=-1,
         )
     return features, speed
+
+
+def _gravity(mean: np.ndarray, static: GravityTorque) -> tuple[np.ndarray, np.ndarray]:
+    """Return the root mean square of the gravity torque, and its mean against the motion, (w, n) [N m].
+
+    Parameters
+    ----------
+    mean : (w, n, p, p) products of the regressors, mean over the samples.
+    """
+    factor, constant = 1 + static.share, static.constant
+    forward, backward = mean[..., 0, 3], -mean[..., 1, 3]
+    middle = factor * (forward + backward) + constant
+    varying = np.maximum(mean[..., 3, 3] - (forward + backward) ** 2, 0.0)
+    against = factor * (forward - backward) + constant * (mean[..., 0, 0] - mean[..., 1, 1])
+    return np.hypot(middle, factor * np.sqrt(varying)), against
 
 
 @dataclass(frozen=True)

@@ -53,8 +53,8 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     coulomb = np.asarray(settings.coulomb, dtype=float)
     series = friction_series(statistics, coulomb, settings.viscous, first)
     sums, noise = sums_of(statistics, coulomb, first)
-    share, load = gravity_share(sums, noise)
-    features, speed = operating_features(statistics, np.maximum(series["friction"].unit, 1e-9), share)
+    static, load = gravity_share(sums, noise)
+    features, speed = operating_features(statistics, np.maximum(series["friction"].unit, 1e-9), static)
     regime = labelled_regimes(statistics.labels, first)
     named = regime is not None
     if not named:
