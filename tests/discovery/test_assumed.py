@@ -64,7 +64,8 @@ OTHERS = {
         reversals.SLOWEST reversals.MISSING experiment.DURATION experiment.RATE experiment.HARMONICS experiment.TRIALS
         experiment.SLOWEST experiment.EVERY experiment.LEAST_HARMONIC experiment.TRAVEL experiment.MOST_TRAVEL
         experiment.SEEN experiment.FASTER experiment.ALLOWED experiment.WARMING experiment.FREE largest_torque.ENDS
-        leftovers.STRONG leftovers.NEAR page.NARROW preflight.SPEED written_robot.WIDTH
+        leftovers.STRONG leftovers.NEAR page.NARROW preflight.SPEED smallest_sizes.STEP smallest_sizes.LARGEST
+        written_robot.WIDTH
     """,
 }
 NUMBERS = (int, float)

@@ -69,6 +69,18 @@ def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_
     assert scale_steps(quantity({}, {}), quantity({}, {}), loaded, shift, none) == []
 
 
+def test_wear_beside_a_heavier_part_is_no_other_scale_of_its_axis():
+    """As on an arm whose part grew 1.4 times heavier while axis 4 wore (fleet 23): all bodies move, friction of one."""
+    shift, none = np.repeat(np.arange(10), 8), np.zeros(80, dtype=bool)
+    worn = quantity({3: 0.067}, {3: 45})
+    bodies = quantity(dict(enumerate((0.032, 0.04, 0.049, 0.08, 0.019, 0.048))), {})
+    assert scale_steps(worn, worn, bodies, shift, none) == []
+    # Bodies of one more axis alone may have moved by chance; a torque whose friction moves with it has another scale.
+    assert [s.axis for s in scale_steps(worn, worn, quantity({3: 0.08, 1: 0.04}, {}), shift, none)] == [3]
+    cabinet = quantity({3: 0.067, 1: 0.04, 2: 0.045}, {3: 45})
+    assert 3 in {s.axis for s in scale_steps(cabinet, cabinet, quantity({3: 0.08, 1: 0.04, 2: 0.045}, {}), shift, none)}
+
+
 def test_a_gain_of_all_axes_is_told_though_a_load_takes_part_of_it_away_and_the_weather_is_none():
     shift, none = np.repeat(np.arange(10), 8), np.zeros(80, dtype=bool)
     # As on a robot whose torque was scaled by 1.1: the bodies of the wrist hardly show it.

@@ -180,7 +180,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             gates.append(("nats of its friction", _nats_of_friction(beside, trial, effect.rubs), half))
         if on_all_axes(trial.candidate):
             gates.append(("nats in the band that holds its swing", _nats_with_swing(white, beside, trial), half))
-        share = _share_of_torque(white, beside, trial)
+        coefficients = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
+        share = share_of_torque(white, trial.candidate, coefficients)
         gates.append(("its torque over that of its axis", share, settings.smallest_share))
     if is_body(trial.candidate):
         gates.append(("nats over links that are known less", lead_over_links(white, before, trial), 0.0))
@@ -241,15 +242,14 @@ def _without_drives(problem: Problem, axis: int, torque: np.ndarray) -> np.ndarr
     return torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
 
 
-def _share_of_torque(white: White, beside: Fit, trial: Named) -> float:
-    """Return the RMS torque of an effect, fitted beside others, over that of its axis, or of the one it moves most.
+def share_of_torque(white: White, candidate: Candidate, coefficients: np.ndarray) -> float:
+    """Return the RMS torque of an effect with coefficients (k,) over that of its axis, or of the one it moves most.
 
     Timing changes nothing of a torque that stays: for effects of timing it counts about its mean in each record.
     Where an axis carries hardly any load its torque constant is a factor of friction and of motor inertia, and drives
     that are retuned say the same: of a torque constant only what they cannot take over counts.
     """
-    problem, candidate = white.problem, trial.candidate
-    coefficients = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
+    problem = white.problem
     shares = []
     for axis, columns in raw_torques(white, candidate).items():
         used = problem.usable[:, axis]

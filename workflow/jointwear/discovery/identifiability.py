@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from jointwear.discovery.candidates import Dictionary
+from jointwear.discovery.candidates import Candidate, Dictionary
 from jointwear.discovery.whitening import White
 from jointwear.effects import get_effect
 
@@ -20,21 +20,37 @@ RIDGE = 1e-6
 
 @dataclass(frozen=True)
 class Visible:
-    """One effect on one 0-based axis (None: whole arm) at a usual size.
+    """One effect on one axis, or on the whole arm, at a usual size.
 
-    `energy` over noise variance left after the base regression; `rival` the effect that takes most of it, and
-    `left` what that leaves. `size` of an effect of the whole arm is that of its first parameter, in `unit`; of others
-    the share of the friction of the axis, without a unit.
+    `candidate` has the most energy of its family, with coefficients `std` (k,) at that size: `energy` over noise
+    variance left after the base regression, `middle` that of the candidate in the middle of the family; `rival` the
+    effect that takes most of it, and `left` what that leaves. `size` of an effect of the whole arm is that of its first
+    parameter, in `unit`; of others the share of the friction of the axis, without a unit.
     """
 
-    effect: str
-    axis: int | None
-    source: int | None
+    candidate: Candidate
+    std: np.ndarray
     energy: float
+    middle: float
     rival: str
     left: float
     size: float
     unit: str = ""
+
+    @property
+    def effect(self) -> str:
+        """Name of the effect."""
+        return self.candidate.effect
+
+    @property
+    def axis(self) -> int | None:
+        """Its axis, 0-based; None for the whole arm."""
+        return self.candidate.axis
+
+    @property
+    def source(self) -> int | None:
+        """The axis that drives it, 0-based."""
+        return self.candidate.source
 
     @property
     def at(self) -> str:
@@ -50,21 +66,23 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
     fit, usual = white.fit(), white.problem.settings.usual
     found = []
     for axis, matrix in dictionary.matrix.items():
-        families: dict[tuple, tuple[float, np.ndarray]] = {}
+        families: dict[tuple, tuple[float, Candidate, np.ndarray, np.ndarray]] = {}
+        energies_of: dict[tuple, list[float]] = {}
         products = dictionary.products(axis, matrix)
         turned = products.projected(fit)[1] @ np.linalg.cholesky(fit.covariance)
         alone = products.squares - np.sum(turned**2, axis=1)
         for candidate, where, std in dictionary.entries[axis]:
             energy = float(alone[where] @ std**2) / len(std)
+            energies_of.setdefault(candidate.key, []).append(energy)
             if candidate.key not in families or energy > families[candidate.key][0]:
-                families[candidate.key] = (energy, np.arange(where.start, where.stop))
+                families[candidate.key] = (energy, candidate, np.arange(where.start, where.stop), std)
         keys = list(families)
-        columns = np.concatenate([families[k][1] for k in keys])
+        columns = np.concatenate([families[k][2] for k in keys])
         x = matrix[:, columns]
         full = x.T @ x - turned[columns] @ turned[columns].T
-        scale = np.concatenate([s for k in keys for s in [_std(dictionary, axis, families[k][1])]])
+        scale = np.concatenate([families[k][3] for k in keys])
         full = full * scale[:, None] * scale
-        starts = np.cumsum([0, *[len(families[k][1]) for k in keys]])
+        starts = np.cumsum([0, *[len(families[k][3]) for k in keys]])
         energies = np.add.reduceat(np.diag(full), starts[:-1])
         # What each family (row) leaves of the energy of each other (column).
         left = np.array([_left_by(full, slice(a, b), starts, energies) for a, b in pairwise(starts)])
@@ -72,9 +90,11 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
         left[names[:, None] == names] = np.inf
         for i, key in enumerate(keys):
             best = int(np.argmin(left[:, i]))
-            least = left[best, i] / len(families[key][1])
-            rival, least = (keys[best][0], least) if least < families[key][0] else ("", families[key][0])
-            found.append(Visible(key[0], axis, key[2], families[key][0], rival, float(least), usual))
+            energy, candidate, _, std = families[key]
+            least = left[best, i] / len(std)
+            rival, least = (keys[best][0], least) if least < energy else ("", energy)
+            middle = float(np.median(energies_of[key]))
+            found.append(Visible(candidate, std, energy, middle, rival, float(least), usual))
     for candidate, blocks, std in dictionary.whole:
         if candidate.axis is not None:
             continue
@@ -84,7 +104,7 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
         lead = effect.leading or len(std)
         energy = float(np.trace(scaled[:lead, :lead])) / lead
         unit = effect.parameters[0].unit
-        found.append(Visible(candidate.effect, None, None, energy, "", energy, float(std[0]), unit))
+        found.append(Visible(candidate, std, energy, energy, "", energy, float(std[0]), unit))
     return found
 
 
@@ -93,10 +113,3 @@ def _left_by(full: np.ndarray, rival: slice, starts: np.ndarray, energies: np.nd
     inner = full[rival, rival] + np.eye(rival.stop - rival.start) * (RIDGE * np.trace(full[rival, rival]) + 1e-12)
     taken = np.sum(full[rival] * np.linalg.solve(inner, full[rival]), axis=0)
     return np.maximum(energies - np.add.reduceat(taken, starts[:-1]), 0.0)
-
-
-def _std(dictionary: Dictionary, axis: int, columns: np.ndarray) -> np.ndarray:
-    for _, where, std in dictionary.entries[axis]:
-        if where.start == columns[0]:
-            return std
-    raise KeyError(axis)

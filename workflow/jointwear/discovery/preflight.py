@@ -14,14 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.candidates import build_dictionary
+from jointwear.discovery.candidates import Dictionary, build_dictionary
 from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.posing import pose_problem
 from jointwear.discovery.problem import Problem
 from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
+from jointwear.discovery.smallest_sizes import smallest_size
 from jointwear.discovery.undecided import NUMERICAL, reason
-from jointwear.discovery.whitening import whiten
+from jointwear.discovery.whitening import White, whiten
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
@@ -161,7 +162,7 @@ def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Show
     """Return the noise [N m] of every joint, and the effects that the motion shows, hides and leaves in pairs."""
     white = whiten(problem, estimate_noise(problem))
     dictionary = build_dictionary(white)
-    shown, not_shown, pairs = _visible(problem, identifiability(white, dictionary))
+    shown, not_shown, pairs = _visible(white, dictionary)
     for effect, axis, why in dictionary.not_tried:
         not_shown.append(Shown(effect, None if axis is None else axis + 1, None, "", why))
     return [None if w is None else w.marginal for w in white.whiteners], shown, not_shown, pairs
@@ -206,25 +207,28 @@ def _joints(recording: Recording, problem: Problem, noise: list[float | None]) -
     return found
 
 
-def _visible(problem: Problem, seen: list[Visible]) -> tuple[list[Shown], list[Shown], list[Shown]]:
+def _visible(white: White, dictionary: Dictionary) -> tuple[list[Shown], list[Shown], list[Shown]]:
     """Return the effects that the motion shows, those that it does not, and the pairs that it cannot tell apart."""
-    needed = problem.settings.visible
+    needed = white.problem.settings.visible
+    whole = {candidate.effect: blocks for candidate, blocks, _ in dictionary.whole if candidate.axis is None}
     best: dict[tuple, Visible] = {}
-    for v in seen:
+    for v in identifiability(white, dictionary):
         key = (v.effect, v.axis)
         if key not in best or v.energy > best[key].energy:
             best[key] = v
     shown, not_shown, pairs = [], [], []
     for v in best.values():
         axis = None if v.axis is None else v.axis + 1
-        # Energy grows with the square of the size; the map is drawn at the usual one.
-        size = six_digits(v.size * np.sqrt(needed / max(v.left, 1e-12)))
         if v.energy < needed:
-            not_shown.append(Shown(v.effect, axis, size, "", f"too weak at {v.at}", v.unit))
+            not_shown.append(Shown(v.effect, axis, None, "", f"too weak at {v.at}", v.unit))
         elif v.left < needed:
-            pairs.append(Shown(v.effect, axis, size, v.rival, "the rival takes most of it", v.unit))
+            pairs.append(Shown(v.effect, axis, None, v.rival, "the rival takes most of it", v.unit))
         else:
-            shown.append(Shown(v.effect, axis, size, "", "", v.unit))
+            size = smallest_size(white, v, whole.get(v.effect))
+            if np.isfinite(size):
+                shown.append(Shown(v.effect, axis, six_digits(size), "", "", v.unit))
+            else:
+                not_shown.append(Shown(v.effect, axis, None, "", "links that are a little off do the same", v.unit))
     return shown, not_shown, pairs
 
 

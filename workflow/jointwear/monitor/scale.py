@@ -86,10 +86,27 @@ def scale_steps(level: Watch, plain: Watch, scale: Watch, shift: np.ndarray, bas
             # A changed scale lasts. The windows up to an alarm are few and of like conditions, whose error they share.
             step, error = mean_residual(scale, slice(begin, _end(k, shift)), j, shift)
             size = mean_residual(level, slice(begin, k + 1), j, shift)[0] if sign > 0 else step
-            if np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR:
+            steps = np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR
+            if steps and not _of_a_load(plain, scale, slice(begin, _end(k, shift)), j, shift):
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
     return _common(plain, scale, shift, baseline) or found + _joined(found, level, scale, shift)
+
+
+def _of_a_load(plain: Watch, scale: Watch, rows: slice, own: int, shift: np.ndarray) -> bool:
+    """Return whether what moves the bodies of the 0-based axis `own` is another load: it moves those of others too.
+
+    Of at least :data:`FEWEST_TOGETHER` axes, with `own`, the scale steps then, and the friction of others does not step
+    with it, as it would if their torque had another scale.
+    """
+    others = 0
+    for j, axis in enumerate(plain.axes):
+        if j == own or axis is None or scale.axes[j] is None:
+            continue
+        (moved, error), (rubbed, spread) = (mean_residual(w, rows, j, shift) for w in (scale, plain))
+        clear = abs(moved) > max(LEAST, AGAINST * error)
+        others += bool(clear and abs(moved - rubbed) > AGAINST * np.hypot(error, spread))
+    return others + 1 >= FEWEST_TOGETHER
 
 
 def _common(plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
