@@ -283,6 +283,7 @@ def write_check(
         "check": found,
         "number": number,
         "phrase": lambda effect: get_effect(effect).phrase,
+        "least_share": settings.smallest_share,
         "seen": seen,
         "hidden": [get_effect(effect).phrase for effect in hidden],
     }
