@@ -17,7 +17,7 @@ import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.regimes import UNSEEN, USUAL, beyond_usual, differences, signatures
+from jointwear.monitor.regimes import UNSEEN, USUAL, beyond_usual, differences, programs_or_one, signatures
 from jointwear.monitor.spells import spell_finding, spells
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
@@ -49,7 +49,7 @@ def odd_motion_findings(
     regime : (w,) program of each window, -1 unknown, or None for one. shift : (w,) labels. baseline : (w,) bool.
     events : for each axis the windows of the events that a user entered; one of all axes after the begin answers it.
     """
-    program = np.zeros(statistics.windows, dtype=int) if regime is None else regime
+    program = programs_or_one(regime, statistics.windows)
     step, speed = _changes(statistics, program, baseline)
     still = _stopped(statistics, program, baseline)
     rows = [np.flatnonzero((shift == s) & ~baseline) for s in np.unique(shift[~baseline])]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import significant
-from jointwear.monitor.regimes import beyond_usual
+from jointwear.monitor.regimes import beyond_usual, programs_or_one
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.statistics.known import known_median
 
@@ -38,7 +38,7 @@ def unseen_speed(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndar
 def _speeds(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the log (w,) of the speed of all axes over the usual one of the same program, NaN unknown, and by how much
     (w,) it leaves the range of the baseline."""
-    program = np.zeros(len(baseline), dtype=int) if regime is None else regime
+    program = programs_or_one(regime, len(baseline))
     # Axes that rest have no say; nor have windows of which no axis moves.
     change, unseen = known_median(beyond_usual(speed, program, baseline), axis=1), np.zeros(len(baseline))
     for name in np.unique(program[baseline]):

@@ -156,3 +156,8 @@ def differences(one: np.ndarray, centres: list[np.ndarray], hidden: np.ndarray |
         shares -= np.where(known, shares, 0.0).sum(axis=1, keepdims=True) / np.maximum(known.sum(axis=1), 1)[:, None]
     step = np.where(other, 1.0, np.nan_to_num(step))
     return np.abs(step).max(axis=1)
+
+
+def programs_or_one(regime: np.ndarray | None, windows: int) -> np.ndarray:
+    """Return the program (w,) of each window, -1 unknown: the `regime` (w,), or the same one where it is None."""
+    return np.zeros(windows, dtype=int) if regime is None else regime

@@ -21,7 +21,7 @@ import numpy as np
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.carried import UnitTorques
 from jointwear.monitor.model import ModelTorque
-from jointwear.monitor.regimes import USUAL, beyond_usual
+from jointwear.monitor.regimes import USUAL, beyond_usual, programs_or_one
 from jointwear.monitor.torque_lag import nuisances
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
@@ -118,7 +118,7 @@ def changed_zero(
     events : for each axis the windows of the events that a user entered: what follows one is not held against before.
     """
     w, n = statistics.count.shape
-    program = np.zeros(w, dtype=int) if regime is None else regime
+    program = programs_or_one(regime, w)
     shown = statistics.turned_shown
     # Where a torque is cut off at a limit, what is left of it leans to one side.
     cut = (statistics.flags & int(Flag.SATURATED) != 0).any(axis=1)
