@@ -17,6 +17,8 @@ def lead_over_links(white: White, before: list[Term], trial: Named) -> float:
     Either way the links are as well known as said, or as much worse as a link that is off without being told, whichever
     the data ask for (MacKay 1992, Bayesian interpolation): a last link far off alone is a body, a whole table of links
     that are off is none. So is no table in which the mass of a link would be off by more than as a parameter it may be.
+    What hangs at the flange moves as the last link does: where it is known less than all others, the body counts as
+    that does, whose ten parameters cost less than those of a body of which nothing is known.
     """
     links = next((t for t in white.base if t.label == INERTIAL), None)
     rest = [t for t in white.base if t.label != INERTIAL]
@@ -26,7 +28,18 @@ def lead_over_links(white: White, before: list[Term], trial: Named) -> float:
         return body
     beside = Fit(white.targets, [*rest, *before, trial.term])
     best, other = (_nats_of_links(white, links.std, *fit.gram(links.blocks)) for fit in (beside, without))
-    return body + best - other
+    return max(body + best, _nats_of_last(white, links, without)) - other
+
+
+def _nats_of_last(white: White, links: Term, without: Fit) -> float:
+    """Return the nats of links as well known as said, beside a fit without them, where the last is known less well."""
+    problem, settings = white.problem, white.problem.settings
+    own = np.any(problem.factor[-10:] != 0.0, axis=0)
+    turned = white.directions_of(links)[own].T
+    blocks = {axis: np.concatenate([x, x @ turned], axis=1) for axis, x in links.blocks.items()}
+    # Beside what is said, so that both together are as wide as they would be for links that are all known less.
+    more = np.full(turned.shape[1], np.sqrt(settings.mass_sigmas**2 - 1.0))
+    return float(gain(*without.gram(blocks), np.concatenate([links.std, more])))
 
 
 def _nats_of_links(white: White, std: np.ndarray, b: np.ndarray, gram: np.ndarray) -> float:
