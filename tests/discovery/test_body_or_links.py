@@ -40,6 +40,12 @@ def test_a_body_that_the_last_link_would_have_to_be_several_times_of_is_one(bare
     assert gates(bare, of_body(bare[0], 0.6)) == []
 
 
+def test_a_body_of_half_the_last_link_is_one_where_all_other_links_are_as_known_as_said(bare):
+    """As 0.7 and 1.2 kg on two Pandas, whose last links weigh 1.5 kg (bench 31): links that are all known less well
+    would have said it as well."""
+    assert gates(bare, of_body(bare[0], 0.05)) == []
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_table_of_links_that_are_off_is_no_body(bare, seed):
     problem = bare[0]
