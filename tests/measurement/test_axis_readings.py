@@ -219,6 +219,19 @@ def test_a_flip_of_an_axis_that_the_model_explains_needs_more(recording, puma, m
         check(recording, puma)
 
 
+@pytest.mark.parametrize(("turned", "nats", "refused"), [(0.05, 21.0, False), (0.05, 41.0, True), (0.008, 21.0, True)])
+def test_a_flip_that_leaves_more_than_a_right_axis_needs_more(recording, puma, monkeypatch, turned, nats, refused):
+    """A hose on a joint about the vertical looks like its flip (bench 31)."""
+    flip = next(r for r in readings(puma) if r.kind == "flip" and r.axes == (0,))
+    left, other, told = np.full(6, 0.004), np.full(6, 0.004), iter([0.0, nats])
+    left[0], other[0] = 0.16 if turned > 0.01 else 0.03, turned
+    monkeypatch.setattr(axes_check, "explained", lambda *_: left)
+    monkeypatch.setattr(axes_check, "explained_otherwise", lambda *_: iter([(flip, other)]))
+    monkeypatch.setattr(axes_check, "Likelihood", lambda *_: lambda *_: next(told))
+    with pytest.raises(Refused, match="sign of joint 1 looks flipped") if refused else contextlib.nullcontext():
+        check(recording, puma)
+
+
 def test_every_reading_is_undone_by_itself_or_its_gear(puma):
     rng = np.random.default_rng(0)
     parts, usable = rng.standard_normal((5, 4, 6)), rng.random((5, 6)) > 0.5
