@@ -172,6 +172,17 @@ def test_a_file_without_friction_and_load_costs_no_log_and_another_unit_is_told(
             survey_log(wrong, *reading, LENGTH)
 
 
+@pytest.mark.parametrize("seconds", [44.0, 56.0])
+def test_a_part_on_some_moves_is_a_load_in_a_log_that_is_looked_at_in_parts_too(tmp_path, seconds):
+    """From 48 s on a log with another load is looked at in parts of a few seconds, which need not show it."""
+    reading = layout_of({}, ARM.joint_names), TorqueModel(BARE)
+    survey = survey_log(log_with_product(tmp_path, NEAR, 0.0, seconds=seconds), *reading, LENGTH)
+    path = log_with_product(tmp_path, NEAR, 0.0, part=8.0, seconds=seconds)
+    found = log_statistics(path, *reading, survey, LENGTH)
+    assert found.refused == ()
+    assert not flagged(found, Flag.CONTRADICTED)
+
+
 def test_a_part_on_some_moves_is_no_factor_of_all_torques(tmp_path):
     """It loads most joints alike, and a load that is carried all the time explains it no better than a factor."""
     reading = layout_of({}, ARM.joint_names), TorqueModel(BARE)

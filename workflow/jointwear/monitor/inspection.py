@@ -36,22 +36,36 @@ class Inspector:
         if not marks.any() or kept.stop - kept.start < PARTS * SMALLEST_PART:
             return marks
         edges = np.linspace(kept.start, kept.stop, PARTS + 1).astype(int).tolist()
-        closer = self._look(around, motion, edges)
+        closer = self._look(around, motion, edges, self._relieved(around, motion, kept))
         if (marks & int(Flag.REFUSED)).any():
             closer[closer != 0] |= int(Flag.REFUSED)
         elif (closer[kept] & int(Flag.UNEXPLAINED) != 0).all():
             self._check.accept()
         return closer
 
-    def _look(self, around: Ordered, motion: Motion, edges: list[int]) -> np.ndarray:
+    def _relieved(self, around: Ordered, motion: Motion, kept: slice) -> np.ndarray | None:
+        """Return the torque (m, n) without the load that the `kept` samples show together, None where they show none.
+
+        A part of a few seconds may hold one move with a load, of which the model then explains next to nothing.
+        """
+        seen = part_of(around, kept)
+        lighter = self._check.relieve(seen.chunk, seen.stretch, _cut(motion, kept))
+        if lighter is None:
+            return None
+        torque = around.chunk.torque.copy()
+        torque[kept] = lighter
+        return torque
+
+    def _look(
+        self, around: Ordered, motion: Motion, edges: list[int], relieved: np.ndarray | None = None
+    ) -> np.ndarray:
         marks = np.zeros(around.chunk.position.shape, dtype=np.int64)
-        moved = {f.name: getattr(motion, f.name) for f in fields(motion)}
         for start, stop in pairwise(edges):
             part = slice(start, stop)
             seen = part_of(around, part)
-            cut = Motion(**{k: None if v is None else v[part] for k, v in moved.items()})
+            lighter = None if relieved is None else relieved[part]
             try:
-                marks[part] |= self._check(seen.chunk, seen.stretch, cut, whole=len(edges) == 2)
+                marks[part] |= self._check(seen.chunk, seen.stretch, _cut(motion, part), len(edges) == 2, lighter)
             except Refused as refusal:
                 marks[part] |= int(Flag.REFUSED)
                 self.tell(refusal)
@@ -63,3 +77,9 @@ class Inspector:
         if refusal.suggestion not in self._told:
             self._told.add(refusal.suggestion)
             self.refused.append(f"{refusal}; {refusal.suggestion}{ALL_LOGS if refusal.by_keys else ''}")
+
+
+def _cut(motion: Motion, part: slice) -> Motion:
+    """Return a part of a motion."""
+    moved = {f.name: getattr(motion, f.name) for f in fields(motion)}
+    return Motion(**{k: None if v is None else v[part] for k, v in moved.items()})

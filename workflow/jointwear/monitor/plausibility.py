@@ -84,6 +84,18 @@ def busiest_piece(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: 
     chosen = _busiest(motion.velocity * motion.usable, LOOK)
     usable = motion.usable & moving(motion.velocity, stretch, dead_band, 1) & np.isfinite(chunk.torque)
     usable &= ~at_limit(chunk.torque, chunk.position, stretch)[0]
+    return measured_in(chunk, stretch, motion, usable, dead_band, chosen)
+
+
+def measured_in(
+    chunk: Chunk,
+    stretch: np.ndarray,
+    motion: Motion,
+    usable: np.ndarray,
+    dead_band: np.ndarray,
+    chosen: slice = slice(None),
+) -> Measured:
+    """Return chosen samples of a chunk with their motion, as discovery takes them; `usable` (m, n) of all samples."""
     n = usable.shape[1]
     return Measured(
         time=chunk.time[chosen],
