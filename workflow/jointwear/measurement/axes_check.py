@@ -42,8 +42,8 @@ FAVOURS = {
 NOTHING_WRONG = 2.0
 #: Share of them that is enough for a flip that fits far better in size too, but not :data:`BY_FAR`: a friction that
 #: differs between the directions in the robot file and not in the robot reached a drop of 1.05 and 7 nats. A
-#: flip needs all of them however well it fits where more of the torque is left than a right axis leaves (:data:`RIGHT`):
-#: a hose on a joint about the vertical reached 1.16 and 21 nats, and left 5 %.
+#: flip needs all of them, however well it fits, where more of the torque is left than a right axis leaves
+#: (:data:`RIGHT`): a hose on a joint about the vertical reached 1.16 and 21 nats, and left 5 %.
 SIZE_TOO, BY_FAR = 0.5, 1.8
 #: Readings that another cause resembles, a load, a mounting or a drive that two joints share: they have to fit far
 #: better in size and be far likelier.
