@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow.parquet as parquet
@@ -22,6 +23,7 @@ from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.local_time import local_time, zone_of
 from jointwear.monitor.open_alarms import OPEN_ALARM
+from jointwear.monitor.page import finding_rows
 from jointwear.monitor.read_findings import DRIVES, drives_words
 from jointwear.monitor.standing import NOTHING, rhythm_hours
 from jointwear.monitor.told_together import told_together
@@ -364,3 +366,18 @@ def test_the_board_asks_for_metrics_that_there_are(built, root):
     there = set(re.findall(r"^# TYPE (\w+)", (built / "metrics.prom").read_text(), re.MULTILINE))
     assert asked - {"jointwear_messages_waiting"} <= there
     assert len(asked) >= 8
+
+
+def test_what_comes_and_goes_takes_one_line_on_the_page_of_the_robot():
+    """As torques that a product's load took apart on 36 days (fleet 24)."""
+    product = [
+        {"time": NOW - k * DAY, "end": NOW - k * DAY + 3600, "axes": [4], "kind": "contradicted", "words": "Axis 4."}
+        for k in (1, 3, 5)
+    ]
+    lasting = [
+        {"time": NOW - k * DAY, "axes": [2], "kind": "zero", "words": "Joint 2 counts otherwise."} for k in (2, 4)
+    ]
+    rows = finding_rows({"findings": [*product, *lasting]}, SimpleNamespace(dated=True, short=False), zone_of(None))
+    assert [r["words"] for r in rows] == ["Axis 4. It was so 2 times before."] + 2 * ["Joint 2 counts otherwise."]
+    once = finding_rows({"findings": product[:2]}, SimpleNamespace(dated=True, short=False), zone_of(None))
+    assert [r["words"] for r in once] == ["Axis 4. It was so once before."]

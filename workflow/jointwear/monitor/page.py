@@ -21,7 +21,7 @@ from jointwear.monitor.standing import standing
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
-from jointwear.monitor.told_together import told_together
+from jointwear.monitor.told_together import before_words, told_together
 from jointwear.monitor.words import sure_percent, sure_words, todo
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
@@ -68,15 +68,19 @@ def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") ->
 
 
 def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
-    """Return what else was found, the newest first."""
-    found = sorted(told_together(row["findings"]), key=lambda f: -(f.get("time") or 0.0))
+    """Return what else was found, the newest first; of what is over and came again in the same words the newest alone,
+    with how often it was so before."""
+    alike: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for found in sorted(told_together(row["findings"]), key=lambda f: -(f.get("time") or 0.0)):
+        key = (found["kind"], found["words"]) if found.get("end") is not None else (id(found),)
+        alike.setdefault(key, []).append(found)
     return [
         {
             "when": " to ".join(when(state, f[key], zone) for key in ("time", "end") if f.get(key) is not None),
             "axes": name_axes(f.get("axes") or ()),
-            "words": f["words"],
+            "words": f"{f['words']}{before_words(len(before))}",
         }
-        for f in found
+        for f, *before in alike.values()
     ]
 
 

@@ -30,9 +30,9 @@ _READ = {
     "contradicted": (
         Flag.CONTRADICTED,
         (
-            "The torque of {axes} fits neither the model nor the first log: its unit or column may have changed, its "
-            "sign may be missing, its measurement may be faulty, or the flange may carry a load that the robot file "
-            "lacks. These windows are not judged; mend these logs or leave them out, or state the load."
+            "The torque of {axes} fits neither the model nor the first log: the flange may carry a load that the robot "
+            "file lacks, its unit or column may have changed, its sign may be missing, or its measurement may be "
+            "faulty. These windows are not judged; state the load, or mend these logs or leave them out."
         ),
     ),
     "outside": (

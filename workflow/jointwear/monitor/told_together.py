@@ -26,6 +26,13 @@ def told_together(findings: Sequence[Finding]) -> list[dict[str, Any]]:
     return [dict(g[0]) if len(g) == 1 else {**g[0], **_TOGETHER[g[0]["kind"]](g)} for g in groups.values()]
 
 
+def before_words(count: int) -> str:
+    """Return in words that what was found has been so `count` times before; empty for none."""
+    if not count:
+        return ""
+    return " It was so once before." if count == 1 else f" It was so {count} times before."
+
+
 def _alike(found: Finding) -> tuple:
     """Return what findings that are told together have in common, empty where a finding stands alone."""
     kind = found["kind"]

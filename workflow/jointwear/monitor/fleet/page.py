@@ -15,7 +15,7 @@ from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKING, ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
 from jointwear.monitor.seen_growth import COARSE, LOOSE
-from jointwear.monitor.told_together import told_together
+from jointwear.monitor.told_together import before_words, told_together
 from jointwear.monitor.words import todo
 from jointwear.publishing.report.rendering import render_page
 
@@ -95,7 +95,7 @@ def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[str]:
     for found in newest:
         if "end" in found:
             over.setdefault(found["kind"], []).append(_dated(found, row, zone))
-    return words + [f"{told[0]}{_before(len(told) - 1)}" for told in over.values()]
+    return words + [f"{told[0]}{before_words(len(told) - 1)}" for told in over.values()]
 
 
 def _dated(found: Mapping[str, Any], row: Mapping[str, Any], zone: tzinfo) -> str:
@@ -103,12 +103,6 @@ def _dated(found: Mapping[str, Any], row: Mapping[str, Any], zone: tzinfo) -> st
     if not row["dated"] or found["kind"] in LASTING or found.get("time") is None:
         return found["words"]
     return f"{local_day(found['time'], zone)}: {found['words']}"
-
-
-def _before(count: int) -> str:
-    if not count:
-        return ""
-    return " It was so once before." if count == 1 else f" It was so {count} times before."
 
 
 def _minute(row: Mapping[str, Any]) -> float:
