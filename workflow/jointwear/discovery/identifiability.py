@@ -66,34 +66,30 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
     fit, usual = white.fit(), white.problem.settings.usual
     found = []
     for axis, matrix in dictionary.matrix.items():
-        families: dict[tuple, tuple[float, Candidate, np.ndarray, np.ndarray]] = {}
-        energies_of: dict[tuple, list[float]] = {}
+        families: dict[tuple, list[tuple[float, Candidate, slice, np.ndarray]]] = {}
         products = dictionary.products(axis, matrix)
         turned = products.projected(fit)[1] @ np.linalg.cholesky(fit.covariance)
         alone = products.squares - np.sum(turned**2, axis=1)
         for candidate, where, std in dictionary.entries[axis]:
             energy = float(alone[where] @ std**2) / len(std)
-            energies_of.setdefault(candidate.key, []).append(energy)
-            if candidate.key not in families or energy > families[candidate.key][0]:
-                families[candidate.key] = (energy, candidate, np.arange(where.start, where.stop), std)
-        keys = list(families)
-        columns = np.concatenate([families[k][2] for k in keys])
+            families.setdefault(candidate.key, []).append((energy, candidate, where, std))
+        strongest = [max(members, key=lambda member: member[0]) for members in families.values()]
+        columns = np.concatenate([np.arange(where.start, where.stop) for _, _, where, _ in strongest])
         x = matrix[:, columns]
         full = x.T @ x - turned[columns] @ turned[columns].T
-        scale = np.concatenate([families[k][3] for k in keys])
+        scale = np.concatenate([std for *_, std in strongest])
         full = full * scale[:, None] * scale
-        starts = np.cumsum([0, *[len(families[k][3]) for k in keys]])
+        starts = np.cumsum([0, *[len(std) for *_, std in strongest]])
         energies = np.add.reduceat(np.diag(full), starts[:-1])
         # What each family (row) leaves of the energy of each other (column).
         left = np.array([_left_by(full, slice(a, b), starts, energies) for a, b in pairwise(starts)])
-        names = np.array([key[0] for key in keys])
+        names = np.array([candidate.effect for _, candidate, _, _ in strongest])
         left[names[:, None] == names] = np.inf
-        for i, key in enumerate(keys):
+        for i, (members, (energy, candidate, _, std)) in enumerate(zip(families.values(), strongest, strict=True)):
             best = int(np.argmin(left[:, i]))
-            energy, candidate, _, std = families[key]
             least = left[best, i] / len(std)
-            rival, least = (keys[best][0], least) if least < energy else ("", energy)
-            middle = float(np.median(energies_of[key]))
+            rival, least = (str(names[best]), least) if least < energy else ("", energy)
+            middle = float(np.median([member[0] for member in members]))
             found.append(Visible(candidate, std, energy, middle, rival, float(least), usual))
     for candidate, blocks, std in dictionary.whole:
         if candidate.axis is not None:

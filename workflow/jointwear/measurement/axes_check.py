@@ -41,9 +41,9 @@ FAVOURS = {
 #: of the torque that wanders over a day reached 41 nats for a wrist; of 45 flips 37 reach 100, none lies between.
 NOTHING_WRONG = 2.0
 #: Share of them that is enough for a flip that fits far better in size too, but not :data:`BY_FAR`: a friction that
-#: differs between the directions in the robot file and not in the robot reached a drop of 1.05 and 7 nats. A
-#: flip needs all of them, however well it fits, where more of the torque is left than a right axis leaves
-#: (:data:`RIGHT`): a hose on a joint about the vertical reached 1.16 and 21 nats, and left 5 %.
+#: differs between the directions in the robot file and not in the robot reached a drop of 1.05 and 7 nats. A flip
+#: needs all of them, however well it fits, where more of the torque is left than a right axis leaves (:data:`RIGHT`): a
+#: hose on a joint about the vertical reached 1.16 and 21 nats, and left 5 %.
 SIZE_TOO, BY_FAR = 0.5, 1.8
 #: Readings that another cause resembles, a load, a mounting or a drive that two joints share: they have to fit far
 #: better in size and be far likelier.
@@ -193,9 +193,8 @@ def _enough(reading: Reading, gained: float, left: np.ndarray, other: np.ndarray
     if gained <= CLEARLY:
         doubt = NOTHING_WRONG if reading.kind == "flip" and np.nanmax(left, initial=0.0) < RIGHT else 1.0
         return doubt * favours(reading, robot)
-    if reading.kind in RESEMBLED:
-        return favours(reading, robot)
-    if reading.kind == "flip" and not np.nanmax(other, initial=0.0) < RIGHT:
+    wrong_still = reading.kind == "flip" and not np.nanmax(other, initial=0.0) < RIGHT
+    if reading.kind in RESEMBLED or wrong_still:
         return favours(reading, robot)
     return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * favours(reading, robot)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields
+from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -36,7 +38,7 @@ class Inspector:
         if not marks.any() or kept.stop - kept.start < PARTS * SMALLEST_PART:
             return marks
         edges = np.linspace(kept.start, kept.stop, PARTS + 1).astype(int).tolist()
-        closer = self._look(around, motion, edges, self._relieved(around, motion, kept))
+        closer = self._look(around, motion, edges, cache(partial(self._relieved, around, motion, kept)))
         if (marks & int(Flag.REFUSED)).any():
             closer[closer != 0] |= int(Flag.REFUSED)
         elif (closer[kept] & int(Flag.UNEXPLAINED) != 0).all():
@@ -57,13 +59,17 @@ class Inspector:
         return torque
 
     def _look(
-        self, around: Ordered, motion: Motion, edges: list[int], relieved: np.ndarray | None = None
+        self,
+        around: Ordered,
+        motion: Motion,
+        edges: list[int],
+        relieved: Callable[[], np.ndarray | None] = lambda: None,
     ) -> np.ndarray:
         marks = np.zeros(around.chunk.position.shape, dtype=np.int64)
         for start, stop in pairwise(edges):
             part = slice(start, stop)
             seen = part_of(around, part)
-            lighter = None if relieved is None else relieved[part]
+            lighter = partial(_part_of_torque, relieved, part)
             try:
                 marks[part] |= self._check(seen.chunk, seen.stretch, _cut(motion, part), len(edges) == 2, lighter)
             except Refused as refusal:
@@ -83,3 +89,9 @@ def _cut(motion: Motion, part: slice) -> Motion:
     """Return a part of a motion."""
     moved = {f.name: getattr(motion, f.name) for f in fields(motion)}
     return Motion(**{k: None if v is None else v[part] for k, v in moved.items()})
+
+
+def _part_of_torque(torque: Callable[[], np.ndarray | None], part: slice) -> np.ndarray | None:
+    """Return a part of a torque, None where there is none."""
+    whole = torque()
+    return None if whole is None else whole[part]

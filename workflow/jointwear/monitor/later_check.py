@@ -23,10 +23,9 @@ from jointwear.measurement.held_rows import check_rows_are_new
 from jointwear.measurement.motion import Measured
 from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.torque_scale import FACTOR, LIKELIER, OF_ONE, gained_by, off_scale, shared_scale, thinned
-from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion
 from jointwear.monitor.misreadings import without_load
-from jointwear.monitor.plausibility import busiest_piece, check_units, measured_in
+from jointwear.monitor.plausibility import busiest_piece, check_units, in_motion, measured_in
 from jointwear.robots.dynamics import Dynamics
 
 #: Share of the squared torque of an axis below which the model counts as right.
@@ -70,7 +69,12 @@ class LaterCheck:
         self._known = self._last
 
     def __call__(
-        self, chunk: Chunk, stretch: np.ndarray, motion: Motion, whole: bool, relieved: np.ndarray | None = None
+        self,
+        chunk: Chunk,
+        stretch: np.ndarray,
+        motion: Motion,
+        whole: bool,
+        relieved: Callable[[], np.ndarray | None] = lambda: None,
     ) -> np.ndarray:
         """Return flags (n,): where the model explains much less of the torque than in the first log, and of which axes
         next to nothing.
@@ -78,8 +82,8 @@ class LaterCheck:
         Parameters
         ----------
         whole : it is a block and no part of one: parts are too short to tell a scale that all torques share.
-        relieved : (m, n) torque [N m] without the load that the whole block shows, where it shows one: a part of a few
-            seconds need not show what is carried in it.
+        relieved : gives the torque (m, n) [N m] without the load that the whole block shows, None where it shows none:
+            a part of a few seconds need not show what is carried in it. Asked only of what nothing else explains.
 
         Raises
         ------
@@ -111,11 +115,9 @@ class LaterCheck:
             self._check_shared_scale(measured, parts, usable, plain)
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
-            thin = thinned(lighter)
-            self._lost &= self._hardly(self._growth(thin.parts, thin.usable), thin.parts, thin.usable)
-        if self._lost.any() and relieved is not None:
-            thin = thinned(busiest_piece(replace(chunk, torque=relieved), stretch, motion, self._dead_band))
-            self._lost &= self._hardly(self._growth(thin.parts, thin.usable), thin.parts, thin.usable)
+            self._lost &= self._lost_in(lighter)
+        if self._lost.any() and (torque := relieved()) is not None:
+            self._lost &= self._lost_in(busiest_piece(replace(chunk, torque=torque), stretch, motion, self._dead_band))
         # What befell most torques befell the others too, though they may resemble what they were.
         self._lost |= self._lost.sum() > MOST_LOST * np.isfinite(self._last).sum()
         return self._marks()
@@ -123,9 +125,14 @@ class LaterCheck:
     def relieve(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> np.ndarray | None:
         """Return the torque (m, n) [N m] of a block without the load at the flange that it shows; None where it shows
         none."""
-        usable = motion.usable & moving(motion.velocity, stretch, self._dead_band, 1) & np.isfinite(chunk.torque)
+        usable = in_motion(chunk, stretch, motion, self._dead_band)
         lighter = without_load(measured_in(chunk, stretch, motion, usable, self._dead_band), self._dynamics.robot)
         return None if lighter is None else lighter.torque
+
+    def _lost_in(self, measured: Measured) -> np.ndarray:
+        """Return the axes (n,) of which the model explains next to nothing in a piece without a load."""
+        thin = thinned(measured)
+        return self._hardly(self._growth(thin.parts, thin.usable), thin.parts, thin.usable)
 
     def _marks(self) -> np.ndarray:
         return np.where(self._lost, int(Flag.UNEXPLAINED | Flag.CONTRADICTED), int(Flag.UNEXPLAINED))

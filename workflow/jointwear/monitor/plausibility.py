@@ -82,9 +82,13 @@ def check_first(
 def busiest_piece(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.ndarray) -> Measured:
     """Return the busiest piece with its motion, as discovery takes it."""
     chosen = _busiest(motion.velocity * motion.usable, LOOK)
-    usable = motion.usable & moving(motion.velocity, stretch, dead_band, 1) & np.isfinite(chunk.torque)
-    usable &= ~at_limit(chunk.torque, chunk.position, stretch)[0]
+    usable = in_motion(chunk, stretch, motion, dead_band) & ~at_limit(chunk.torque, chunk.position, stretch)[0]
     return measured_in(chunk, stretch, motion, usable, dead_band, chosen)
+
+
+def in_motion(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.ndarray) -> np.ndarray:
+    """Return the samples (m, n) of joints that move, with a torque."""
+    return motion.usable & moving(motion.velocity, stretch, dead_band, 1) & np.isfinite(chunk.torque)
 
 
 def measured_in(

@@ -84,10 +84,11 @@ def scale_steps(level: Watch, plain: Watch, scale: Watch, shift: np.ndarray, bas
         for k, sign in sorted(hits):
             begin = k if sign < 0 else _begin(level, k, j, shift)
             # A changed scale lasts. The windows up to an alarm are few and of like conditions, whose error they share.
-            step, error = mean_residual(scale, slice(begin, _end(k, shift)), j, shift)
+            rows = slice(begin, _end(k, shift))
+            step, error = mean_residual(scale, rows, j, shift)
             size = mean_residual(level, slice(begin, k + 1), j, shift)[0] if sign > 0 else step
             steps = np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR
-            if steps and not _of_a_load(plain, scale, slice(begin, _end(k, shift)), j, shift):
+            if steps and not _of_a_load(plain, scale, rows, j, shift):
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
     return _common(plain, scale, shift, baseline) or found + _joined(found, level, scale, shift)
