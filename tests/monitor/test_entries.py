@@ -23,6 +23,15 @@ def check(**more):
             r"units\.position' is 'degreess'; did you mean 'deg'\? \(allowed: rad,",
         ),
         ({"units": {"torque": "V"}}, r"units\.torque' is 'V' .*\(allowed: N m, mN m, kN m, kgf m, .*A, mA, %"),
+        (
+            {"baseline": {"until": "31.01.2026"}},
+            r"until' is '31\.01\.2026'; did you mean '2026-01-31'\? \(allowed: ISO",
+        ),
+        ({"baseline": {"until": "31.02.2026"}}, r"until' is '31\.02\.2026' \(allowed: ISO"),
+        (
+            {"events": [{"time": "1.2.2026 06:00", "kind": "service"}]},
+            r"events\[0\]\.time' is .* did you mean '2026-02-01T06:00'",
+        ),
         ({"variables": {"torques": SIX}}, r"variables' has the role 'torques'; did you mean 'torque'"),
         ({"variables": {"torque": SIX[:5]}}, r"variables\.torque' has 5 names; allowed: one, or 6, one a joint"),
         ({"variables": {"time": ["day", "hour"]}}, r"variables\.time' has 2 names; allowed: one"),
@@ -55,7 +64,7 @@ def test_no_zone_is_advised_that_is_another(name, hint):
 
 def test_what_is_allowed_passes():
     check(
-        units={"time": "ms", "position": "Grad", "torque": "A", "temperature": "K"},
+        units={"time": "ms", "position": "Grad", "torque": "Ampere", "temperature": "K"},
         variables={"torque": SIX, "position": "q", "time": "t", "temperature": ["cabinet"] * 6},
         baseline={"from": "2026-01-01", "until": "2026-02-01"},
         events=[{"time": "2026-01-01", "axes": [6], "kind": "service"}],

@@ -9,7 +9,8 @@ import pytest
 from jointwear.files import patterns
 from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
-from jointwear.monitor.plan import check_robots, find_all_logs, find_logs, in_order, window_seconds
+from jointwear.monitor.order_of_logs import in_order
+from jointwear.monitor.plan import check_robots, find_all_logs, find_logs, window_seconds
 
 
 @pytest.fixture
@@ -131,3 +132,23 @@ def test_logs_come_in_the_order_of_their_numbers(tmp_path):
     for k in (1, 2, 10):
         (tmp_path / f"log_{k}.csv").write_text("x")
     assert [Path(p).name for p in find_logs([f"{tmp_path}/*.csv"])] == ["log_1.csv", "log_2.csv", "log_10.csv"]
+
+
+@pytest.mark.parametrize("day", ["{0:02d}{1:02d}{2}", "{0:02d}.{1:02d}.{2}", "{0:02d}-{1:02d}-{2}_0600"])
+def test_days_that_are_written_day_first_follow_the_calendar(day):
+    days = [(5, 1, 2026), (31, 1, 2026), (1, 2, 2026), (2, 2, 2026), (1, 1, 2027)]
+    logs = [f"logs/log_{day.format(*d)}.csv" for d in days]
+    assert in_order(reversed(logs)) == logs
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["20260105", "20260131", "20260201"],  # year first
+        ["01052026", "01312026", "02012026", "02132026"],  # month first, as the 31st tells
+        ["01022026", "05012026"],  # either
+        ["run_1_2026", "run_2_2026", "run_10_2026"],
+    ],
+)
+def test_other_names_keep_their_natural_order(names):
+    assert in_order(reversed(names)) == names

@@ -6,7 +6,8 @@ from scratch_project import Project, copy_project
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json
-from jointwear.monitor.plan import batches_of, check_robots, find_all_logs, find_logs, in_order, log_key
+from jointwear.monitor.order_of_logs import in_order
+from jointwear.monitor.plan import batches_of, check_robots, find_all_logs, find_logs, log_key
 from jointwear.running.configuration import prepare
 
 ENTRY = {

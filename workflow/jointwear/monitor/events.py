@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from jointwear.files.errors import InputError, shown
-from jointwear.measurement.timestamps import LATEST, moment_of
+from jointwear.measurement.timestamps import LATEST, meant, moment_of
 from jointwear.monitor.local_time import zone_of
 
 KINDS = ("service", "sensor", "program", "acknowledged")
@@ -49,8 +49,8 @@ def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
             time = moment_of(given["time"], zone)
         except (KeyError, ValueError):
             raise InputError(
-                f"config: 'events[{k}].time' is {shown(given.get('time'))}; allowed: ISO 8601, as "
-                f"2026-02-01T06:00:00Z, or seconds for logs without a date (at most {LATEST:g} in size)"
+                f"config: 'events[{k}].time' is {shown(given.get('time'))}{meant(given.get('time'))} (allowed: "
+                f"ISO 8601, as 2026-02-01T06:00:00Z, or seconds for logs without a date, at most {LATEST:g} in size)"
             ) from None
         axes = tuple(int(a) - 1 for a in given.get("axes") or ())
         events.append(Event(time, axes, given.get("kind", "service"), given.get("note", "")))

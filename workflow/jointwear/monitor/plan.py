@@ -23,9 +23,10 @@ from jointwear.files.regular_files import nearest_file
 from jointwear.files.wording import count
 from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
 from jointwear.measurement.log_kinds import FORMATS, log_format, unpacked
-from jointwear.measurement.timestamps import LATEST, moment_of
+from jointwear.measurement.timestamps import LATEST, meant, moment_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.order_of_logs import in_order
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 #: Keys of an entry that decide how a log is read; its windows depend on no other.
@@ -87,10 +88,6 @@ def log_sources(path: str | Path) -> list[str]:
     return [str(path)]
 
 
-def _natural(path: str) -> list[Any]:
-    return [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in re.split(r"(\d{1,18})", path)]
-
-
 def _folder(pattern: str) -> Path:
     """The folder that a pattern names: its parts before the first with a wildcard, without the file name."""
     parts = Path(pattern).parts
@@ -99,7 +96,7 @@ def _folder(pattern: str) -> Path:
 
 
 def find_logs(patterns: Iterable[str], where: str = "logs") -> list[str]:
-    """Return the logs that the patterns match, each once, numbers in names in their natural order.
+    """Return the logs that the patterns match, each once, in order of their names.
 
     Raises
     ------
@@ -134,13 +131,6 @@ def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
                 "name the folder that it is in"
             )
     return known, sorted(set(packed) - {m for m in packed if unpacked(m) in known})
-
-
-def in_order(logs: Iterable[str]) -> list[str]:
-    """Return logs each once, numbers in names in their natural order; files inside a bag's folder belong to the bag."""
-    logs = set(logs)
-    bags = {Path(m) for m in logs if Path(m).is_dir()}
-    return sorted((m for m in logs if not bags & set(Path(m).parents)), key=_natural)
 
 
 def log_key(path: str) -> str:
@@ -201,8 +191,9 @@ def check_robots(config: Mapping[str, Any]) -> None:
                 moment_of(baseline.get(key, 0), zone)
             except ValueError:
                 raise InputError(
-                    f"config: '{where}.baseline.{key}' is {shown(baseline[key])}; allowed: ISO 8601, as "
-                    f"2026-01-15T00:00:00Z, or seconds for logs without a date (at most {LATEST:g} in size)"
+                    f"config: '{where}.baseline.{key}' is {shown(baseline[key])}{meant(baseline[key])} "
+                    "(allowed: ISO 8601, as 2026-01-15T00:00:00Z, or seconds for logs without a date, at most "
+                    f"{LATEST:g} in size)"
                 ) from None
         borders = [baseline.get(key) for key in ("from", "until")]
         if None not in borders and moment_of(borders[0], zone) >= moment_of(borders[1], zone):

@@ -24,8 +24,9 @@ from jointwear.measurement.refused import Refused
 from jointwear.monitor.assembly import Piece, fingerprint
 from jointwear.monitor.fleet.plan import stamp_of
 from jointwear.monitor.made_with import made_with
+from jointwear.monitor.order_of_logs import in_order
 from jointwear.monitor.piece_files import read_pieces, write_pieces
-from jointwear.monitor.plan import READING_KEYS, in_order, window_seconds
+from jointwear.monitor.plan import READING_KEYS, window_seconds
 from jointwear.monitor.reading_stages import log_pieces, survey_logs
 from jointwear.monitor.survey import read_survey
 from jointwear.monitor.windows import WindowStatistics, blank_statistics
