@@ -18,6 +18,12 @@ def test_three_jobs_per_data_set(project):
     assert project.planned("check_data", "--configfile", EXAMPLE) == {"check_dataset": 1, "check_data": 1}
 
 
+@pytest.mark.parametrize("profile", ["default", "slurm", "kubernetes"])
+def test_a_data_set_that_is_refused_stops_no_other(project, profile):
+    told = yaml.safe_load((project.folder / "workflow/profiles" / profile / "config.yaml").read_text())
+    assert told["keep-going"] is True
+
+
 def chained(project, name, **datasets):
     """Write a config whose data sets differ in their robot alone."""
     shown = yaml.safe_load((project.folder / EXAMPLE).read_text())["discover"]["datasets"]["puma560_hidden"]

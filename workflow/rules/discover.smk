@@ -1,5 +1,5 @@
 # Discovery: one job finds what a model lacks and writes every file, one draws the page, one the report's chapter.
-# A data set that is refused leaves refused.json and no verdict; run with --keep-going so that others go on.
+# A data set that is refused leaves refused.json and no verdict; others go on, as the profile says --keep-going.
 from jointwear.running.datasets import check_datasets
 
 try:
