@@ -32,6 +32,8 @@ def broken(log, kind):
             torque[:, 1] *= -1
         case "torque sign":
             torque[:, 2] *= -1
+        case "sizes":
+            torque = np.abs(torque)
         case "motor torque":
             torque[:, 1] /= model().robot.gear_ratio[1]
     return replace(log, position=position, torque=torque, velocity=velocity, acceleration=acceleration)
@@ -42,6 +44,7 @@ WRONG = {
     "swapped": r"joints 1 and 2 look swapped",
     "sign": r"the sign of joint 2 looks flipped",
     "torque sign": r"the sign of the torque of joint 3 looks flipped",
+    "sizes": r"recorded without their sign; record torques, or currents, with their sign",
     "motor torque": r"torque of joint 2 looks like that of the motor",
 }
 

@@ -22,6 +22,7 @@ from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.silent_joints import check_torque_moves
 from jointwear.measurement.torque_scale import thinned
 from jointwear.measurement.turns import turns_on
+from jointwear.measurement.unsigned_torque import check_torque_has_sign
 from jointwear.monitor.accumulate import moving
 from jointwear.monitor.derivation import Motion
 from jointwear.monitor.misreadings import check_readings
@@ -59,6 +60,7 @@ def check_first(
     check_rows_are_new(chunk, stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
+        check_torque_has_sign(measured.torque, measured, robot, name)
         check_readings(
             measured,
             robot,
