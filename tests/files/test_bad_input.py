@@ -174,6 +174,7 @@ def test_a_urdf_brings_limits_and_friction_and_the_robot_file_overrides(tmp_path
     ("yaml_text", "urdf", "words"),
     [
         ("name: x\nurdf: none.urdf\n", URDF, ["none.urdf", "does not exist"]),
+        ("name: x\nurdf: tow.udrf\n", URDF, ["tow.udrf", "does not exist", "did you mean 'two.urdf'"]),
         ("name: x\nurdf: two.urdf\n", "<robot", ["two.urdf", "not valid XML"]),
         ("name: x\nurdf: two.urdf\njoints: [{name: frist}]\n", URDF, ["'frist'", "did you mean 'first'"]),
         ("name: x\nurdf: two.urdf\n", URDF.replace("continuous", "prismatic"), ["'second' (prismatic)", "fixed"]),

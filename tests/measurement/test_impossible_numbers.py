@@ -160,6 +160,13 @@ def test_a_list_names_one_column_for_each_axis(tmp_path, table):
     np.testing.assert_allclose(found.torque[:, 0], table["torque_6"])
     with pytest.raises(InputError, match="has no column 'moment' for torque"):
         load_recording({**entry, "variables": {"torque": ["moment"] * 6}})
+    # The nearest name is that of another joint; the one that nobody has asked for is meant.
+    table["moment_6"] = table.pop("torque_6")
+    write_csv(tmp_path / "log.csv", table)
+    with pytest.raises(InputError, match="no column 'torque_6' for torque; did you mean 'moment_6'"):
+        load_recording({**entry, "variables": {"torque": turned}})
+    table["torque_6"] = table.pop("moment_6")
+    write_csv(tmp_path / "log.csv", table)
     with pytest.raises(InputError, match="has 1 column of torque, the position has 6 joints"):
         load_recording({**entry, "variables": {"torque": ["torque_1"]}})
 

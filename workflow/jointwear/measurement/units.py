@@ -52,6 +52,7 @@ SPELLINGS = {
     "radian/s": "rad/s", "radians/s": "rad/s", "dps": "deg/s", "degree/s2": "deg/s2", "degrees/s2": "deg/s2",
     "deg/s^2": "deg/s2", "°/s2": "deg/s2", "°/s^2": "deg/s2", "newton meter": "N m", "milliseconds": "ms",
     "millisecond": "ms", "msec": "ms", "microseconds": "us", "nanoseconds": "ns", "µs": "us",
+    "ampere": "A", "Ampere": "A", "amperes": "A", "amp": "A", "amps": "A", "Amps": "A", "Prozent": "%",
     "Grad": "deg", "Grad/s": "deg/s",
     "degree": "deg", "degrees": "deg", "°": "deg", "radian": "rad", "radians": "rad", "Nm": "N m", "N.m": "N m",
     "N*m": "N m", "rad s-1": "rad/s", "deg s-1": "deg/s", "rad/s^2": "rad/s2", "rad s-2": "rad/s2", "celsius": "degC",

@@ -13,6 +13,7 @@ from typing import Any
 from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.registered import path_in, will_be_fetched
+from jointwear.files.regular_files import nearest_file
 from jointwear.files.wording import count as counted
 from jointwear.robots.rigid_body import has_no_negative_moment
 from jointwear.robots.urdf_file import read_urdf_joints
@@ -25,6 +26,10 @@ HEAVIEST, LARGEST_RADIUS, LIGHTEST = 5000.0, 5.0, 1e-3
 #: Distance [m] of a centre of mass that is taken of any arm: a link of next to no mass, as `discover` may write one,
 #: has it far outside.
 FARTHEST_MASS = 20.0
+#: Gravity [m/s2] above which it is in another unit, and by how much it may differ from 1 and still be one g: a flat arm
+#: may be given the share of gravity in its plane alone. Units that gravity is found in [m/s2].
+MOST_GRAVITY, ONE_G = 30.0, 0.01
+_OF_GRAVITY = {"g": 9.81, "mm/s2": 1e-3, "cm/s2": 1e-2}
 _DEFAULTS: dict[str, Any] = {
     "gear_ratio": 1.0,
     "motor_inertia": 0.0,
@@ -54,6 +59,7 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
     data = read_yaml(path)
     schema = read_schema("robot")
     _check_lengths(path, data)
+    _check_gravity(path, data)
     check(data, schema, path)
     data = normalise_numbers(data, schema)
     data.setdefault("gravity", [0.0, 0.0, -9.81])
@@ -114,6 +120,32 @@ def _check_lengths(path: Path, data: dict[str, Any]) -> None:
                 )
 
 
+def _check_gravity(path: Path, data: dict[str, Any]) -> None:
+    """Check that gravity is a vector, in m/s2.
+
+    Raises
+    ------
+    InputError : naming the unit that it looks like, and its value in m/s2.
+    """
+    given = data.get("gravity", [])
+    if isinstance(given, (int, float)):
+        raise InputError(
+            f"{path}: 'gravity' is {shown(given)}, must be a list of three numbers, in m/s2 along x, y and z of the "
+            "base frame; [0, 0, -9.81] for an arm that stands upright"
+        )
+    if not isinstance(given, list) or not all(isinstance(g, (int, float)) for g in given):
+        return  # the schema tells what is wrong
+    size = math.hypot(*given)
+    if not math.isfinite(size) or (size <= MOST_GRAVITY and abs(size - 1.0) > ONE_G):
+        return
+    unit = min(_OF_GRAVITY, key=lambda u: abs(math.log(size * _OF_GRAVITY[u] / 9.81)))
+    there = ", ".join(f"{g * _OF_GRAVITY[unit]:.4g}" for g in given)
+    raise InputError(
+        f"{path}: 'gravity' is {shown(given)}, in m/s2; this looks like {unit}: [{there}] (allowed: up to "
+        f"{MOST_GRAVITY:g} m/s2 in size)"
+    )
+
+
 def _check_size(path: Path, where: str, body: dict[str, Any], reach: float) -> None:
     """Check that a body is one that an arm can have: mass in kg, centre of mass in m, inertia in kg m2.
 
@@ -167,7 +199,7 @@ def _joints_of_urdf(path: Path, data: dict[str, Any]) -> list[dict[str, Any]]:
     except InputError as error:
         if "no such file" not in str(error):
             raise
-        hint = "; `snakemake fetch_data` loads it" if will_be_fetched(urdf) else ""
+        hint = "; `snakemake fetch_data` loads it" if will_be_fetched(urdf) else nearest_file(urdf.with_suffix(".urdf"))
         raise InputError(f"{path}: 'urdf' names {data['urdf']}, which does not exist{hint}") from None
     found = {entry["name"]: entry for entry in entries}
     given = data.get("joints", [])

@@ -118,12 +118,15 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
     """
     there = list(columns)
     check_count(path, len(there))
+    # A column that the config names for something else is not the one that is looked for.
+    named = {c for name in layout.names.values() for c in ([name] if isinstance(name, str) else name)}
     found: dict[str, list[str]] = {}
     for role, name in layout.names.items():
         if not isinstance(name, str):
             missing = [c for c in name if c not in there]
             if missing:
-                raise InputError(f"{path}: has no column '{missing[0]}' for {role}{nearest(missing[0], there)}")
+                hint = nearest(missing[0], [c for c in there if c not in named])
+                raise InputError(f"{path}: has no column '{missing[0]}' for {role}{hint} (it has: {_few(there)})")
             found[role] = list(name)
         elif name in there and role not in ("position", "velocity", "acceleration", "torque"):
             found[role] = [name]
