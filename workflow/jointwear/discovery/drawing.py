@@ -12,6 +12,7 @@ from matplotlib.patches import Rectangle
 from jointwear.discovery.regimes import Regimes, axis_of_most, pose_of_most, read_motion, residual_by_regime
 from jointwear.files.json_documents import read_json
 from jointwear.files.storage import open_dataset, read_variables
+from jointwear.measurement.clock import GAP
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
 from jointwear.publishing.report.numbers import number
@@ -19,6 +20,8 @@ from jointwear.publishing.report.numbers import number
 MODELS = ("nominal", "retuned", "augmented")
 
 
+#: Most samples of the torque that are drawn over time.
+SAMPLES_SHOWN = 1200
 #: Widths [inches] of a joint of a map and of the names beside it: that of an ordinary arm fills a phone, where a number
 #: in every cell is read without scrolling.
 _OF_JOINT, _OF_NAMES = 0.46, 1.6
@@ -114,12 +117,12 @@ def draw_gap(verdict: str | Path, output: str | Path) -> None:
 
 
 def draw_held_out(models: str | Path, axis: int, output: str | Path) -> None:
-    """Draw measured and simulated torque of a 0-based axis over a held-out stretch of time."""
+    """Draw measured and simulated torque of a 0-based axis over the longest held-out stretch without a gap."""
     time, trajectory, torque, *found = read_variables(models, "time", "trajectory", "torque", *MODELS)
-    test = _test_of(models, trajectory)
-    index = np.flatnonzero(test)[:1200]
+    index = np.flatnonzero(_test_of(models, trajectory))
     if not len(index):
-        index = np.arange(min(len(time), 1200))
+        index = np.arange(len(time))
+    index = _longest_run(index, time)[:SAMPLES_SHOWN]
     figure = new_figure(2.9)
     axes = figure.add_subplot()
     t = time[index] - time[index[0]]
@@ -133,6 +136,14 @@ def draw_held_out(models: str | Path, axis: int, output: str | Path) -> None:
     errors = [float(np.sqrt(np.mean((torque[index, axis] - v[index, axis]) ** 2))) for v in found]
     text = ", ".join(f"{k} {e:.3g} N m" for k, e in zip(MODELS, errors, strict=True))
     save(figure, output, "Held-out torque", f"Torque of joint {axis + 1} on held-out motion; RMS error: {text}.")
+
+
+def _longest_run(index: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Return the longest run of samples in a row in which time (m,) [s] goes on without a gap."""
+    step = np.diff(time[index])
+    usual = np.median(step[step > 0]) if np.any(step > 0) else 0.0
+    breaks = (np.diff(index) != 1) | (step <= 0) | (step > GAP * usual)
+    return max(np.split(index, np.flatnonzero(breaks) + 1), key=len)
 
 
 def _test_of(models: str | Path, trajectory: np.ndarray) -> np.ndarray:

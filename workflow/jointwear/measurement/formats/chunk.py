@@ -125,8 +125,11 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
         if not isinstance(name, str):
             missing = [c for c in name if c not in there]
             if missing:
-                hint = nearest(missing[0], [c for c in there if c not in named])
-                raise InputError(f"{path}: has no column '{missing[0]}' for {role}{hint} (it has: {_few(there)})")
+                unused = [c for c in there if c not in named]
+                has = f"that nothing names: {_few(unused)}" if unused else f"it has: {_few(there)}"
+                raise InputError(
+                    f"{path}: has no column '{missing[0]}' for {role}{nearest(missing[0], unused)} ({has})"
+                )
             found[role] = list(name)
         elif name in there and role not in ("position", "velocity", "acceleration", "torque"):
             found[role] = [name]
