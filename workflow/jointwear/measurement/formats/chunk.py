@@ -126,7 +126,7 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
             missing = [c for c in name if c not in there]
             if missing:
                 unused = [c for c in there if c not in named]
-                has = f"that nothing names: {_few(unused)}" if unused else f"it has: {_few(there)}"
+                has = f"not used: {_few(unused)}" if unused else f"it has: {_few(there)}"
                 raise InputError(
                     f"{path}: has no column '{missing[0]}' for {role}{nearest(missing[0], unused)} ({has})"
                 )
