@@ -11,6 +11,7 @@ from jointwear.measurement.refused import Refused
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.read_findings import missing_temperature
+from jointwear.monitor.reversals import reach_of
 from jointwear.monitor.seen_growth import dead_band_findings
 from jointwear.monitor.survey import read_survey, survey_log
 from jointwear.robots.robot import EffectEntry, Link
@@ -132,3 +133,15 @@ def test_only_axes_and_windows_that_lack_it_are_named(statistics):
     assert told["time"] == statistics.start[1]
     assert f"in 1 of {statistics.windows} windows" in told["words"]
     assert missing_temperature(statistics, model().robot) == []
+
+
+@pytest.mark.parametrize(("rate", "reach"), [(10.0, 0), (25.0, 2), (50.0, 5)])
+def test_dates_make_a_rate_no_slower(tmp_path, rate, reach):
+    # Seconds since 1970 have no more than seven digits behind the point: 10 Hz are 9.99999998 Hz.
+    log = make_log(30.0, start=1.767e9, rate=rate)
+    survey = surveyed(tmp_path, log)
+    assert survey.rate == pytest.approx(rate, rel=1e-6)
+    assert reach_of(survey.rate) == reach
+    slower = make_log(30.0, start=1.767e9, rate=9.5)
+    with pytest.raises(InputError, match=r"sampled at 9\.5 Hz, .* or at least 10 Hz"):
+        surveyed(tmp_path, slower)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from jointwear.measurement.even_steps import GAP, pieces_of
+from jointwear.measurement.even_steps import GAP, pieces_of, reaches
 from jointwear.measurement.filtering import SHORTEST
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.possible import likely_unit
@@ -77,7 +77,7 @@ def check_rate(recording: Recording, name: str) -> None:
     Refused : where they are not, with the unit of time that would mend it.
     """
     steps = np.diff(recording.time)[np.diff(recording.trajectory) == 0]
-    if len(steps) and np.median(steps) > 1.0 / SLOWEST:
+    if len(steps) and np.median(steps) > 0 and not reaches(1.0 / float(np.median(steps)), SLOWEST):
         unit = likely_unit(float(np.median(steps)), recording.units.get("time", "s"))
         if np.all(steps == 1.0):
             raise Refused(

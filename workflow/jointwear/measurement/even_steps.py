@@ -20,6 +20,8 @@ from jointwear.statistics.runs import runs
 
 #: Usual steps after which a record is in two pieces, as for the clock of the monitor.
 GAP = 5.0
+#: Share by which a clock may be slow before its rate is another one; of dates 10 Hz are 9.99999998 Hz already.
+CLOCK = 0.01
 #: Share of a step up to which samples count as evenly spaced.
 EVEN = 1e-3
 #: A reading of the stamps has to lower the mean square of the fourth differences, the geometric mean over the joints
@@ -46,6 +48,11 @@ def pieces_of(time: np.ndarray, trajectory: np.ndarray) -> list[slice]:
         cuts = np.flatnonzero(steps > GAP * np.median(steps)) + run.start + 1 if len(steps) else []
         result += [slice(a, b) for a, b in zip([run.start, *cuts], [*cuts, run.stop], strict=True)]
     return result
+
+
+def reaches(rate: float, least: float) -> bool:
+    """Return whether a rate is at least `least` [Hz], but for a clock that is slow and stamps that are rounded."""
+    return rate >= (1.0 - CLOCK) * least
 
 
 def usual_step(steps: np.ndarray) -> float:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.measurement.even_steps import reaches
 from jointwear.monitor.model import ModelTorque
 
 #: Half of the span [s] over which the mean is taken, and that lies between a used sample and the next rest or turn:
@@ -45,7 +46,7 @@ class Pulses:
 
 def reach_of(rate: float) -> int:
     """Return :data:`REACH` in samples of a rate [Hz], 0 where the rate shows no pulse."""
-    if rate < SLOWEST:
+    if not reaches(rate, SLOWEST):
         return 0
     return min(round(REACH * rate), int(MOST_SAMPLES * REACH / (REACH + NEAR)))
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from jointwear.measurement.clock import Ordered
+from jointwear.measurement.even_steps import reaches
 from jointwear.monitor.accumulate import WindowSettings, moving
 from jointwear.monitor.carried import LoadsOnMotion, with_loads
 from jointwear.monitor.derivation import Motion
@@ -89,7 +90,7 @@ class SeenBlock:
         ----------
         model, torque, usable : as of :meth:`lag`. dynamics : of the model.
         """
-        if self.survey.rate < SLOWEST_RATE or not usable.any():
+        if not reaches(self.survey.rate, SLOWEST_RATE) or not usable.any():
             return
         motion = self.motion.position, self.motion.velocity, self.motion.acceleration
         used, time = self._moved(usable), self.around.chunk.time

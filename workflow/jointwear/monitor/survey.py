@@ -16,7 +16,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
 from jointwear.measurement.clock import Clock, Ordered
-from jointwear.measurement.even_steps import usual_step
+from jointwear.measurement.even_steps import reaches, usual_step
 from jointwear.measurement.filtering import SAFELY
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.formats.chunk import RowsLeftOut, joined
@@ -96,7 +96,7 @@ class Survey:
 
 def guard_of(rate: float) -> int:
     """Return how many samples around a reversal are left out: none where they lie far apart."""
-    return 1 if rate >= SLOWEST_RATE else 0
+    return 1 if reaches(rate, SLOWEST_RATE) else 0
 
 
 def read_survey(path: str | Path) -> Survey:
@@ -129,7 +129,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     rate = 1.0 / usual_step(steps) if len(steps) else 0.0
     roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
     derived = "velocity" not in roles or "acceleration" not in roles
-    if derived and rate < SLOWEST_RATE:
+    if derived and not reaches(rate, SLOWEST_RATE):
         lacking = " and ".join(r for r in ("velocity", "acceleration") if r not in roles)
         raise InputError(
             f"{path}: is sampled at {rate:.3g} Hz, from which {lacking} cannot be derived: log {lacking} (named under "
@@ -222,7 +222,7 @@ def _lag(first: _First, length: float) -> Lag:
     """Return how late the torque of the first log is, of its first LAG_LOOK samples; unknown where these lie far
     apart."""
     n, rate, motion = len(first.dead_band), first.rate, first.motion
-    if rate < SLOWEST_RATE:
+    if not reaches(rate, SLOWEST_RATE):
         return Lag(np.zeros(n), np.full(n, np.inf), np.zeros(n))
     part = slice(0, LAG_LOOK)
     residual, used = first.left(part)
@@ -240,7 +240,7 @@ def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> t
     Samples far apart show no spectrum: their noise counts as 0.
     """
     n = chunk.position.shape[1]
-    if rate < SLOWEST_RATE:
+    if not reaches(rate, SLOWEST_RATE):
         return np.full(n, SAFELY * rate), np.zeros(n)
     cutoff, noise = np.full(n, min(SAFELY * rate, HIGHEST_CUTOFF)), np.zeros(n)
     source = unwrapped(chunk.position) if chunk.velocity is None else chunk.velocity
