@@ -32,8 +32,6 @@ def broken(log, kind):
             torque[:, 1] *= -1
         case "torque sign":
             torque[:, 2] *= -1
-        case "sizes":
-            torque = np.abs(torque)
         case "motor torque":
             torque[:, 1] /= model().robot.gear_ratio[1]
     return replace(log, position=position, torque=torque, velocity=velocity, acceleration=acceleration)
@@ -44,7 +42,6 @@ WRONG = {
     "swapped": r"joints 1 and 2 look swapped",
     "sign": r"the sign of joint 2 looks flipped",
     "torque sign": r"the sign of the torque of joint 3 looks flipped",
-    "sizes": r"recorded without their sign; record torques, or currents, with their sign",
     "motor torque": r"torque of joint 2 looks like that of the motor",
 }
 
@@ -56,6 +53,14 @@ def test_revolutions_in_the_first_log_are_named(tmp_path):
     with pytest.raises(InputError, match="look like revolutions"):
         read(path)
     assert read(path, units={"position": "rev"}).statistics.count[:, :5].any()
+
+
+def test_torques_without_their_sign_in_the_first_log_are_named(tmp_path):
+    log = make_log(48.0)
+    path = write_parquet(tmp_path / "log.parquet", columns(replace(log, torque=np.abs(log.torque))))
+    with pytest.raises(Refused, match="recorded without their sign") as error:
+        read(path)
+    assert with_suggestion(error.value).endswith("record torques, or currents, with their sign")
 
 
 @pytest.mark.parametrize("kind", WRONG)
