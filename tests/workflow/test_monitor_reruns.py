@@ -89,6 +89,7 @@ def test_only_what_concerns_reading_reads_again(project, change, jobs):
         ({"robot": "x" * 5000}, "no such file"),
         ({"scale": 1e18}, "the nearest valid value is 1000000"),
         ({"torque_constant": [1e-18] * 6}, "the nearest valid value is 1e-06"),
+        ({"torque_constant": [-11.2] * 6}, "without its sign it is 11.2: 'scale' turns a torque"),
         ({"dead_band": 1e3}, "the nearest valid value is 10"),
         ({"limits": {"coulomb_increase": 20}}, "did you mean 'coulomb_increase_percent'"),
     ],

@@ -32,6 +32,7 @@ from jointwear.measurement.checked import UNASKED
 from jointwear.measurement.even_steps import usual_step
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
+from jointwear.measurement.units import POSITION_WORDS, spelled
 from jointwear.publishing.report.numbers import number
 from jointwear.publishing.report.rendering import render_page
 from jointwear.robots.robot import Robot, load_robot
@@ -141,7 +142,7 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
         encoder_side=recording.encoder_side,
         trajectories=tuple(_trajectories(whole)),
         joints=tuple(joints),
-        passed=tuple(_passed(robot, restrictions)),
+        passed=tuple(_passed(robot, recording.units.get("position") or "rad", restrictions)),
         restrictions=tuple(restrictions),
         shown=tuple(shown),
         not_shown=tuple(_once(not_shown, problem)),
@@ -150,10 +151,10 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     )
 
 
-def _passed(robot: Robot, restrictions: Sequence[str]) -> Iterator[str]:
-    """Yield in words what was checked of a recording that is not refused."""
+def _passed(robot: Robot, unit: str, restrictions: Sequence[str]) -> Iterator[str]:
+    """Yield in words what was checked of a recording, with positions in `unit`, that is not refused."""
     yield f"{robot.joints} joints, as the robot"
-    yield "positions are in rad"
+    yield f"positions are in {POSITION_WORDS[spelled('position', unit)]}"
     if UNASKED not in restrictions:
         yield "no other sign, order, zero or side of the axes fits the model better"
 

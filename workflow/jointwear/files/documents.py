@@ -239,6 +239,8 @@ def _describe(error) -> str:
         near = "" if rule.startswith("exclusive") else f"; the nearest valid value is {bound}"
         if math.isclose(abs(bound), 2 * math.pi):
             near = f"; this looks like degrees: {math.radians(value):.6g}"
+        if ".torque_constant" in where and value < 0 and _within(-value, error.schema):
+            near = f"; without its sign it is {-value:g}: 'scale' turns a torque, 'sign' a joint with its torque"
         if rule == "maximum" and bound <= 1 and _within(value / 100, error.schema):
             near += f", or {value / 100:.6g} if {value:.6g} % is meant"
         return f"'{where}' is {said}, out of range{_limits(error.schema)}{near}"
