@@ -17,6 +17,7 @@ from jointwear.discovery.instruments import (
     Cutoffs,
     axis_cutoffs,
     band_limited,
+    clock_of,
     cutoff_of,
     limit,
     swing_cutoff,
@@ -107,6 +108,15 @@ def test_ends_of_records_that_are_not_judged_are_not_carried_to_samples_that_are
         band_limited(replace(state, acceleration=wild), axis, 3.0, RATE, ends).acceleration, calm
     )
     assert np.abs(band_limited(replace(state, acceleration=wild), axis, 3.0, RATE).acceleration - calm).max() > 10.0
+
+
+def test_the_clock_is_known_to_a_share_of_the_period_that_was_logged(white):
+    problem, axis = white.problem, 1
+    measured = problem.measured
+    faster = replace(problem, measured=replace(measured, noise=replace(measured.noise, rate=5.0 * measured.rate)))
+    kept, reduced = (clock_of(p, axis, white.cutoffs[axis]) for p in (problem, faster))
+    assert np.abs(kept).max() > 0.0
+    np.testing.assert_allclose(reduced, kept / 5.0)
 
 
 def test_a_dead_time_ends_higher_than_a_filter_and_a_bend(rough):

@@ -335,4 +335,5 @@ def clock_of(problem: Problem, axis: int, cutoffs: Cutoffs) -> np.ndarray:
     """Return what sampling the torque of one axis late by `assumed.CLOCK` changes, (N_train, 1) [N m]."""
     limited = limited_state(problem, axis, cutoffs.timing)
     smooth = limited.torque[:, axis] - limited.drive.coulomb(axis, limited.velocity[:, axis])
-    return assumed.CLOCK / problem.measured.rate * first_derivative(limited, smooth)[:, None]
+    # Torque and position are sampled in one period of the log, however many of its samples are kept.
+    return assumed.CLOCK / problem.measured.logged_rate * first_derivative(limited, smooth)[:, None]

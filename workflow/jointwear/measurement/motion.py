@@ -86,6 +86,11 @@ class Measured:
         return partial(zero_phase_gain, cutoff=self.band, rate=self.noise.rate)
 
     @property
+    def logged_rate(self) -> float:
+        """Rate of the log [Hz], before it was reduced."""
+        return self.rate if self.noise is None else self.noise.rate
+
+    @property
     def parts(self) -> np.ndarray:
         """Position, velocity, acceleration and torque (m, 4, n); torque that was not measured is zero."""
         return np.stack([self.position, self.velocity, self.acceleration, np.nan_to_num(self.torque)], axis=1)
