@@ -48,8 +48,26 @@ def test_torques_that_a_preload_keeps_on_one_side_pass(example):
     ask(preloaded, robot)
 
 
-def test_one_joint_with_its_sign_is_enough(example):
+@pytest.mark.parametrize("axis", range(6))
+def test_the_size_of_one_torque_alone_is_told_where_gravity_moves_it(example, axis):
+    recording, robot = example
+    torque = recording.torque.copy()
+    torque[:, axis] = np.abs(torque[:, axis])
+    with pytest.raises(Refused, match=f"torque of joint {axis + 1} keeps its sign.*without its sign"):
+        ask(replace(recording, torque=torque), robot)
+
+
+@pytest.mark.parametrize("axis", range(6))
+def test_one_torque_that_a_preload_keeps_on_one_side_passes(example, axis):
+    recording, robot = example
+    torque = recording.torque.copy()
+    torque[:, axis] -= torque[:, axis].min()
+    ask(replace(recording, torque=torque), robot)
+
+
+def test_sizes_beside_one_torque_with_its_sign_are_told(example):
     recording, robot = example
     torque = np.abs(recording.torque)
     torque[:, 3] = recording.torque[:, 3]
-    ask(replace(recording, torque=torque), robot)
+    with pytest.raises(Refused, match="joints 1, 2, 3, 5 and 6 keeps? (?:its|their) sign.*without their sign"):
+        ask(replace(recording, torque=torque), robot)
