@@ -5,7 +5,7 @@ import pytest
 from monitor_windows import motion, residuals, statistics_of
 
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.odd_motion import CLOCK_SPEED, STOPPED, odd_motion_findings
+from jointwear.monitor.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED, odd_motion_findings
 
 #: Windows, and those of a shift; the first four shifts are the baseline. Two programs take turns.
 WINDOWS, SHIFT, STEP = 64, 8, 0.02
@@ -86,3 +86,31 @@ def test_without_a_torque_nothing_tells_whether_an_axis_moved():
     lost = rest(month(), 1)
     lost.flags[48:, 1] = int(Flag.NOT_FINITE)
     assert findings(lost) == []
+
+
+def exchange(s, one, other, since=48):
+    """Give two joints from a window on the motion of the other one, wherever it is kept."""
+    for name in ("gram", "moment", "count", "travel"):
+        values = getattr(s, name)
+        values[since:, [one, other]] = values[since:, [other, one]]
+    return s
+
+
+def with_a_slow_joint(s):
+    s.gram[:, 2, 2] /= 4.0
+    s.gram[:, 2, :, 2] /= 4.0
+    return s
+
+
+def test_two_joints_that_move_as_the_other_one_are_told():
+    found = findings(exchange(with_a_slow_joint(month()), 1, 2))
+    assert [(f["kind"], f["axes"], f["time"]) for f in found] == [(EXCHANGED, [2, 3], 48 * 3600.0)]
+    assert "joint 3 as joint 2" in found[0]["words"]
+
+
+def test_two_joints_that_move_alike_and_another_program_are_no_exchange():
+    assert findings(exchange(month(), 1, 2)) == []
+    slower = with_a_slow_joint(month())
+    slower.gram[48:, 1, 2] *= 0.5
+    slower.gram[48:, 1, :, 2] *= 0.5
+    assert findings(slower) == []

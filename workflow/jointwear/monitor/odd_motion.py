@@ -1,4 +1,4 @@
-"""Motion that a known program does not have: a clock that runs at another speed, a joint whose position stops.
+"""Motion that no known program has: a clock at another speed, a position that stops, two joints exchanged.
 
 A program run at another speed takes other speeds at the same time between samples, a log at another rate another time
 at the same speeds. Where both change by the same factor, one up and one down, the rows hold the motion that they always
@@ -6,25 +6,29 @@ held, and the clock is what changed: friction and inertia are then seen at speed
 
 A joint that keeps its place while the others move as in a program in which it moves has a position that stopped. So
 have all joints where none of them moves while their torques change as they do in motion.
+
+Two joints that move as the other one did, while all others move as before, are two columns exchanged, or two labels:
+light joints of a wrist resemble each other too much for the model to tell.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.regimes import UNSEEN, USUAL, beyond_usual, differences, programs_or_one, signatures
+from jointwear.monitor.regimes import ALIKE, UNSEEN, USUAL, beyond_usual, differences, programs_or_one, signatures
 from jointwear.monitor.spells import spell_finding, spells
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
 from jointwear.statistics.known import known_median
 
 #: Kinds of the findings.
-CLOCK_SPEED, STOPPED = "clock_speed", "stopped"
+CLOCK_SPEED, STOPPED, EXCHANGED = "clock_speed", "stopped", "exchanged_joints"
 #: Smallest change (log) of a clock that is told, and the part of it that speeds may be off by: a program that windows
 #: hold parts of differs by a tenth from shift to shift, both ways (one of 100 simulated months).
 SMALLEST, AGREES = 0.2, 1 / 3
@@ -41,8 +45,8 @@ def odd_motion_findings(
     baseline: np.ndarray,
     events: Sequence[Sequence[int]],
 ) -> list[dict[str, Any]]:
-    """Return one finding for each spell of shifts after the baseline in which a clock ran at another speed, or a joint
-    kept its place.
+    """Return one finding for each spell of shifts after the baseline in which a clock ran at another speed, a joint
+    kept its place, or two moved as the other one did.
 
     Parameters
     ----------
@@ -51,7 +55,8 @@ def odd_motion_findings(
     """
     program = programs_or_one(regime, statistics.windows)
     step, speed = _changes(statistics, program, baseline)
-    still = _stopped(statistics, program, baseline)
+    centres = _centres(statistics, program, baseline)
+    still = _stopped(statistics, centres, baseline)
     rows = [np.flatnonzero((shift == s) & ~baseline) for s in np.unique(shift[~baseline])]
     found = []
 
@@ -69,6 +74,9 @@ def odd_motion_findings(
 
     for j in range(statistics.axes):
         tell(stops(still[:, j], WINDOWS), STOPPED, lambda own, j=j: ([j + 1], _STOPPED.format(axes=name_axes([j + 1]))))
+    for pair, mixed in _exchanged(statistics, centres, baseline).items():
+        axes = [j + 1 for j in pair]
+        tell(stops(mixed, WINDOWS), EXCHANGED, lambda own, a=axes: (a, _EXCHANGED.format(one=a[0], other=a[1])))
     every = list(range(1, statistics.axes + 1))
     tell(stops(_frozen(statistics, baseline), 1), STOPPED, lambda own: (every, _FROZEN))
     return found
@@ -78,6 +86,11 @@ _STOPPED = (
     "The position of {axes} stays where it is while all other axes move as in a program in which it moves: its sensor, "
     "or its column in the log. What the other axes need is worked out with a wrong posture: growth from there on is "
     "not to be trusted. If the program was changed, enter it under 'events'."
+)
+_EXCHANGED = (
+    "Joint {one} moves as joint {other} did in the normal period, joint {other} as joint {one} did, and all others as "
+    "before: their columns, or their labels, look exchanged in these logs. What is told of either from there on may be "
+    "of the other; put the columns right, or enter the new program under 'events' if the motion was changed so."
 )
 _FROZEN = (
     "The positions of all axes stay where they are while their torques change as in motion: the sensors, or the "
@@ -116,12 +129,36 @@ def _changes(statistics: WindowStatistics, program: np.ndarray, baseline: np.nda
     return step, speed
 
 
-def _stopped(statistics: WindowStatistics, program: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+def _centres(statistics: WindowStatistics, program: np.ndarray, baseline: np.ndarray) -> list[np.ndarray]:
+    """Return the middle signature (2 n,) of every program of the baseline of which enough windows tell it."""
+    signature = signatures(statistics)
+    normal = [baseline & (program == p) for p in np.unique(program[baseline & (program >= 0)])]
+    return [known_median(signature[own], axis=0) for own in normal if own.sum() >= USUAL]
+
+
+def _exchanged(
+    statistics: WindowStatistics, centres: list[np.ndarray], baseline: np.ndarray
+) -> dict[tuple[int, int], np.ndarray]:
+    """Return the windows (w,) in which two 0-based joints, the keys, move as the other one does in a known program."""
+    signature, n = signatures(statistics), statistics.axes
+    result: dict[tuple[int, int], np.ndarray] = {}
+    if n < 3 or not centres:
+        return result
+    for k in np.flatnonzero(~baseline & np.isfinite(signature).any(axis=1)):
+        if differences(signature[k], centres).min() <= UNSEEN:
+            continue
+        for pair in combinations(range(n), 2):
+            order = np.arange(n)
+            order[list(pair)] = pair[::-1]
+            if differences(signature[k][np.concatenate([order, n + order])], centres).min() <= ALIKE:
+                result.setdefault(pair, np.zeros(len(signature), dtype=bool))[k] = True
+    return result
+
+
+def _stopped(statistics: WindowStatistics, centres: list[np.ndarray], baseline: np.ndarray) -> np.ndarray:
     """Return the windows (w, n) in which one joint alone keeps its place, in a program that moves it."""
     signature, n = signatures(statistics), statistics.axes
-    normal = [baseline & (program == p) for p in np.unique(program[baseline & (program >= 0)])]
-    centres = [known_median(signature[own], axis=0) for own in normal if own.sum() >= USUAL]
-    result = np.zeros((len(program), n), dtype=bool)
+    result = np.zeros((len(signature), n), dtype=bool)
     if n < 3 or not centres:
         return result
     strange = (statistics.flags & int(Flag.NOT_FINITE | Flag.OUTSIDE_LIMITS | Flag.REFUSED) != 0).any(axis=1)

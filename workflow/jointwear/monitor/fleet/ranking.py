@@ -9,7 +9,7 @@ from typing import Any
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.findings import AT_ONCE, FELL
 from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN
-from jointwear.monitor.odd_motion import CLOCK_SPEED, STOPPED
+from jointwear.monitor.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
 from jointwear.monitor.open_alarms import OPEN_ALARM
 from jointwear.monitor.read_findings import DRIVES, NONE
 from jointwear.monitor.thermometers import BROKEN
@@ -22,7 +22,7 @@ ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 ASKING = (OPEN_ALARM, "scale", "clock", FELL, AT_ONCE, LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
-WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, BROKEN)
+WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN)
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
