@@ -318,15 +318,19 @@ def wrong_scale(measured: Measured, robot: Robot, stated: str = "N m") -> WrongS
     return _of_most(*factors(measured, robot), robot.gear_ratio, stated)
 
 
-def off_scale(measured: Measured, robot: Robot, load_free: bool = False) -> np.ndarray | None:
+def off_scale(
+    measured: Measured, robot: Robot, load_free: bool = False, asked: np.ndarray | None = None
+) -> np.ndarray | None:
     """Return the factors (n,) of the torque on the model's, 1 where one is not clear; None where none is clearly off:
     two joints by :data:`FACTOR`, or one by :data:`OF_ONE`.
 
     Parameters
     ----------
-    load_free : as of :func:`factors`.
+    load_free : as of :func:`factors`. asked : (n,) bool, joints that are looked at, default all.
     """
     factor = factors(measured, robot, load_free)[0]
+    if asked is not None:
+        factor = np.where(asked, factor, np.nan)
     size = np.nan_to_num(np.abs(np.log(np.abs(factor))))
     size[factor < 0] = np.inf
     if np.sum(size > np.log(FACTOR)) < FEWEST_AXES and not np.any(size > np.log(OF_ONE)):
