@@ -38,6 +38,8 @@ SMALLEST, CLEAR, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
 #: Standard error [rad] of the angle of a window from which on it tells nothing: what hardly shows in the torques, as
 #: the zero of a wrist, does no harm to friction either; and largest angle that is found to first order.
 KNOWN, LARGEST = 0.7 * SMALLEST, np.radians(45.0)
+#: Standard error of the median of a shift, in those of a mean of its windows (normal law).
+OF_MEDIAN = 1.25
 #: Share of the evidence of the likeliest joint from which another is named beside it.
 AS_LIKELY = 0.8
 
@@ -137,9 +139,16 @@ def changed_zero(
     many = np.isfinite(mean[early]).sum(axis=0)
     spread = np.sqrt(np.nansum(mean[early] ** 2, axis=0) / np.maximum(many, 1))
     spread[many < USUAL] = np.inf
+    # A part that is carried in some windows and found in some of these turns their angles to either side: the median
+    # of a few windows of a shift then jumps, that of many in the baseline does not.
+    off = [change[rows] - middle for (_, rows), middle in zip(shifts, mean, strict=True)]
+    usual_off = np.concatenate([off[k] for k in np.flatnonzero(early)])
+    scatter = np.sqrt(np.nansum(usual_off**2, axis=0) / np.maximum(np.isfinite(usual_off).sum(axis=0), 1))
+    counted = np.array([np.isfinite(own).sum(axis=0) for own in off])
+    error = OF_MEDIAN * scatter / np.sqrt(np.maximum(counted, 1))
     first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]
     with np.errstate(invalid="ignore"):
-        clear = (np.abs(mean) > np.maximum(SMALLEST, CLEAR * spread)) & ~early[:, None]
+        clear = (np.abs(mean) > np.maximum(SMALLEST, CLEAR * np.maximum(spread, error))) & ~early[:, None]
     clear &= np.array([[rows[-1] < k for k in first] for _, rows in shifts])
     for k in range(SHIFTS - 1, len(shifts)):
         recent = slice(k - SHIFTS + 1, k + 1)
