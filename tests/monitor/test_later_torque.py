@@ -7,11 +7,12 @@ import pytest
 from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
 
 from jointwear.measurement.flags import Flag
-from jointwear.measurement.formats import layout_of
+from jointwear.measurement.formats import layout_of, read_log
 from jointwear.measurement.refused import Refused
-from jointwear.measurement.torque_scale import shared_scale
-from jointwear.monitor import misreadings
-from jointwear.monitor.later_check import beyond_loads
+from jointwear.measurement.torque_scale import off_scale, shared_scale
+from jointwear.monitor import later_check, misreadings
+from jointwear.monitor.derivation import derive_motion
+from jointwear.monitor.later_check import LaterCheck, beyond_loads
 from jointwear.monitor.logs import log_statistics
 from jointwear.monitor.model import TorqueModel
 from jointwear.monitor.read_findings import reading_findings
@@ -253,3 +254,36 @@ def test_factors_beside_a_load_are_none_where_those_without_one_are_about_one():
     beside = np.array([138.0, -6.9, 26.9, 6.2, 43.3, 1.0])
     assert not beyond_loads(beside, np.array([1.15, 1.36, 0.97, 1.04, 1.0, -2.3]), 6)
     assert beyond_loads(1e3 * np.ones(6), np.array([1.0, 870.0, 1060.0, 918.0, 1.0, 940.0]), 6)
+
+
+def test_one_move_with_a_part_is_no_other_unit_where_the_part_shows_in_the_moves_beside_it(tmp_path, monkeypatch):
+    """Factors of a wrist explain six seconds with a part as well; those of a wrist without it may be anything."""
+    path = log_with_product(tmp_path, NEAR, 0.0, part=8.0, seconds=12.0)
+    chunk = next(iter(read_log(path, layout_of({}, ARM.joint_names), 10_000)))
+    stretch, bare = np.zeros(len(chunk.time), dtype=int), TorqueModel(BARE)
+    motion = derive_motion(chunk, stretch, np.full(6, 10.0))
+    free = bare(motion.position, motion.velocity, motion.acceleration).total + Dynamics(ARM).friction_torque(
+        motion.velocity
+    )
+    found = [np.array([1.5, 1.5, 13.0, 3.5, 1.0, 1.0])] * 2
+
+    def off(samples, robot, load_free=False, asked=None):
+        if found:
+            return found.pop()
+        assert asked.tolist() == [False, False, True, True, False, False]
+        return off_scale(samples, robot, load_free, asked)
+
+    monkeypatch.setattr(later_check, "off_scale", off)
+    monkeypatch.setattr(later_check, "without_load", lambda *_: None)
+    monkeypatch.setattr(later_check, "gained_by", lambda *_: 100.0)
+    monkeypatch.setattr(LaterCheck, "_explains", lambda *_: True)
+    monkeypatch.setattr(LaterCheck, "_left_over", lambda *_: 0.5)
+    monkeypatch.setattr(LaterCheck, "_read_otherwise", lambda *_: None)
+    for torque, fits in ((free, True), (None, False)):
+        found[:] = [np.array([1.5, 1.5, 13.0, 3.5, 1.0, 1.0])] * 2
+        check = LaterCheck(bare.dynamics, np.full(6, 0.02), [0.02] * 6, "log")
+        if fits:
+            check(chunk, stretch, motion, False, lambda torque=torque: torque)
+        else:
+            with pytest.raises(Refused, match="another multiple"):
+                check(chunk, stretch, motion, False, lambda torque=torque: torque)
