@@ -38,8 +38,9 @@ SMALLEST, CLEAR, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
 #: Standard error [rad] of the angle of a window from which on it tells nothing: what hardly shows in the torques, as
 #: the zero of a wrist, does no harm to friction either; and largest angle that is found to first order.
 KNOWN, LARGEST = 0.7 * SMALLEST, np.radians(45.0)
-#: Standard error of the median of a shift, in those of a mean of its windows (normal law).
-OF_MEDIAN = 1.25
+#: Standard error of the median of a shift, in those of a mean of its windows (normal law), and how many of them each of
+#: the shifts must be off.
+OF_MEDIAN, BEYOND = 1.25, 3.0
 #: Share of the evidence of the likeliest joint from which another is named beside it.
 AS_LIKELY = 0.8
 
@@ -148,7 +149,7 @@ def changed_zero(
     error = OF_MEDIAN * scatter / np.sqrt(np.maximum(counted, 1))
     first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]
     with np.errstate(invalid="ignore"):
-        clear = (np.abs(mean) > np.maximum(SMALLEST, CLEAR * np.maximum(spread, error))) & ~early[:, None]
+        clear = (np.abs(mean) > np.maximum(np.maximum(SMALLEST, CLEAR * spread), BEYOND * error)) & ~early[:, None]
     clear &= np.array([[rows[-1] < k for k in first] for _, rows in shifts])
     for k in range(SHIFTS - 1, len(shifts)):
         recent = slice(k - SHIFTS + 1, k + 1)
