@@ -12,6 +12,7 @@ from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import event_windows
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.payload import gravity_share
+from jointwear.monitor.products import with_products
 from jointwear.monitor.programs import labelled_regimes
 from jointwear.monitor.regimes import find_regimes, signatures, without_torque
 from jointwear.monitor.scale import scale_series
@@ -61,6 +62,7 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
         regime = find_regimes(signatures(statistics), first, without_torque(statistics))
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     start, end = statistics.start, statistics.end
+    shift = shift_labels(start, end, first, steady)
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
     events = event_windows(settings.events, start, statistics.axes)
     mended = event_windows([e for e in settings.events if e.mends], start, statistics.axes)
@@ -69,8 +71,10 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
         series=series,
         scale=scale_series(sums, noise),
         hidden=hidden_because(statistics, coulomb, first),
-        conditions=Conditions(start, end, temperature, features, speed, load, regime, named),
-        shift=shift_labels(start, end, first, steady),
+        conditions=Conditions(
+            start, end, temperature, features, speed, load, with_products(statistics, regime, shift, first), named
+        ),
+        shift=shift,
         regime=regime,
         events=events,
         kept=[[k for k in every if k not in own] for every, own in zip(events, mended, strict=True)],
