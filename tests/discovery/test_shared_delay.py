@@ -215,6 +215,16 @@ def test_joints_with_names_agree_with_each_other(recording, robot, monkeypatch):
     assert shared_delay(white, period, named=named) == 0.0
 
 
+@pytest.mark.parametrize(("read", "stays"), [(0.57, False), (-0.3, True)])
+def test_what_was_read_goes_where_the_delay_ends_beyond_the_other_side(recording, robot, monkeypatch, read, stays):
+    """A tilt without a name said "late"; beside it the model says half a period early, the torque still earlier."""
+    model, recorded = (dict.fromkeys(range(4), (place - read, 60.0)) for place in (-0.5, -0.9))
+    _curves(monkeypatch, model, recorded)
+    period = sampling_period(recording)
+    asked = shared_delay(_white(recording, robot), period, read=read * period)
+    assert asked == (read * period if stays else 0.0)
+
+
 @pytest.mark.parametrize(
     ("asked", "read"), [((0.4, -0.5, 0.0), 0.0), ((0.4, -0.5, -0.5, -0.5), -0.5), ((0.4, 0.3, 0.3), 0.3)]
 )

@@ -50,7 +50,8 @@ def shared_delay(
     than half of what a name needs, so that three have to agree, and one with a delay of its own speaks neither for nor
     against. Where noise leaves the model of most joints no band to tell it, but one of them has a name for a delay, the
     others may agree with that by the recorded torque. Where most joints have names for one delay it is that of the log.
-    Where three have names for delays that undo what was read, none was to be read.
+    Where three have names for delays that undo what was read, none was to be read; nor where the delay that is left
+    ends beyond those that are asked, on the other side.
 
     Parameters
     ----------
@@ -96,8 +97,10 @@ def shared_delay(
     for told in (lost, recorded):
         having = [of_joint for of_joint in told.values() if near[np.argmin(of_joint)]]
         best = int(np.argmin(np.sum(having, axis=0))) if having else best
-    # What is later still is no matter of sampling.
-    return float(shares[best] * period) if abs(shares[best]) < largest else read
+    if abs(shares[best]) < largest:
+        return float(shares[best] * period)
+    # What is later still is no matter of sampling. What was read the other way is none of it either.
+    return 0.0 if shares[best] * read < 0 else read
 
 
 def lasting_terms(named: Sequence[Named]) -> list[Term]:
