@@ -24,7 +24,7 @@ from jointwear.measurement.jumps import jumps_of, without_jumps
 from jointwear.measurement.missing_samples import bridge, long_gaps, reached
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, widest_band
-from jointwear.measurement.spectral_floor import spectral_floor
+from jointwear.measurement.spectral_floor import resting, spectral_floor
 from jointwear.measurement.torque_spikes import spikes_of, without_spikes
 from jointwear.measurement.velocity_lag import put_in_time
 
@@ -38,6 +38,8 @@ FAST = 0.95
 TRANSIENT = 3.0
 #: Share of the sampling rate that the spectrum of a resolved motion stays below.
 RESOLVED = 0.155
+#: Multiple of the end of a motion at which a signal ends that holds more: one step of the encoder at rest, to and fro.
+SHAKEN = 2.0
 #: Accelerations keep what lies below this [Hz]: friction that jumps at reversals shakes an arm up to there.
 LOWEST_CUTOFF = 20.0
 
@@ -205,7 +207,7 @@ def _raw(recording: Recording) -> _Raw:
     finite[np.any([long_gaps(x, pieces) for x in motion], axis=0)] = False
     position = bridge(recording.position, pieces)
     velocity = None if recording.velocity is None else bridge(recording.velocity, pieces)
-    spectra = {2: _floors(position, pieces, rate)}
+    spectra = {2: _floors_of_positions(position, pieces, rate)}
     reach, lag = spectra[2][1], None
     if velocity is not None:
         velocity, lag = put_in_time(time, pieces, position, velocity, reach, rate)
@@ -239,6 +241,13 @@ def _floors(signal: np.ndarray, pieces: list[slice], rate: float) -> tuple[np.nd
     """Return :func:`spectral_floor` of every joint of a signal (m, n): noise densities (n,) and ends (n,) [Hz]."""
     density, end = np.array([spectral_floor([x[p] for p in pieces], rate) for x in signal.T]).T
     return density, end
+
+
+def _floors_of_positions(position: np.ndarray, pieces: list[slice], rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return :func:`_floors` of positions (m, n), of a joint that is shaken at rest those without its rests."""
+    (density, end), (apart, motion) = (_floors(x, pieces, rate) for x in (position, resting(position, pieces)))
+    shaken = end > SHAKEN * motion
+    return np.where(shaken, apart, density), np.where(shaken, motion, end)
 
 
 def _noise_of_signals(raw: _Raw, encoder_step: float | None) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:

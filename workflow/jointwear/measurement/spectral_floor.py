@@ -1,7 +1,8 @@
 """The noise of a signal and where the signal ends, from its spectrum.
 
 The noise floor is the median of the upper third of the band. The highest frequency at which the smoothed spectrum
-stands ten times above the floor is the end of the signal.
+stands ten times above the floor is the end of the signal. A joint at rest that its controller shakes by one step of
+the encoder, from sample to sample, is no motion: :func:`resting` takes it out.
 """
 
 from __future__ import annotations
@@ -10,9 +11,12 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from jointwear.measurement.filtering import SAFELY
+from jointwear.statistics.runs import runs
 
 #: Samples of a piece of which the spectrum is taken, pieces half of which overlap, and of the shortest.
 PIECE, SHORTEST_PIECE = 256, 64
+#: Samples in a row within one step of the encoder of which a joint that rests is told.
+RESTING = 24
 
 
 def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float]:
@@ -40,3 +44,28 @@ def spectral_floor(signals: list[np.ndarray], rate: float) -> tuple[float, float
     above = np.flatnonzero(smooth > 10 * floor)
     end = frequencies[above[-1]] if len(above) else frequencies[0]
     return floor, float(max(end, frequencies[1]))
+
+
+def resting(position: np.ndarray, pieces: list[slice]) -> np.ndarray:
+    """Return positions (m, n) with a joint that stays within one step of its encoder at one place.
+
+    A wave of one step from sample to sample stands in the spectrum up to the end of the band. The step is the smallest
+    one that a joint makes; noise that is finer than what is logged has none, and stays.
+    """
+    still = position.copy()
+    for j, x in enumerate(position.T):
+        moved = np.abs(np.concatenate([np.diff(x[p]) for p in pieces] or [np.zeros(0)]))
+        moved = moved[moved > 0]
+        if not len(moved):
+            continue
+        # Half a step more: what is logged is rounded.
+        within = 1.5 * moved.min()
+        for p in pieces:
+            if p.stop - p.start < RESTING:
+                continue
+            within_one = np.ptp(sliding_window_view(x[p], RESTING), axis=1) <= within
+            at_rest = np.convolve(within_one.astype(int), np.ones(RESTING, int)) > 0
+            for rest in runs(at_rest):
+                if at_rest[rest.start]:
+                    still[p, j][rest] = np.mean(x[p][rest])
+    return still
