@@ -34,6 +34,7 @@ from jointwear.monitor.open_alarms import open_alarm_findings
 from jointwear.monitor.override import override_findings
 from jointwear.monitor.parts import viscous_part, viscous_scale
 from jointwear.monitor.present import back_to_normal, error_now
+from jointwear.monitor.products import product_findings
 from jointwear.monitor.programs import program_findings
 from jointwear.monitor.read_findings import driving_findings, reading_findings
 from jointwear.monitor.recall import Recall
@@ -160,6 +161,7 @@ def _findings(
         *loose_findings(statistics, first, level),
         *backlash_findings(seen.hidden, float(statistics.start[0])),
         *program_findings(statistics, first, most),
+        *product_findings(statistics, seen.conditions.regime, seen.products, most),
         *override_findings(statistics, seen.conditions.features[..., 0], seen.regime, first, most),
         *reading_findings(statistics, first, shift),
         *zero_finding(statistics, zero),

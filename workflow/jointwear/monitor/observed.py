@@ -12,7 +12,7 @@ from jointwear.monitor.conditions import Conditions, operating_features
 from jointwear.monitor.events import event_windows
 from jointwear.monitor.judge_settings import JudgeSettings
 from jointwear.monitor.payload import gravity_share
-from jointwear.monitor.products import with_products
+from jointwear.monitor.products import Product, with_products
 from jointwear.monitor.programs import labelled_regimes
 from jointwear.monitor.regimes import find_regimes, signatures, without_torque
 from jointwear.monitor.scale import scale_series
@@ -29,7 +29,7 @@ class Observed:
     `baseline` (w,) bool; `series`: friction by name; `scale`: of the torque; `hidden`: per axis, why backlash cannot be
     seen, empty where it can; `shift` (w,) labels; `regime` (w,) program of each window or None; `events`: per axis,
     windows at which the config says that something was done to it; `kept`: those of them that tell of another program
-    alone, which repairs nothing.
+    alone, which repairs nothing; `products` that the baseline lacks, each a program of `conditions`.
     """
 
     baseline: np.ndarray
@@ -41,6 +41,7 @@ class Observed:
     regime: np.ndarray | None
     events: list[list[int]]
     kept: list[list[int]]
+    products: tuple[Product, ...]
 
 
 def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: JudgeSettings) -> Observed:
@@ -63,6 +64,7 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     start, end = statistics.start, statistics.end
     shift = shift_labels(start, end, first, steady)
+    program, products = with_products(statistics, regime, shift, first)
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
     events = event_windows(settings.events, start, statistics.axes)
     mended = event_windows([e for e in settings.events if e.mends], start, statistics.axes)
@@ -71,11 +73,10 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
         series=series,
         scale=scale_series(sums, noise),
         hidden=hidden_because(statistics, coulomb, first),
-        conditions=Conditions(
-            start, end, temperature, features, speed, load, with_products(statistics, regime, shift, first), named
-        ),
+        conditions=Conditions(start, end, temperature, features, speed, load, program, named),
         shift=shift,
         regime=regime,
         events=events,
         kept=[[k for k in every if k not in own] for every, own in zip(events, mended, strict=True)],
+        products=products,
     )

@@ -66,12 +66,20 @@ def program_findings(statistics: WindowStatistics, baseline: np.ndarray, judged:
     result = []
     for name, k in unseen_programs(statistics.labels, baseline):
         rows = np.flatnonzero((names == name) & ~baseline)
-        known = judged[rows]
         words = f"Program '{name}' began, which the baseline does not hold: "
-        if known.any():
-            hours = float(np.argmax(known)) * statistics.length / 3600
-            words += f"its own normal was learnt from its first shifts, most axes are judged in it after {hours:.3g} h."
-        else:
-            words += "it cannot be judged yet. Its own normal is learnt from its first shifts."
+        words += learnt_in_words(judged[rows], statistics.length)
         result.append({"time": float(statistics.start[k]), "axes": [], "kind": "program", "words": words})
     return result
+
+
+def learnt_in_words(judged: np.ndarray, length: float) -> str:
+    """Return in words from when on most axes are judged in a program that the baseline lacks.
+
+    Parameters
+    ----------
+    judged : (k,) bool, its windows in which they are. length : of a window [s].
+    """
+    if not judged.any():
+        return "it cannot be judged yet. Its own normal is learnt from its first shifts."
+    hours = float(np.argmax(judged)) * length / 3600
+    return f"its own normal was learnt from its first shifts, most axes are judged in it after {hours:.3g} h."
