@@ -9,7 +9,7 @@ from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.link_masses import unlikely_masses
-from jointwear.discovery.retuned import ended_on_bounds, stands_in
+from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.verdict import Retuned
 from jointwear.robots.robot import robot_from_data
 from jointwear.robots.robot_file import read_robot_file
@@ -94,3 +94,13 @@ def test_parameters_that_are_each_within_their_tolerance_are_told_where_all_toge
     assert min(a / g for a, g in zip(gap["augmented"], gap["nominal"], strict=True)) < 0.97
     # The robot as it is has nothing to be told, and its file stays.
     assert discover(make_case(robot, 5), robot).verdict == "none"
+
+
+def test_of_links_that_were_put_back_no_mass_is_told(robot):
+    content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
+    content["links"][2]["mass"] *= 0.8
+    final = discover(make_case(robot, 5), robot_from_data(content)).final
+    assert "link_mass" in {one.parameter for one in retuned_parameters(final)}
+    nothing = np.zeros_like(final.delta_inertial)
+    back = replace(final, delta_inertial=nothing, retuned_inertial=nothing)
+    assert "link_mass" not in {one.parameter for one in retuned_parameters(back)}

@@ -40,10 +40,22 @@ def test_one_axis_or_a_small_change_is_no_product(axes, factor):
     assert asked(month(axes, factor)) == (None, ())
 
 
-def test_a_product_of_the_baseline_is_none_and_each_program_has_its_own():
+def test_a_product_of_the_baseline_is_known_again():
+    s = month((0, 2), 1.5)
+    for shift in (1, 2):
+        s.residual_square[shift * SHIFT : (shift + 1) * SHIFT, [0, 2]] *= 1.5**2
+    program, products = asked(s)
+    assert products == ()
+    assert [int(program[shift * SHIFT]) for shift in range(8)] == [0, 1, 1, 0, 0, 0, 1, 1]
+
+
+def test_one_loud_shift_of_the_baseline_is_scatter():
     s = month((0, 2), 1.5)
     s.residual_square[8:16, [0, 2]] *= 1.5**2
     assert asked(s) == (None, ())
+
+
+def test_each_program_has_products_of_its_own():
     regime = np.arange(WINDOWS) % 2
     program, products = asked(month((0, 2), 1.5), regime)
     assert [p.program for p in products] == [2, 3]

@@ -6,6 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
+from jointwear.discovery.candidates import LINK_MASS
 from jointwear.discovery.final_model import Final
 from jointwear.discovery.left_out import Asked
 from jointwear.discovery.link_masses import wrong_mass
@@ -34,9 +35,16 @@ def retuned_parameters(final: Final) -> list[Retuned]:
     # Beside a body on the whole arm that of a link whose joint stays unexplained takes what has no name.
     whole = any(n.candidate.axis is None for n in final.outcome.named)
     left = {u.axis + 1 for u in final.outcome.unexplained} if whole else set()
-    masses = [m for m in wrong_mass(final) if m.axis not in left]
+    masses = [m for m in wrong_mass(final) if m.axis not in left] if _links_move(final) else []
     told = found + [m for m in masses if not found or abs(m.value - m.nominal) > m.std]
     return told or _together(final)
+
+
+def _links_move(final: Final) -> bool:
+    """Return whether a robot file that is written has other links than the given one: of links that were put back, as
+    they predicted worse, no mass is told."""
+    named = any(n.candidate.effect == LINK_MASS for n in final.outcome.named)
+    return named or bool(np.any(final.delta_inertial) or np.any(final.retuned_inertial))
 
 
 def _drive_of(problem: Problem, axis: int) -> np.ndarray:
