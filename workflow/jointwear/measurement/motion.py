@@ -245,9 +245,14 @@ def _floors(signal: np.ndarray, pieces: list[slice], rate: float) -> tuple[np.nd
 
 def _floors_of_positions(position: np.ndarray, pieces: list[slice], rate: float) -> tuple[np.ndarray, np.ndarray]:
     """Return :func:`_floors` of positions (m, n), of a joint that is shaken at rest those without its rests."""
-    (density, end), (apart, motion) = (_floors(x, pieces, rate) for x in (position, resting(position, pieces)))
-    shaken = end > SHAKEN * motion
-    return np.where(shaken, apart, density), np.where(shaken, motion, end)
+    density, end = _floors(position, pieces, rate)
+    still = resting(position, pieces)
+    rests = np.flatnonzero((still != position).any(axis=0))
+    if len(rests):
+        apart, motion = _floors(still[:, rests], pieces, rate)
+        shaken = end[rests] > SHAKEN * motion
+        density[rests[shaken]], end[rests[shaken]] = apart[shaken], motion[shaken]
+    return density, end
 
 
 def _noise_of_signals(raw: _Raw, encoder_step: float | None) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -99,6 +100,7 @@ class LaterCheck:
         samples = thinned(measured)
         parts, usable = samples.parts, samples.usable
 
+        @cache
         def lightened() -> Measured | None:
             torque = relieved()
             if torque is None:

@@ -55,8 +55,9 @@ def odd_motion_findings(
     """
     program = programs_or_one(regime, statistics.windows)
     step, speed = _changes(statistics, program, baseline)
-    centres = _centres(statistics, program, baseline)
-    still = _stopped(statistics, centres, baseline)
+    signature = signatures(statistics)
+    centres = _centres(signature, program, baseline)
+    still = _stopped(statistics, signature, centres, baseline)
     rows = [np.flatnonzero((shift == s) & ~baseline) for s in np.unique(shift[~baseline])]
     found = []
 
@@ -74,7 +75,7 @@ def odd_motion_findings(
 
     for j in range(statistics.axes):
         tell(stops(still[:, j], WINDOWS), STOPPED, lambda own, j=j: ([j + 1], _STOPPED.format(axes=name_axes([j + 1]))))
-    for pair, mixed in _exchanged(statistics, centres, baseline).items():
+    for pair, mixed in _exchanged(signature, centres, baseline).items():
         axes = [j + 1 for j in pair]
         tell(stops(mixed, WINDOWS), EXCHANGED, lambda own, a=axes: (a, _EXCHANGED.format(one=a[0], other=a[1])))
     every = list(range(1, statistics.axes + 1))
@@ -129,20 +130,22 @@ def _changes(statistics: WindowStatistics, program: np.ndarray, baseline: np.nda
     return step, speed
 
 
-def _centres(statistics: WindowStatistics, program: np.ndarray, baseline: np.ndarray) -> list[np.ndarray]:
-    """Return the middle signature (2 n,) of every program of the baseline of which enough windows tell it."""
-    signature = signatures(statistics)
+def _centres(signature: np.ndarray, program: np.ndarray, baseline: np.ndarray) -> list[np.ndarray]:
+    """Return the middle signature (2 n,) of every program of the baseline of which enough windows tell it; none of an
+    arm of fewer than three joints, whose others tell nothing of one."""
+    if signature.shape[1] < 2 * 3:
+        return []
     normal = [baseline & (program == p) for p in np.unique(program[baseline & (program >= 0)])]
     return [known_median(signature[own], axis=0) for own in normal if own.sum() >= USUAL]
 
 
 def _exchanged(
-    statistics: WindowStatistics, centres: list[np.ndarray], baseline: np.ndarray
+    signature: np.ndarray, centres: list[np.ndarray], baseline: np.ndarray
 ) -> dict[tuple[int, int], np.ndarray]:
     """Return the windows (w,) in which two 0-based joints, the keys, move as the other one does in a known program."""
-    signature, n = signatures(statistics), statistics.axes
+    n = signature.shape[1] // 2
     result: dict[tuple[int, int], np.ndarray] = {}
-    if n < 3 or not centres:
+    if not centres:
         return result
     for k in np.flatnonzero(~baseline & np.isfinite(signature).any(axis=1)):
         if differences(signature[k], centres).min() <= UNSEEN:
@@ -155,11 +158,13 @@ def _exchanged(
     return result
 
 
-def _stopped(statistics: WindowStatistics, centres: list[np.ndarray], baseline: np.ndarray) -> np.ndarray:
+def _stopped(
+    statistics: WindowStatistics, signature: np.ndarray, centres: list[np.ndarray], baseline: np.ndarray
+) -> np.ndarray:
     """Return the windows (w, n) in which one joint alone keeps its place, in a program that moves it."""
-    signature, n = signatures(statistics), statistics.axes
+    n = statistics.axes
     result = np.zeros((len(signature), n), dtype=bool)
-    if n < 3 or not centres:
+    if not centres:
         return result
     strange = (statistics.flags & int(Flag.NOT_FINITE | Flag.OUTSIDE_LIMITS | Flag.REFUSED) != 0).any(axis=1)
     moves = np.isfinite(np.array(centres)[:, :n])

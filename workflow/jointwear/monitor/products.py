@@ -21,9 +21,10 @@ from jointwear.monitor.regimes import programs_or_one
 from jointwear.monitor.windows import WindowStatistics
 from jointwear.statistics.known import known_median
 
-#: Log of the noise by which the medians of two shifts differ on some axis, or on at least so many by the smaller one,
-#: where they are of other products. Parts of 0.9 to 3.1 kg that no load stands for changed it by 1.2 to 1.6 times on
-#: the axes that lift them (two robots of the twenty-fifth fleet).
+#: Differences of the median noise of shifts, as logs: those of the baseline are of other products that differ by the
+#: larger on some axis or by the smaller on so many; a later one that leaves the range of all by both has a product that
+#: the baseline lacks. Parts of 0.9 to 3.1 kg that no load stands for changed it by 1.2 to 1.6 times on the axes that
+#: lift them (two robots of the twenty-fifth fleet).
 FAR, APART, AXES = np.log(1.25), np.log(1.15), 2
 #: Shifts of the baseline that tell its products, and windows of a later one that shows another.
 SHIFTS, WINDOWS = 3, 2

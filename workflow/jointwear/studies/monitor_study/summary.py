@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.effects import get_effect
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.json_values import finite
 from jointwear.files.storage import open_dataset, read_variable
@@ -296,7 +297,7 @@ def factory_of(results: Mapping[str, Mapping[str, Any]], decisions: Mapping[str,
             before, after = (int(r["false"][list(r["case"]).index(c), d]) for c in ("uncorrected", "corrected"))
             # With nothing left the ratio is at least that of one more alarm.
             detectors[detector]["fewer"] = {"ratio": before / max(after, 1), "at_least": after == 0}
-        named = [[e["effect"].replace("_", " "), e["axis"]] for said in decisions[name] for e in said["effects"]]
+        named = [[get_effect(e["effect"]).phrase, e["axis"]] for said in decisions[name] for e in said["effects"]]
         effects: dict[str, list[int]] = {}
         for effect, axis in named:
             effects.setdefault(effect, [])
