@@ -95,8 +95,8 @@ def product_findings(
     for product in products:
         rows = np.flatnonzero(program == product.program)
         words = (
-            f"What {name_axes(list(product.axes))} need beside the model changed at once, as with a part that the "
-            "normal period does not have and that is carried on some moves: "
+            f"What the model leaves of the torque of {name_axes(list(product.axes))} changed at once, as with a part "
+            "that the normal period does not have and that is carried on some moves: "
         )
         words += learnt_in_words(judged[rows], statistics.length)
         result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words})
