@@ -199,11 +199,12 @@ CONTENT = {"a": [1, 2.5, None, float("nan"), np.float32(0.1)], "b": {"c": "Bühn
 
 def test_what_was_written_is_read_and_is_json(tmp_path):
     write_json(tmp_path / "x.json", CONTENT)
-    assert "NaN" not in (tmp_path / "x.json").read_text()
+    assert "NaN" not in (tmp_path / "x.json").read_text(encoding="utf-8")
     found = read_json(tmp_path / "x.json")
     assert found == {"a": [1, 2.5, None, None, float(np.float32(0.1))], "b": {"c": "Bühne <1>", "2": True}, "n": [0, 1]}
     # The layout of the file is no part of its content.
-    (tmp_path / "x.json").write_text(json.dumps(json.loads((tmp_path / "x.json").read_text())))
+    text = (tmp_path / "x.json").read_text(encoding="utf-8")
+    (tmp_path / "x.json").write_text(json.dumps(json.loads(text)), encoding="utf-8")
     assert read_json(tmp_path / "x.json") == found
 
 

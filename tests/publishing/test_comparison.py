@@ -20,7 +20,7 @@ from jointwear.publishing.verification.comparison import (
 def pair(folder, name, ours, theirs):
     for side, text in (("a", ours), ("b", theirs)):
         (folder / side).mkdir(exist_ok=True)
-        (folder / side / name).write_text(text)
+        (folder / side / name).write_text(text, encoding="utf-8")
     return compare_files(folder / "a" / name, folder / "b" / name)
 
 

@@ -33,7 +33,8 @@ ARM = [
 
 
 def write(folder, parts, extra=""):
-    (folder / "arm.urdf").write_text('<?xml version="1.0"?>\n<robot name="arm">' + "".join(parts) + "</robot>")
+    text = '<?xml version="1.0"?>\n<robot name="arm">' + "".join(parts) + "</robot>"
+    (folder / "arm.urdf").write_text(text, encoding="utf-8")  # what a URDF is in that declares nothing
     (folder / "arm.yaml").write_text(f"name: arm\nurdf: arm.urdf\n{extra}")
     return folder / "arm.yaml"
 
@@ -48,6 +49,17 @@ def test_a_sound_arm_is_read_and_built(tmp_path):
     arm = Dynamics(load_robot(write(tmp_path, ARM)))
     assert arm.robot.joint_names == ("shoulder", "elbow")
     assert sum(body.mass for body in arm.model.inertias) == pytest.approx(3.37)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "iso-8859-1"])
+def test_names_of_joints_are_read_in_the_encoding_of_the_file(tmp_path, encoding):
+    """And a folder has any name: Pinocchio, which takes a path as UTF-8 in every locale, is given the text."""
+    folder = tmp_path / "Zelle 3 für Türen"
+    folder.mkdir()
+    write(folder, ARM)
+    text = (folder / "arm.urdf").read_text().replace("elbow", "Türgelenk").replace("?>", f' encoding="{encoding}"?>')
+    (folder / "arm.urdf").write_bytes(text.encode(encoding))
+    assert Dynamics(load_robot(folder / "arm.yaml")).robot.joint_names == ("shoulder", "Türgelenk")
 
 
 def test_friction_of_a_urdf_is_that_of_the_joint_whatever_the_gear(tmp_path):

@@ -31,7 +31,7 @@ def test_modules_are_those_that_python_loads(root):
         listing = "(m.__file__ for n, m in sys.modules.items() if n.startswith('jointwear'))"
         code = f"{source}\nimport sys\nprint('\\n'.join({listing}))"
         printed = printed_by(root, code)
-        loaded = {os.path.relpath(line, LIBRARY) for line in printed.split()}
+        loaded = {os.path.relpath(line, LIBRARY) for line in printed.splitlines()}
         assert loaded <= names(root, script), script
 
 

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from jointwear.files.errors import InputError
 from jointwear.robots.robot import Link, Robot
-from jointwear.robots.urdf_file import moving_mass
+from jointwear.robots.urdf_file import moving_mass, text_of
 
 _BLOCK = 4096  # states
 #: Name of the frame at the tip of the arm; a URDF may have frames of any ordinary name.
@@ -59,7 +59,7 @@ def build_model(robot: Robot) -> pin.Model:
 
 def _model_of_urdf(robot: Robot) -> pin.Model:
     try:
-        full = pin.buildModelFromUrdf(str(robot.urdf))
+        full = pin.buildModelFromXML(text_of(robot.urdf))
     except (ValueError, RuntimeError) as error:
         raise InputError(f"{robot.urdf}: Pinocchio cannot read it ({error})") from None
     if full.nq != full.nv:

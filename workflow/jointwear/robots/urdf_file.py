@@ -119,6 +119,16 @@ def moving_mass(path: Path) -> float:
     return sum(_mass(e) for name, e in links.items() if name not in still and e.find("inertial") is not None)
 
 
+def text_of(path: Path) -> str:
+    """Return the text of a checked URDF, for a library that would not find its path.
+
+    Pinocchio takes a path as UTF-8, whatever the locale names files in.
+    """
+    data = path.read_bytes()
+    declared = _DECLARED.match(data.lstrip())
+    return data.decode(declared[1].decode("ascii", "replace") if declared else "utf-8")
+
+
 def _parse(path: Path) -> ElementTree.Element:
     check_regular(path, LARGEST_URDF)
     try:

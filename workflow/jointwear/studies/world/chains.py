@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from jointwear.robots.urdf_file import text_of
+
 
 @dataclass(frozen=True)
 class Chain:
@@ -46,7 +48,7 @@ class Chain:
 
 def read_chain(path: Path, names: tuple[str, ...]) -> Chain:
     """Read the joints `names` of a URDF; all other joints are held at 0 and their bodies welded on."""
-    full = pin.buildModelFromUrdf(str(path))
+    full = pin.buildModelFromXML(text_of(path))
     others = [j for j in range(1, full.njoints) if full.names[j] not in names]
     model = pin.buildReducedModel(full, others, pin.neutral(full))
     data = model.createData()
