@@ -9,6 +9,7 @@ one_thread_each()  # as Snakemake starts a job; before numpy is loaded
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 from jointwear.reproduction import readings
 from jointwear.robots.dynamics import Dynamics
@@ -18,6 +19,11 @@ from jointwear.robots.robot import load_robot
 LONG = ("results", "workflow")
 ROOT = Path(__file__).resolve().parent.parent
 ORACLE = Path(__file__).resolve().parent / "data" / "oracle"
+
+# A test by properties says what holds, not how fast: by default hypothesis fails an example that takes more than 200 ms,
+# which beside other work any may.
+settings.register_profile("jointwear", settings(), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("jointwear")
 
 
 def pytest_collection_modifyitems(items):
