@@ -20,7 +20,7 @@ LONG = ("results", "workflow")
 ROOT = Path(__file__).resolve().parent.parent
 ORACLE = Path(__file__).resolve().parent / "data" / "oracle"
 
-# A test by properties says what holds, not how fast: by default hypothesis fails an example that takes more than 200 ms,
+# A test by properties says what holds, not how fast: of itself hypothesis fails an example that takes more than 200 ms,
 # which beside other work any may.
 settings.register_profile("jointwear", settings(), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("jointwear")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 
 import pyarrow as pa
 import pytest
@@ -68,7 +69,7 @@ def redirected(path):
 )
 def test_what_tells_how_logs_were_read_is_made_anew(watched, tmp_path, name, damage):
     folder, logs, row = watched
-    os.system(f"cp -r {folder}/robots {tmp_path}/robots")
+    shutil.copytree(folder / "robots", tmp_path / "robots")
     damage(tmp_path / "robots/arm" / name)
     again = watch_robot("arm", ENTRY, logs, tmp_path / "robots", page=False)
     moved = {"logs_read", "folder"}
@@ -88,7 +89,7 @@ def test_what_tells_how_logs_were_read_is_made_anew(watched, tmp_path, name, dam
 )
 def test_a_damaged_mark_of_whose_a_folder_is_forks_no_robot(watched, tmp_path, damage):
     folder, logs, row = watched
-    os.system(f"cp -r {folder}/robots {tmp_path}/robots")
+    shutil.copytree(folder / "robots", tmp_path / "robots")
     mark = tmp_path / "robots/arm/whose.txt"
     sound = mark.read_text()
     damage(mark)
@@ -99,7 +100,7 @@ def test_a_damaged_mark_of_whose_a_folder_is_forks_no_robot(watched, tmp_path, d
 
 def test_a_damaged_mark_gives_nobody_the_history_of_another_robot(watched, tmp_path):
     folder, _, _ = watched
-    os.system(f"cp -r {folder}/robots {tmp_path}/robots")
+    shutil.copytree(folder / "robots", tmp_path / "robots")
     emptied(tmp_path / "robots/arm/whose.txt")
     other = [str(write_parquet(tmp_path / "other.parquet", columns(make_log(36.0, seed=9, start=START))))]
     found = watch_robot("arm", ENTRY | {"logs": ["other/*"]}, other, tmp_path / "robots", page=False)
@@ -110,7 +111,7 @@ def test_a_damaged_mark_gives_nobody_the_history_of_another_robot(watched, tmp_p
 @pytest.mark.parametrize("name", ["state.nc", "whose.txt"])
 def test_what_is_a_folder_is_a_refusal_of_its_robot(watched, tmp_path, name):
     folder, logs, _ = watched
-    os.system(f"cp -r {folder}/robots {tmp_path}/robots")
+    shutil.copytree(folder / "robots", tmp_path / "robots")
     made_a_folder(tmp_path / "robots/arm" / name)
     found = watch_robot("arm", ENTRY, logs, tmp_path / "robots", page=False)
     assert found["result"] == "refused"

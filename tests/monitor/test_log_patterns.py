@@ -9,6 +9,7 @@ import pytest
 from jointwear.files import patterns
 from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
+from jointwear.monitor.days_in_names import days_of
 from jointwear.monitor.order_of_logs import in_order
 from jointwear.monitor.plan import check_robots, find_all_logs, find_logs, window_seconds
 
@@ -152,3 +153,20 @@ def test_days_that_are_written_day_first_follow_the_calendar(day):
 )
 def test_other_names_keep_their_natural_order(names):
     assert in_order(reversed(names)) == names
+
+
+@pytest.mark.parametrize(
+    ("names", "days"),
+    [
+        (["r_2026-10-05", "r_20261028T0600", "2026_10_28"], ["2026-10-05", "2026-10-28", "2026-10-28"]),
+        (["05.10.2026.csv", "28.10.2026.csv"], ["2026-10-05", "2026-10-28"]),
+        (["05102026_2359", "28102026"], ["2026-10-05", "2026-10-28"]),
+        (["10-05-2026", "10-28-2026"], ["2026-10-05", "2026-10-28"]),
+        (["05.10.2026", "06.10.2026"], [None, None]),  # May and June, or October
+        (["28.10.2026", "10.28.2026"], [None, None]),  # two clocks, or a folder of two makers
+        (["2026-10/28.10.2026", "day_7", "31022026"], ["2026-10-28", None, None]),
+        (["2026-02-30", "1.csv", "123456789"], [None, None, None]),
+    ],
+)
+def test_the_day_that_a_name_holds(names, days):
+    assert [day and day.isoformat() for day in days_of(names)] == days

@@ -144,6 +144,9 @@ def test_of_the_newest_two_days_only_a_date_in_the_name_tells_which_is_wrong():
     assert refused(days(16, 7, DAY, name="2026-06-{day:02d}.csv")) == [7]
     (words,) = assemble(days(16, 7, DAY)).pieces[8].refused
     assert "dated a day or some hours off" in words
+    # In the spelling of the cell, once one day is beyond the twelfth.
+    assert refused(days(16, 12, DAY, count=14, name="{day:02d}.06.2026.csv")) == [12]
+    assert refused(days(16, 12, DAY, count=14, name="06-{day:02d}-2026_0600.csv")) == [12]
     # Names that all hold one date tell nothing, nor do few logs.
     assert refused(days(16, 7, DAY, name="2026-06-01_{k}.csv")) == [8]
     assert refused(days(16, 1, DAY, count=4)) == [2]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from datetime import date, datetime, tzinfo
 
 import numpy as np
+
+from jointwear.monitor.days_in_names import days_of
 
 #: Pause [s] without a log, a quarter of a year, beyond which dates are another clock's.
 PAUSE = 90 * 86400.0
@@ -14,8 +15,6 @@ PAUSE = 90 * 86400.0
 FEWEST = 5
 #: A day, and what times differ by in writing alone [s].
 DAY, ROUND_OFF = 86400.0, 1e-3
-#: A date in the name of a log: 2026-10-28, 2026_10_28 or 20261028, a time of the day may follow.
-_DATE = re.compile(r"(?<!\d)((?:19|20)\d\d)([-_.]?)(0[1-9]|1[0-2])\2(0[1-9]|[12]\d|3[01])(?!\d(?:\d{2})*(?!\d))")
 
 
 def misdated(first: np.ndarray) -> dict[int, tuple[int, int]]:
@@ -62,7 +61,7 @@ def wrong_of_overlapping(
     sound = [k for k in np.flatnonzero(np.isfinite(first)).tolist() if k not in doubtful]
     if len(sound) < FEWEST:
         return {}
-    off = np.array([_days_off(log, time, zone) for log, time in zip(logs, first, strict=True)])
+    off = np.array([_days_off(day, time, zone) for day, time in zip(days_of(logs), first, strict=True)])
     usual = off[sound][np.isfinite(off[sound])]
     found: dict[int, tuple[int, str]] = {}
     if len(usual) >= FEWEST:
@@ -81,14 +80,11 @@ def wrong_of_overlapping(
     return found
 
 
-def _days_off(log: str, first: float, zone: tzinfo) -> float:
-    """Return by how many days a log begins after the date that its name holds, NaN where it holds none."""
-    dates = _DATE.findall(log)
-    if not dates or not np.isfinite(first):
+def _days_off(named: date | None, first: float, zone: tzinfo) -> float:
+    """Return by how many days a log begins after the day that its name holds, NaN where it holds none."""
+    if named is None or not np.isfinite(first):
         return np.nan
-    year, _, month, day = dates[-1]
     try:
-        named = date(int(year), int(month), int(day))
         return float((datetime.fromtimestamp(first, tz=zone).date() - named).days)
     except (ValueError, OverflowError, OSError):
         return np.nan
