@@ -1,6 +1,7 @@
 """CSV logs as loggers of plants write them: read, or refused with the key that mends it."""
 
 import gzip
+import re
 
 import numpy as np
 import pyarrow as pa
@@ -64,6 +65,8 @@ def test_logs_that_a_logger_packs(tmp_path, name):
     [
         ("2026-01-15 06:00:00,250", {}),
         ("15.01.2026 06:00:00.250", {}),
+        ("2026/01/15 06:00:00.250", {}),
+        ("20260115T060000,250", {}),
         ("2026-01-15T07:00:00.250+01:00", {}),
         ("2026-01-15 07:00:00.250", {"time_zone": "Europe/Berlin"}),
         ("1768456800250", {}),
@@ -75,6 +78,25 @@ def test_times_in_many_spellings(tmp_path, stamp, entry):
     chunk = one(write(tmp_path / "a.csv", lines), **entry)
     assert chunk.dated
     assert chunk.time[0] == pytest.approx(1768456800.25, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("stamp", "words"),
+    [
+        ("15/01/2026 06:00:00", "write '2026-01-15T06:00:00'"),
+        ("1/15/26 6:00:00.5 PM", "write '2026-01-15T18:00:00.5'"),
+        ("15.01.26 06:00:00", "write '2026-01-15T06:00:00'"),
+        ("01/02/2026 06:00:00", "write '2026-02-01T06:00:00' (day first) or '2026-01-02T06:00:00' (month first)"),
+        ("26-01-15 06:00:00", "write '2015-01-26T06:00:00' (day first) or '2026-01-15T06:00:00' (year first)"),
+        ("06:00:00", "the day is lacking: write '2026-01-15T06:00:00', or seconds"),
+        ("15 Jan 2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
+        ("31/02/2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
+    ],
+)
+def test_what_to_write_for_a_time_in_another_spelling(tmp_path, stamp, words):
+    lines = [";".join(HEADER), f"{stamp};0.1;1.0", f"{stamp};0.2;1.0"]
+    with pytest.raises(InputError, match=re.escape(words) + "$"):
+        one(write(tmp_path / "a.csv", lines))
 
 
 @pytest.mark.parametrize("rows", [4, 8, 50, 1000])

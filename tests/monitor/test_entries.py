@@ -27,6 +27,11 @@ def check(**more):
             {"baseline": {"until": "31.01.2026"}},
             r"until' is '31\.01\.2026'; did you mean '2026-01-31'\? \(allowed: ISO",
         ),
+        ({"baseline": {"until": "31/1/26"}}, r"until' is '31/1/26'; did you mean '2026-01-31'\? \(allowed: ISO"),
+        (
+            {"baseline": {"until": "01/02/2026"}},
+            r"did you mean '2026-02-01' \(day first\) or '2026-01-02' \(month first\)\?",
+        ),
         ({"baseline": {"until": "31.02.2026"}}, r"until' is '31\.02\.2026' \(allowed: ISO"),
         (
             {"events": [{"time": "1.2.2026 06:00", "kind": "service"}]},

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from datetime import UTC, datetime, tzinfo
 
 #: Latest time [s], the year 2286 on a clock that counts from 1970; the earliest lies as far before.
 LATEST = 1e10
-#: A day as it is written with dots, 31.1.2026, a time of the day may follow.
-_DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})(?:[T ]+(\d\d:\d\d(?::\d\d)?))?")
+#: A day as it is written elsewhere, 31.1.2026, 1/31/26 or 2026/1/31; a time of the day may follow.
+_OTHERWISE = re.compile(
+    r"(\d{1,4})([./-])(\d{1,2})\2(\d{4}|\d\d?)"
+    r"(?:[T ]+(\d{1,2})[:.](\d\d)(?:[:.](\d\d(?:[.,]\d+)?))?(?: ?([AaPp])\.?[Mm]\.?)?(Z|[+-]\d\d:?\d\d)?)?"
+)
+_TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d(:\d\d([.,]\d+)?)?")
 
 
 def moment_of(given: float | str, zone: tzinfo = UTC) -> float:
@@ -26,17 +31,52 @@ def moment_of(given: float | str, zone: tzinfo = UTC) -> float:
 
 
 def meant(given: object) -> str:
-    """Return a hint ``; did you mean '2026-01-31'?`` for a day that is written day first, or an empty string."""
-    said = _DAY_FIRST.fullmatch(str(given).strip())
+    """Return a hint ``; did you mean '2026-01-31'?`` for a time that is written otherwise, or an empty string."""
+    found = _iso_of(str(given).strip())
+    return f"; did you mean {_or(found)}?" if found else ""
+
+
+def to_write(given: str) -> str:
+    """Return what to write for a time of a log that is written otherwise, ``; write '2026-01-31T06:00:00'``, or an
+    empty string."""
+    if _TIME_OF_DAY.fullmatch(given.strip()):
+        return "; the day is lacking: write '2026-01-15T" + given.strip() + "', or seconds"
+    found = _iso_of(given.strip())
+    return f"; write {_or(found)}" if found else ""
+
+
+def _or(found: Mapping[str, str]) -> str:
+    """Return readings of a day in words; what comes first in it tells them apart."""
+    if len(found) == 1:
+        return f"'{next(iter(found))}'"
+    return " or ".join(f"'{text}' ({what} first)" for text, what in found.items())
+
+
+def _iso_of(given: str) -> dict[str, str]:
+    """Return as ISO 8601 what a time that is written otherwise can mean -> what comes first: day, month or year."""
+    said = _OTHERWISE.fullmatch(given)
     if said is None:
-        return ""
-    day, month, year, time = said.groups()
-    text = f"{year}-{int(month):02d}-{int(day):02d}{'T' + time if time else ''}"
-    try:
-        utc_seconds(text)
-    except ValueError:
-        return ""
-    return f"; did you mean '{text}'?"
+        return {}
+    (one, between, two, three), time = said.groups()[:4], ""
+    if said[5]:
+        hour = int(said[5]) % 12 + 12 * (said[8] in "Pp") if said[8] else int(said[5])
+        time = f"T{hour:02d}:{said[6]}" + (f":{said[7].replace(',', '.')}" if said[7] else "") + (said[9] or "")
+    if len(one) == 4:
+        orders = [("year", one, two, three)]
+    else:
+        orders = [("day", three, two, one)]
+        # Dots stand behind days alone; 26-01-15 may begin with the year.
+        orders += [("month", three, one, two)] if between != "." else []
+        orders += [("year", one, two, three)] if between == "-" and len(three) == 2 else []
+    found: dict[str, str] = {}
+    for what, year, month, day in orders:
+        text = f"{year if len(year) == 4 else f'20{int(year):02d}'}-{int(month):02d}-{int(day):02d}{time}"
+        try:
+            utc_seconds(text)
+        except ValueError:
+            continue
+        found.setdefault(text, what)
+    return found
 
 
 def utc_seconds(text: str, zone: tzinfo = UTC) -> float:

@@ -13,6 +13,7 @@ from jointwear.measurement.formats.chunk import Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.measurement.formats.programs import joined_labels, label_of
+from jointwear.measurement.timestamps import to_write
 
 
 def chunk_of(
@@ -47,7 +48,8 @@ def chunk_of(
 
 
 def stamps(path: Path, column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.ChunkedArray:
-    """Return times written as text as time stamps: ISO 8601, with a comma before the fraction, or dd.mm.yyyy.
+    """Return times written as text as time stamps: ISO 8601, with slashes or a comma before the fraction too, or
+    dd.mm.yyyy.
 
     Raises
     ------
@@ -67,7 +69,7 @@ def stamps(path: Path, column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.Chun
             if value is not None and not is_stamp(value):
                 raise InputError(
                     f"{path}: the time '{str(given)[:40]}' is no number, nor ISO 8601 (2026-01-15T00:00:00Z), nor "
-                    "dd.mm.yyyy hh:mm:ss"
+                    f"dd.mm.yyyy hh:mm:ss{to_write(str(given)[:40])}"
                 ) from None
     odd = first_of_other_zone(column)
     raise InputError(f"{path}: {mixed_zones(column, odd) if odd is not None else 'the times cannot be read'}")
@@ -102,6 +104,8 @@ def _mended(column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.ChunkedArray:
     """Return times as ISO 8601 has them: the year first, two digits each, a point before the fraction."""
     text = compute.utf8_trim_whitespace(column)
     text = compute.replace_substring_regex(text, r"^(\d{1,2})\.(\d{1,2})\.(\d{4})", r"\3-\2-\1")
+    text = compute.replace_substring_regex(text, r"^(\d{4})/(\d{1,2})/(\d{1,2})", r"\1-\2-\3")
+    text = compute.replace_substring_regex(text, r"^(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)", r"\1-\2-\3T\4:\5:\6")
     text = compute.replace_substring_regex(text, r"^(\d{4})-(\d)-", r"\1-0\2-")
     text = compute.replace_substring_regex(text, r"^(\d{4}-\d\d)-(\d)([ T])", r"\1-0\2\3")
     return compute.replace_substring(text, ",", ".")
