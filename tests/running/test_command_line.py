@@ -121,6 +121,17 @@ def test_the_default_profile_asks_first(tmp_path):
     assert os.listdir(tmp_path) == ["x.yaml"]
 
 
+def test_a_home_that_cannot_be_written_is_none_of_snakemakes_concern(tmp_path):
+    """A file in its place: root, as which tests may run, can write to any folder."""
+    (tmp_path / "home").touch()
+    (tmp_path / "mine").mkdir()
+    kept = {k: v for k, v in os.environ.items() if k != "XDG_CACHE_HOME"} | {"HOME": str(tmp_path / "home")}
+    command = [sys.executable, "-m", "snakemake", "-n", "-s", str(ROOT / "Snakefile")]
+    done = subprocess.run(command, cwd=tmp_path / "mine", env=kept, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "mine/.snakemake/cache").is_dir()
+
+
 def test_a_profile_that_was_copied_finds_the_library(tmp_path):
     """`profiles` is a link; a copy that follows links has a folder instead."""
     for name in ("workflow/jointwear", "profiles", "config", "workflow/schemas"):
