@@ -4,6 +4,7 @@ import pytest
 from monitor_logs import ROBOT
 
 from jointwear.files.errors import InputError
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.plan import check_robots
 
 SIX = [f"axis_{k}" for k in range(6)]
@@ -65,6 +66,17 @@ def test_no_zone_is_advised_that_is_another(name, hint):
         check(time_zone=name)
     assert ("did you mean 'Europe/Berlin'" in str(told.value)) == hint
     assert ("did you mean" in str(told.value)) == hint
+
+
+def test_of_two_zones_the_message_says_which():
+    with pytest.raises(
+        InputError, match=r"\.time_zone' is 'x' \(the zone of times in the logs that name none; allowed"
+    ):
+        check(time_zone="x")
+    with pytest.raises(
+        InputError, match=r"'monitor\.time_zone' is 'x' \(the zone in which pages and messages tell times"
+    ):
+        zone_of("x")
 
 
 def test_what_is_allowed_passes():

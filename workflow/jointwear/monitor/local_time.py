@@ -9,10 +9,14 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError, available_timezones
 from jointwear.files.errors import InputError, nearest, shown
 
 DEFAULT_ZONE = "UTC"
+#: Key of the zone in which people read times; every other one is of a robot, in which its logger writes them.
+PAGES = "monitor.time_zone"
 
 
-def zone_of(name: str | None, key: str = "monitor.time_zone") -> tzinfo:
+def zone_of(name: str | None, key: str = PAGES) -> tzinfo:
     """Return the time zone that a key of the config names, an IANA name; None is UTC.
+
+    Two keys have one name: that of a robot tells what its logger writes, that of all robots what people read.
 
     Raises
     ------
@@ -26,7 +30,10 @@ def zone_of(name: str | None, key: str = "monitor.time_zone") -> tzinfo:
     except (ZoneInfoNotFoundError, ValueError, OSError):
         # No abbreviation stands for another, and Etc/GMT+1 lies west of Greenwich.
         hint = nearest(name, (z for z in available_timezones() if "/" in z and not z.startswith("Etc/")))
-        raise InputError(f"config: '{key}' is {shown(name)}{hint} (allowed: IANA names, as Europe/Berlin)") from None
+        what = "in which pages and messages tell times" if key == PAGES else "of times in the logs that name none"
+        raise InputError(
+            f"config: '{key}' is {shown(name)}{hint} (the zone {what}; allowed: IANA names, as Europe/Berlin)"
+        ) from None
 
 
 def repeats_after(seconds: float, zone: tzinfo) -> float:
