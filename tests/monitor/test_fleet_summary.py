@@ -160,6 +160,28 @@ def test_a_changed_axis_that_is_not_judged_now_tells_its_newest_alarm():
     assert change_words(told) == "Coulomb friction +92 N m at its newest alarm, not judged now; limit 20 %"
 
 
+def test_what_is_to_be_mended_comes_before_what_is_only_told():
+    """And what still lasts is not over: a card said that its robot asks for something, and not for what."""
+    missing = {"time": NOW - 9 * DAY, "end": NOW, "axes": [3], "kind": "missing", "words": "No torque of axis 3."}
+    uneven = {"time": NOW - 8 * DAY, "axes": [2], "kind": "uneven", "words": "The torque of axis 2 grew uneven."}
+    shared = {"time": NOW - DAY, "axes": [], "kind": "shared", "words": "All axes moved together."}
+    row = as_of(robot("arm", findings=[shared, began(2), missing, uneven]), NOW)
+    assert robot_item(row, zone_of(None), "robots")["findings"] == [
+        "Wed 2025-12-24: The torque of axis 2 grew uneven.",
+        "Tue 2025-12-23: No torque of axis 3.",
+        "Wed 2025-12-31: All axes moved together.",
+    ]
+
+
+def test_an_axis_over_its_limit_without_an_alarm_is_not_called_healthy():
+    told = "Viscous friction +23.5 % now, Coulomb friction −13.5 %: over the limit of 20 % without an alarm."
+    row = as_of(robot("arm", axis(5, over=told), findings=[began(1)]), NOW)
+    item = robot_item(row, zone_of(None), "robots")
+    assert item["urgency"] == "asks for an event"
+    assert item["findings"][0] == f"Axis 5: v{told[1:]}"
+    assert as_of(robot("arm", axis(5, over="")), NOW)["urgency"] == "healthy"
+
+
 def test_axes_whose_limit_cannot_be_seen_take_one_sentence():
     coarse = [
         {"time": NOW, "axes": [a], "kind": "coarse", "least": s, "words": f"axis {a}"}

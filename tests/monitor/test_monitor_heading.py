@@ -153,6 +153,28 @@ def test_an_axis_whose_limit_cannot_be_seen_says_from_where_on(monitored):
     assert "Only changes beyond the limit can be seen: axis 1." in sentences
 
 
+def test_growth_over_the_limit_without_an_alarm_is_not_called_healthy(monitored):
+    folder, _, _ = monitored
+    state = replace(read_state(folder / "state.nc"), alarms=[])
+    calm = replace(state, status=np.full_like(state.status, HEALTHY))
+    grown = with_estimates(calm, coulomb_percent=-13.5, viscous_percent=23.5)
+    told = axis_summary(grown, 0)
+    assert (told["status"], told["label"], told["badge"]) == (HEALTHY, "over the limit, no alarm", "close")
+    words = told["remark"].replace("\u00a0", " ")
+    assert words.startswith("Viscous friction +23.5 % now, Coulomb friction −13.5 %, over the limit of 20 % without an")
+    assert "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, check" in words
+    assert standing(grown)["axes"][0]["over"] == told["remark"]
+    summaries = [axis_summary(grown, j) for j in range(grown.axes)]
+    over = [s["axis"] for s in summaries if s["label"] != HEALTHY]
+    assert 1 in over
+    assert headline(summaries)[0].startswith("Over the limit without an alarm: ax")
+    # Below the limit, or over it by chance.
+    for viscous, std in ((19.0, 1.0), (23.5, 15.0)):
+        other = with_estimates(calm, coulomb_percent=-13.5, viscous_percent=viscous)
+        other = replace(other, now_error={**other.now_error, "viscous_percent": np.full(other.axes, std)})
+        assert axis_summary(other, 0)["label"] == HEALTHY
+
+
 def test_viscous_growth_beyond_its_limit_has_reached_it(monitored):
     folder, _, _ = monitored
     state = changed(read_state(folder / "state.nc"), "viscous friction")

@@ -14,7 +14,7 @@ from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.episodes import Episode, episodes_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.judge_settings import DEFAULT_LIMIT
-from jointwear.monitor.limits import VISCOUS
+from jointwear.monitor.limits import COULOMB, VISCOUS
 from jointwear.monitor.loud import LOUD
 from jointwear.monitor.present import FEWEST_NOW, NOW, now_windows
 from jointwear.monitor.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Reason
@@ -27,6 +27,8 @@ UNRESOLVED = "unresolved alarm"
 SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
 #: Probability of an axis below which it is no likelier than all others together.
 EVEN_ODDS = 0.5
+#: Standard deviations of a growth that is more than chance.
+CLEAR = 2.0
 #: An axis not judged for longer than this [s] and than this many times its longest pause before is healthy no more.
 UNSEEN, PAUSES = 3 * NOW, 2.0
 #: Why an axis that moves is not judged, where that is no pause: it waits for what is normal to be learnt, or for its
@@ -126,6 +128,18 @@ class AxisCondition:
         """Whether the growth that is told has reached the limit while the axis counts as changed."""
         viscous = self.viscous_alarm and self.viscous >= self.limit
         return self.level == CHANGED and bool(self.growth >= self.limit or viscous)
+
+    @property
+    def over(self) -> str:
+        """The friction of an axis without an alarm that has clearly grown over the limit, empty where none has.
+
+        What alarms is the friction as a whole, or one kind of it alone: of an axis whose one kind grew while the other
+        one fell neither may.
+        """
+        if self.level != HEALTHY:
+            return ""
+        kinds = ((VISCOUS, self.viscous, self.viscous_std), (COULOMB, self.growth, self.growth_std))
+        return next((kind for kind, grown, std in kinds if grown >= max(self.limit, CLEAR * std)), "")
 
 
 def axis_conditions(state: RobotState) -> list[AxisCondition]:

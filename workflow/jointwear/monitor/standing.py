@@ -15,6 +15,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.condition import CHANGED, UNJUDGED, AxisCondition, axis_conditions, robot_episodes, urgency
 from jointwear.monitor.episodes import Episode
 from jointwear.monitor.state import RobotState
+from jointwear.monitor.words import over_words
 
 #: What a robot without a judgement has.
 NOTHING: dict[str, Any] = {
@@ -152,6 +153,7 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "since": main.first if main else None,
         "alarms": sum(len(e.alarms) for e in condition.episodes),
         "check": condition.check,
+        "over": over_words(condition),
     }
 
 

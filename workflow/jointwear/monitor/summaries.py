@@ -27,7 +27,7 @@ from jointwear.monitor.present import now_windows
 from jointwear.monitor.records import Reason
 from jointwear.monitor.seen_growth import COARSE, coarse_words
 from jointwear.monitor.state import RobotState
-from jointwear.monitor.words import BADGES
+from jointwear.monitor.words import BADGES, OVER, over_words
 
 #: Columns of the table of axes: estimate -> its words, and the estimate that stands below it in another unit.
 COLUMNS = {
@@ -70,6 +70,8 @@ def axis_summary(
         remark = "its torque has grown uneven; what is judged of it says nothing of these hours"
     elif condition.level == UNJUDGED and len(after):
         remark = "an event closed its alarm, and no shift since tells what is normal now"
+    elif condition.over:
+        remark = over_words(condition)
     coarse = next((f["least"] for f in state.findings if f["kind"] == COARSE and j + 1 in f["axes"]), None)
     if len(after) and coarse is not None:
         remark = "; ".join(filter(None, (coarse_words(coarse), remark)))
@@ -78,7 +80,8 @@ def axis_summary(
         "joint": state.joints[j],
         "status": condition.level,
         "quantity": _quantity(condition),
-        "badge": BADGES[condition.level],
+        "label": OVER if condition.over else condition.level,
+        "badge": "close" if condition.over else BADGES[condition.level],
         "remark": remark,
         "estimates": [_latest(state, name, j) for name in shown_estimates(state)],
         "unknown": _unknown(state, j),
@@ -175,7 +178,9 @@ def headline(
     def named(status: str) -> str:
         return name_axes([s["axis"] for s in summaries if s["status"] == status])
 
-    changed, unresolved, healthy, unjudged = map(named, (CHANGED, UNRESOLVED, HEALTHY, UNJUDGED))
+    changed, unresolved, unjudged = map(named, (CHANGED, UNRESOLVED, UNJUDGED))
+    over = name_axes([s["axis"] for s in summaries if s["label"] == OVER])
+    healthy = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["label"] != OVER])
     coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
     if changed:
         play = [s["axis"] for s in summaries if s["status"] == CHANGED and s["quantity"] == BACKLASH]
@@ -189,6 +194,8 @@ def headline(
         heading = "The whole robot has changed"
     elif refused:
         heading = "The newest logs are refused"
+    elif over:
+        heading = f"Over the limit without an alarm: {over}"
     elif healthy:
         heading = "No change of friction found" + (" where it can be judged" if unjudged or coarse else "")
     else:
@@ -204,6 +211,8 @@ def headline(
             f"Alarms without an explanation: {unresolved}. An axis is called healthy again when an event of the "
             "config says what was done."
         )
+    if over:
+        sentences.append(f"Over the limit without an alarm: {over}; what to check stands below the table.")
     if healthy:
         sentences.append(f"No change{' until then' if refused else ''}: {healthy}.")
     if coarse:

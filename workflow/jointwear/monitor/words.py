@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from datetime import tzinfo
 from typing import Any
 
-from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.advice import advice
+from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED, AxisCondition
+from jointwear.monitor.limits import COULOMB, VISCOUS
 from jointwear.monitor.local_time import duration, local_day, log_time
 from jointwear.publishing.report.numbers import fixed, number
 
+#: What is said in place of the level of an axis without an alarm whose friction is over the limit all the same.
+OVER = "over the limit, no alarm"
 BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNRESOLVED: "close", UNJUDGED: "other"}
 #: A space at which no line ends.
 NO_BREAK = "\u00a0"
@@ -39,6 +44,26 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
         "alarms": axis["alarms"],
         "check": axis["check"][:1].upper() + axis["check"][1:],
     }
+
+
+def over_words(condition: AxisCondition) -> str:
+    """Return what is said of an axis whose friction is over the limit though nothing has alarmed, empty elsewhere."""
+    kind = condition.over
+    if not kind:
+        return ""
+    grown = {VISCOUS: condition.viscous, COULOMB: condition.growth}
+    (other,) = set(grown) - {kind}
+    beside = "" if math.isnan(grown[other]) else f", {other} {fixed(grown[other], 1, True)} %"
+    # An axis that was greased: the judgement knows it, and gives no alarm.
+    greased = kind == VISCOUS and grown[other] < 0
+    why = (
+        "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, "
+        if greased
+        else ""
+    )
+    limit = f"over the limit of {number(condition.limit, 2)} % without an alarm"
+    told = f"{kind} {fixed(grown[kind], 1, True)} % now{beside}, {limit}; {why}{advice(kind, None)}"
+    return f"{told[:1].upper()}{told[1:]}.".replace("coulomb", "Coulomb").replace(" %", f"{NO_BREAK}%")
 
 
 def sure_words(probability: float | None) -> str:

@@ -12,7 +12,7 @@ from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.fleet.metrics import COUNTS
-from jointwear.monitor.fleet.ranking import ASKING, ASKS, ORDER, REACHED, REFUSED, STALE
+from jointwear.monitor.fleet.ranking import ASKING, ASKS, ORDER, REACHED, REFUSED, STALE, WHILE_IT_LASTS, lasts
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
 from jointwear.monitor.seen_growth import COARSE, LOOSE
 from jointwear.monitor.told_together import before_words, told_together
@@ -59,13 +59,18 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "reason": row["reason"],
         "refusals": _refusals(row),
         "more_refused": row["refused_logs"] - len(row["refusals"]) if row["refusals"] else 0,
-        "findings": _to_check(row, zone)[:SHOWN],
+        "findings": (_over(row) + _to_check(row, zone))[:SHOWN],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
         "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
         "coarse": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == HEALTHY and a["axis"] in coarse)),
         "counts": row,
     }
+
+
+def _to_do(kind: str) -> int:
+    """Return the place of a kind of finding: those that ask for an answer, that are to be mended, and all others."""
+    return 0 if kind in ASKING else 1 if kind in WHILE_IT_LASTS else 2
 
 
 def _refusals(row: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -83,19 +88,27 @@ def _refusals(row: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[str]:
-    """Return the findings of a robot in words, each with its day: first those that ask for an answer, the newest first.
+    """Return the findings of a robot in words, each with its day: first those that ask for an answer, then those that
+    somebody has to mend, the newest first.
 
     Those on backlash say what cannot be judged, those that an event has answered are done: neither is to be checked.
     What is over comes last, and of several of a kind the newest alone, with how many there were before.
     """
     open_ones = [f for f in row["findings"] if f["kind"] != BACKLASH and not f.get("answered")]
-    newest = sorted(told_together(open_ones), key=lambda f: (f["kind"] not in ASKING, -(f.get("time") or 0)))
-    words = [_dated(f, row, zone) for f in newest if "end" not in f]
+    newest = sorted(told_together(open_ones), key=lambda f: (_to_do(f["kind"]), -(f.get("time") or 0)))
+    words = [_dated(f, row, zone) for f in newest if "end" not in f or lasts(f, row)]
     over: dict[str, list[str]] = {}
     for found in newest:
-        if "end" in found:
+        if "end" in found and not lasts(found, row):
             over.setdefault(found["kind"], []).append(_dated(found, row, zone))
     return words + [f"{told[0]}{before_words(len(told) - 1)}" for told in over.values()]
+
+
+def _over(row: Mapping[str, Any]) -> list[str]:
+    """Return what is said of the axes that are over their limit without an alarm."""
+    return [
+        f"Axis {axis['axis']}: {axis['over'][:1].lower()}{axis['over'][1:]}" for axis in row["axes"] if axis.get("over")
+    ]
 
 
 def _dated(found: Mapping[str, Any], row: Mapping[str, Any], zone: tzinfo) -> str:

@@ -34,12 +34,19 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
     return max(now - row["last_sample"], 0.0) / 3600
 
 
-def asks(row: Mapping[str, Any]) -> bool:
-    """Return whether a robot has a finding that somebody has to answer, or logs whose newest hour has it."""
+def lasts(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
+    """Return whether a finding that somebody has to look for is one of the newest hour of the logs."""
     last = math.inf if row["last_sample"] is None else row["last_sample"]
+    return found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last
+
+
+def asks(row: Mapping[str, Any]) -> bool:
+    """Return whether a robot has a finding that somebody has to answer, or whose newest hour has it, or an axis that is
+    over its limit without an alarm."""
     open_ones = [found for found in row["findings"] if not found.get("answered")]
-    lasting = any(found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last for found in open_ones)
-    return lasting or any(found["kind"] in ASKING for found in open_ones)
+    lasting = any(lasts(found, row) for found in open_ones)
+    over = any(axis.get("over") for axis in row["axes"])
+    return lasting or over or any(found["kind"] in ASKING for found in open_ones)
 
 
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:
