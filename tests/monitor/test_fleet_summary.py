@@ -17,7 +17,7 @@ from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.findings import fell_words
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
-from jointwear.monitor.fleet.page import robot_item
+from jointwear.monitor.fleet.page import robot_item, write_fleet_page
 from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
@@ -143,6 +143,29 @@ def test_logs_with_one_fault_take_one_line():
         ("logs/3.csv: positions reach 3; likewise logs/1.csv and logs/2.csv", "state units"),
         ("logs/4.csv: is empty", ""),
     ]
+    told = [
+        "1.csv: another multiple (1.5 on joint 1); times 0.667 for joint 1; anew",
+        "2.csv: another multiple (-1e+03 on joint 1, 2 on joint 12); times -0.001 for joint 1, 3 for joint 12; anew",
+    ]
+    (line,) = robot_item(as_of(robot("arm", refusals=told), NOW), zone_of(None), "robots")["refusals"]
+    assert line[0] == "2.csv: another multiple (-1e+03 on joint 1, 2 on joint 12); likewise 1.csv"
+
+
+def test_what_mends_refused_logs_comes_first(tmp_path):
+    told = [
+        "logs/1.csv: the torque is another multiple; it looks like a current; write the torque as the first log has it",
+        "logs/2.csv: the torque is another multiple; it looks like mN m; write the torque as the first log has it",
+        "logs/3.csv: is text in UTF-16; save it as UTF-8",
+        "logs/4.csv: is empty",
+    ]
+    row = as_of(robot("arm", refusals=told, refused_logs=4, refused_newest=4), NOW)
+    assert robot_item(row, zone_of(None), "robots")["mends"] == [
+        "Write the torque as the first log has it",
+        "Save it as UTF-8",
+    ]
+    write_fleet_page([row], tmp_path / "index.html", zone_of(None), NOW)
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert page.index("Write the torque as the first log has it.") < page.index("logs/4.csv")
 
 
 @pytest.mark.parametrize(("refused", "told"), [(3, ""), (4, "1 log more refused"), (11, "8 logs more refused")])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from datetime import tzinfo
 from pathlib import Path
@@ -32,6 +33,10 @@ CHECKS = {
 }
 #: Kinds of findings that hold for all logs, and have no day.
 LASTING = (COARSE, LOOSE, "baseline", "robot", "dead_band", "missing_temperature")
+#: Numbers of joints, and of what is refused, by which reasons of one kind differ.
+_NUMBERS = re.compile(r"(?:, )?[-+]?\d[\d.e+-]*(?: (?:for|on) joint \d+)?")
+#: How what mends a log begins, among the clauses that say why it is refused.
+MENDS = ("give", "leave", "mend", "name", "put", "save", "state", "turn", "write")
 #: Findings and axes of a robot that the list shows; the page of the robot has all.
 SHOWN = 3
 
@@ -57,6 +62,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "whole": whole,
         "check": check,
         "reason": row["reason"],
+        "mends": _mends(row),
         "refusals": _refusals(row),
         "more_refused": row["refused_logs"] - len(row["refusals"]) if row["refusals"] else 0,
         "findings": (_over(row) + _to_check(row, zone))[:SHOWN],
@@ -68,18 +74,26 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
     }
 
 
+def _mends(row: Mapping[str, Any]) -> list[str]:
+    """Return what mends the logs that are refused, as far as the reasons say it, each once."""
+    clauses = [c.strip() for told in (row["reason"], *row["refusals"]) for c in told.split("; ")[1:]]
+    found = [c.rstrip(".") for c in clauses if c.partition(" ")[0] in MENDS]
+    return [f"{c[:1].upper()}{c[1:]}" for c in dict.fromkeys(found)]
+
+
 def _to_do(kind: str) -> int:
     """Return the place of a kind of finding: those that ask for an answer, that are to be mended, and all others."""
     return 0 if kind in ASKING else 1 if kind in WHILE_IT_LASTS else 2
 
 
 def _refusals(row: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return what is wrong with the logs that are refused, and what mends it; the newest names alike ones."""
+    """Return what is wrong with the logs that are refused, and what mends it; the newest names those that say the same
+    with other numbers."""
     alike: dict[str, list[tuple[str, str]]] = {}
     for told in row["refusals"]:
         what, _, why = told.partition("; ")
         if told != row["reason"]:
-            alike.setdefault(why or what.partition(": ")[2], []).append((what, why))
+            alike.setdefault(_NUMBERS.sub("", why or what.partition(": ")[2]), []).append((what, why))
     result = []
     for *others, (what, why) in alike.values():
         names = [one.partition(": ")[0] for one, _ in others]
