@@ -178,6 +178,19 @@ def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):
     assert heading(found.data) == "The model lacks an effect"
 
 
+def test_what_has_no_name_is_put_beside_a_gap_that_is_closed():
+    """The page said that retuning closes all, and that a part has no name."""
+    gap = {"nominal": [9.0], "retuned": [1.02], "augmented": [1.02], "noise_floor": [1.0]}
+    content = {"verdict": "unknown", "effects": [], "above_the_noise": [], "suspects": [], "gap": gap}
+    closed = lead(content)[-1]
+    assert "retuning alone closes 100 %, the augmented model closes 100 %; what has no name is small" in closed.replace(
+        "\u202f", " "
+    ).replace("\u00a0", " ")
+    assert lead({**content, "gap": {**gap, "retuned": [4.0], "augmented": [3.0]}})[-1].endswith("75\u202f%.")
+    named = {**content, "verdict": "retuned", "to_the_noise": True}
+    assert "no name" not in lead(named)[-1]
+
+
 def test_axes_above_the_noise_are_told_with_their_ratio():
     gap = Gap((9.0,) * 3 + (None,), (9.0,) * 3 + (None,), (1.05, 1.34, 3.0, None), (1.0, 1.0, 2.0, None))
     assert [(a.axis, a.ratio) for a in _above_the_noise(gap, 0.1)] == [(2, 1.34), (3, 1.5)]

@@ -25,6 +25,8 @@ SAMPLES_SHOWN = 1200
 #: Widths [inches] of a joint of a map and of the names beside it: that of an ordinary arm fills a phone, where a number
 #: in every cell is read without scrolling.
 _OF_JOINT, _OF_NAMES = 0.46, 1.6
+#: Characters of a label below a map that a joint has room for.
+_OF_LABEL = 5
 #: Longest line [characters] of a name beside a map.
 _LINE = 21
 
@@ -53,7 +55,8 @@ def draw_regimes(regimes: Regimes, output: str | Path) -> None:
     axes.set(xlim=(-0.5, joints - 0.5), ylim=(rows - 0.5, -0.5))
     whole = ["at rest" if np.isnan(r) else number(float(r), 2) for r in regimes.residual]
     axes.set_xticks(range(joints), [f"{j + 1}\n{text}" for j, text in enumerate(whole)])
-    axes.set_xlabel("joint, and its whole residual [N m]")
+    # Below the columns of an arm of few joints one line would be cut.
+    axes.set_xlabel(textwrap.fill("joint, and its whole residual [N m]", _OF_LABEL * (joints + 1)))
     axes.set_yticks(range(len(regimes.arguments)), [_wrapped(a) for a in regimes.arguments])
     axes.grid(False)
     text = "Residual torque after retuning that a mean over each regime explains, RMS in N m and share of the square"

@@ -64,9 +64,16 @@ def lead(content: dict[str, Any]) -> list[str]:
         )
         sentences.append(
             f"The gap between model and noise on held-out motion: retuning alone {alone}, "
-            f"the augmented model {augmented}."
+            f"the augmented model {augmented}{_beside_it(content['verdict'], closed[1])}."
         )
     return sentences
+
+
+def _beside_it(verdict: str, closed: float) -> str:
+    """Say how what has no name can be there though nearly all of the gap is closed, empty where that is no question."""
+    if verdict != "unknown" or closed < 1 - NARROW:
+        return ""
+    return "; what has no name is small beside that gap, but more than noise"
 
 
 def _what_is_left(content: dict[str, Any]) -> str:
