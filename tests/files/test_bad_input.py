@@ -131,7 +131,7 @@ def robot(root):
         ("joints.1.name", "joint_1", ["'joints[1].name'", "earlier joint"]),
         ("dh.0.alpha", 90, ["dh[0].alpha", "6.28", "looks like degrees: 1.5708"]),
         ("links.1.mass", -1, ["links[1].mass", ">= 0"]),
-        ("links.1.inertia", [1, 2, 3], ["links[1].inertia", "3 entries", "at least 6"]),
+        ("links.1.inertia", [1, 2, 3], ["links[1].inertia", "3 entries", "allowed: 6 (xx yy zz xy yz xz"]),
         ("links.1.inertia", [1, 1, 1, 2, 0, 0], ["links[1].inertia", "negative principal moments"]),
         ("links", [], ["'links' has 0 entries, 'dh' has 6"]),
         ("payload.mass", "heavy", ["payload.mass", "'heavy'"]),

@@ -34,6 +34,27 @@ def test_a_damaged_summary_costs_no_run(tmp_path):
     assert closing_lines(tmp_path, time.time() - 60) == ["report: results/report/index.html"]
 
 
+def test_of_a_fleet_it_is_told_what_waits_and_why_a_robot_is_refused(tmp_path):
+    page(tmp_path / "results/fleet/index.html")
+    robots = [
+        {"robot": "a", "urgency": "limit reached", "result": "judged", "reason": ""},
+        {"robot": "b", "urgency": "refused", "result": "refused", "reason": "day.csv: has no column 'A3'"},
+        {"robot": "c", "urgency": "healthy", "result": "judged", "reason": ""},
+    ]
+    rows = tmp_path / "results/fleet/rows.json"
+    for shown, lines in (
+        (
+            robots,
+            ["fleet: 2 of 3 robots to look at: 1 limit reached, 1 refused", "refused: b: day.csv: has no column 'A3'"],
+        ),
+        (robots[2:], ["fleet: 0 of 1 robot to look at"]),
+        ([], []),
+        ("damaged", []),
+    ):
+        rows.write_text(json.dumps({"robots": shown}), encoding="utf-8")
+        assert closing_lines(tmp_path, time.time() - 60) == [*lines, "page: results/fleet/index.html"]
+
+
 def test_what_a_robot_learnt_is_told(tmp_path):
     for name, adopted in (("a", "friction"), ("b", "given"), ("c", None)):
         page(tmp_path / f"results/learned/{name}/learned.json").write_text(

@@ -78,6 +78,7 @@ def test_data_sets_do_not_wait_for_each_other(root):
         ),
         ({"units": {"torque": "Nn"}}, "'discover.datasets.arm.units.torque' is 'Nn'"),
         ({"scale": [1.0, 2.0]}, "'discover.datasets.arm.scale' has 2 values, robot 'puma560' has 6 joints"),
+        ({"train": [0, 3], "test": [3]}, "arm.test' holds trajectory 3, and so does 'train'; allowed: in one of them"),
         ({"joints": ["one"]}, "'discover.datasets.arm.joints' names 1 joint"),
     ],
 )

@@ -248,7 +248,11 @@ def _describe(error) -> str:
         twice = next(v for i, v in enumerate(value) if v in value[:i])
         return f"'{where}' holds {shown(twice)} twice"
     if rule in ("minItems", "maxItems"):
-        return f"'{where}' has {counted(len(value), 'entry', 'entries')}, {_words(rule)} {error.validator_value}"
+        has, limit = f"'{where}' has {counted(len(value), 'entry', 'entries')}", error.validator_value
+        if error.schema.get("minItems") == error.schema.get("maxItems"):
+            what = error.schema.get("description", "")
+            return f"{has}; allowed: {limit}{f' ({what.rstrip(chr(46))})' if what else ''}"
+        return f"{has}, {_words(rule)} {limit}"
     if rule == "oneOf":
         layouts = error.schema.get("description", "the schema")
         return f"'{where}' must hold exactly one of the layouts described in {layouts}"

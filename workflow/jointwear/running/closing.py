@@ -5,9 +5,11 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 from jointwear.files.json_documents import read_json
+from jointwear.files.wording import count
 
 REPORT = Path("results/report/index.html")
 #: Pages that other targets build.
@@ -15,6 +17,8 @@ PAGES = ("results/*/index.html", "results/*/*.html", "results/*/*/*.html")
 
 #: Which model every robot learnt, which has no page.
 LEARNED = "results/learned/*/learned.json"
+#: Page and rows of the fleet, and the largest file of rows that is read for a line.
+FLEET, ROWS, LARGEST_ROWS = Path("results/fleet/index.html"), Path("results/fleet/rows.json"), 5_000_000
 #: Most lines of a kind.
 MOST = 20
 
@@ -38,6 +42,24 @@ def score_lines(summary: Path) -> list[str]:
         return []
 
 
+def fleet_lines(rows: Path) -> list[str]:
+    """Return how many robots are to be looked at and for what, and why any is refused: nobody may open the page of a
+    robot whose logs cannot be read. None where there is no such file, or where it is large.
+    """
+    try:
+        if rows.stat().st_size > LARGEST_ROWS:
+            return []
+        robots = read_json(rows)["robots"]
+        kinds = Counter(row["urgency"] for row in robots)
+        waiting = len(robots) - kinds.pop("healthy", 0)
+        told = [f"refused: {row['robot']}: {row['reason']}" for row in robots if row["result"] == "refused"]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return []
+    # The rows are ranked: what is most urgent comes first.
+    why = f": {', '.join(f'{number} {kind}' for kind, number in kinds.items())}" if kinds else ""
+    return [f"fleet: {waiting} of {count(len(robots), 'robot')} to look at{why}", *told[:MOST]] if robots else []
+
+
 def closing_lines(root: Path, since: float) -> list[str]:
     """Return what to print after a successful run.
 
@@ -53,5 +75,7 @@ def closing_lines(root: Path, since: float) -> list[str]:
         lines += score_lines(root / REPORT.with_name("summary.json"))
         written.remove(root / REPORT)
         lines.append(f"report: {REPORT}")
+    if root / FLEET in written:
+        lines += fleet_lines(root / ROWS)
     lines += [f"page: {page.relative_to(root)}" for page in written[:MOST]]
     return lines + [learnt_line(path, root) for path in learnt[:MOST]]

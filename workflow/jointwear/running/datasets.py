@@ -35,6 +35,12 @@ def check_datasets(config: Mapping[str, Any]) -> None:
     """
     datasets = config["discover"]["datasets"]
     for name, entry in datasets.items():
+        both = [label for label in entry.get("test") or () if label in (entry.get("train") or ())]
+        if both:
+            raise InputError(
+                f"config: 'discover.datasets.{name}.test' holds trajectory {both[0]}, and so does 'train'; allowed: in "
+                "one of them, as what tests a model takes no part in its fit"
+            )
         for key in ("measured", "robot"):
             made_for = written_for(entry[key]) if key == "robot" else None
             if made_for in datasets:
