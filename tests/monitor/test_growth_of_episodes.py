@@ -18,7 +18,7 @@ from jointwear.monitor.watched_axis import Start
 
 def watched(residual, source="friction", alarm_from=None, std=0.005):
     """What a watch says of one axis: residuals (s, per) of shifts, alarms from shift `alarm_from` on, no start."""
-    residual = np.asarray(residual, dtype=float)
+    residual = np.array(residual, dtype=float)  # a copy: a test may take values out
     w = residual.size
     column = residual.reshape(w, 1)
     alarm = np.arange(w) >= (w if alarm_from is None else alarm_from * residual.shape[1])
