@@ -424,5 +424,6 @@ def test_what_comes_and_goes_takes_one_line_on_the_page_of_the_robot():
     ]
     rows = finding_rows({"findings": [*product, *lasting]}, SimpleNamespace(dated=True, short=False), zone_of(None))
     assert [r["words"] for r in rows] == ["Axis 4. It was so 2 times before."] + 2 * ["Joint 2 counts otherwise."]
+    assert [r["asks"] for r in rows] == [False, True, True]
     once = finding_rows({"findings": product[:2]}, SimpleNamespace(dated=True, short=False), zone_of(None))
     assert [r["words"] for r in once] == ["Axis 4. It was so once before."]

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from jointwear.monitor.backlash import backlash_findings
-from jointwear.monitor.fleet.ranking import ASKING
 from jointwear.monitor.seen_growth import LOOSE, LOOSEST, loose_findings
+from jointwear.monitor.to_answer import ASKING
 
 HOURS = SimpleNamespace(end=3600.0 * np.arange(1, 9))
 BASELINE = np.arange(8) < 4

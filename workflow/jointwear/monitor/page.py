@@ -21,12 +21,15 @@ from jointwear.monitor.standing import standing
 from jointwear.monitor.state import RobotState
 from jointwear.monitor.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.temperature import temperature_share
+from jointwear.monitor.to_answer import ASKING
 from jointwear.monitor.told_together import before_words, told_together
 from jointwear.monitor.words import sure_percent, sure_words, todo
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
 from jointwear.publishing.report.rendering import render_page
 
+#: Findings that are not folded away, beside those that ask for an answer.
+SHOWN = 5
 #: Estimates that are drawn over time.
 TIMELINES = {
     "coulomb": "Change of the Coulomb friction since the normal period",
@@ -69,7 +72,7 @@ def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") ->
 
 def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
     """Return what else was found, the newest first; of what is over and came again in the same words the newest alone,
-    with how often it was so before."""
+    with how often it was so before. `asks`: somebody has to answer it."""
     alike: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for found in sorted(told_together(row["findings"]), key=lambda f: -(f.get("time") or 0.0)):
         key = (found["kind"], found["words"]) if found.get("end") is not None else (id(found),)
@@ -79,6 +82,7 @@ def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[d
             "when": " to ".join(when(state, f[key], zone) for key in ("time", "end") if f.get(key) is not None),
             "axes": name_axes(f.get("axes") or ()),
             "words": f"{f['words']}{before_words(len(before))}",
+            "asks": f["kind"] in ASKING and not f.get("answered"),
         }
         for f, *before in alike.values()
     ]
@@ -167,6 +171,7 @@ def write_page(
     ]
     unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]
     past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
+    told = finding_rows(row, state, zone)
     context = {
         "state": state,
         "example": example,
@@ -174,7 +179,8 @@ def write_page(
         "lead": sentences,
         "todo": [todo(row, axis, zone) for axis in row["axes"] if axis["check"]],
         "whole": [story(state, e, zone) for e in whole if e.resolved is None],
-        "findings": finding_rows(row, state, zone),
+        "findings": [f for k, f in enumerate(told) if k < SHOWN or f["asks"]],
+        "older": [f for k, f in enumerate(told) if k >= SHOWN and not f["asks"]],
         "summaries": summaries,
         "unresolved": [story(state, e, zone, _check_of(e, conditions)) for e in _newest(unresolved)],
         "past": [story(state, e, zone) for e in _newest(past)],

@@ -13,9 +13,10 @@ from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.backlash import BACKLASH
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.fleet.metrics import COUNTS
-from jointwear.monitor.fleet.ranking import ASKING, ASKS, ORDER, REACHED, REFUSED, STALE, WHILE_IT_LASTS, lasts
+from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
 from jointwear.monitor.seen_growth import COARSE, LOOSE
+from jointwear.monitor.to_answer import lasts, to_do
 from jointwear.monitor.told_together import before_words, told_together
 from jointwear.monitor.words import todo
 from jointwear.publishing.report.rendering import render_page
@@ -81,11 +82,6 @@ def _mends(row: Mapping[str, Any]) -> list[str]:
     return [f"{c[:1].upper()}{c[1:]}" for c in dict.fromkeys(found)]
 
 
-def _to_do(kind: str) -> int:
-    """Return the place of a kind of finding: those that ask for an answer, that are to be mended, and all others."""
-    return 0 if kind in ASKING else 1 if kind in WHILE_IT_LASTS else 2
-
-
 def _refusals(row: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return what is wrong with the logs that are refused, and what mends it; the newest names those that say the same
     with other numbers."""
@@ -109,7 +105,7 @@ def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[str]:
     What is over comes last, and of several of a kind the newest alone, with how many there were before.
     """
     open_ones = [f for f in row["findings"] if f["kind"] != BACKLASH and not f.get("answered")]
-    newest = sorted(told_together(open_ones), key=lambda f: (_to_do(f["kind"]), -(f.get("time") or 0)))
+    newest = sorted(told_together(open_ones), key=lambda f: (to_do(f["kind"]), -(f.get("time") or 0)))
     words = [_dated(f, row, zone) for f in newest if "end" not in f or lasts(f, row)]
     over: dict[str, list[str]] = {}
     for found in newest:

@@ -7,22 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.findings import AT_ONCE, FELL
-from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN
-from jointwear.monitor.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
-from jointwear.monitor.open_alarms import OPEN_ALARM
-from jointwear.monitor.read_findings import DRIVES, NONE
-from jointwear.monitor.thermometers import BROKEN
-from jointwear.monitor.zeros import ZERO
+from jointwear.monitor.to_answer import ASKING, lasts
 
 #: What a robot can be in, the most urgent first, and the words for it.
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
-#: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = (OPEN_ALARM, "scale", "clock", FELL, AT_ONCE, LOUD, ZERO)
-#: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
-#: healthy, and a thermometer that shows none hides what it was to explain.
-WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN)
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
@@ -32,12 +21,6 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
     if not row["dated"] or row["last_sample"] is None:
         return math.nan
     return max(now - row["last_sample"], 0.0) / 3600
-
-
-def lasts(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
-    """Return whether a finding that somebody has to look for is one of the newest hour of the logs."""
-    last = math.inf if row["last_sample"] is None else row["last_sample"]
-    return found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last
 
 
 def asks(row: Mapping[str, Any]) -> bool:

@@ -1,0 +1,32 @@
+"""Which findings somebody has to answer, or to mend while they last: what a page and a fleet show before all others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from jointwear.monitor.findings import AT_ONCE, FELL
+from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN
+from jointwear.monitor.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
+from jointwear.monitor.open_alarms import OPEN_ALARM
+from jointwear.monitor.read_findings import DRIVES, NONE
+from jointwear.monitor.thermometers import BROKEN
+from jointwear.monitor.zeros import ZERO
+
+#: Kinds of findings that somebody has to answer, though no axis has alarmed.
+ASKING = (OPEN_ALARM, "scale", "clock", FELL, AT_ONCE, LOUD, ZERO)
+#: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
+#: healthy, and a thermometer that shows none hides what it was to explain.
+WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN)
+
+
+def lasts(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
+    """Return whether a finding that somebody has to look for is one of the newest hour of the logs of a row."""
+    last = math.inf if row["last_sample"] is None else row["last_sample"]
+    return found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last
+
+
+def to_do(kind: str) -> int:
+    """Return the place of a kind of finding: those that ask for an answer, that are to be mended, and all others."""
+    return 0 if kind in ASKING else 1 if kind in WHILE_IT_LASTS else 2
