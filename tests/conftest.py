@@ -1,6 +1,7 @@
 """What all tests share: the project's files, and data of the original toolbox."""
 
 import csv
+import os
 from pathlib import Path
 
 from jointwear.running.processes import one_thread_each
@@ -24,6 +25,10 @@ ORACLE = Path(__file__).resolve().parent / "data" / "oracle"
 # which beside other work any may.
 settings.register_profile("jointwear", settings(), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("jointwear")
+
+# Services that tests start are on this machine, whatever proxy leads to others.
+for _name in ("NO_PROXY", "no_proxy"):
+    os.environ[_name] = ",".join(filter(None, (os.environ.get(_name), "127.0.0.1", "localhost")))
 
 
 def pytest_collection_modifyitems(items):
