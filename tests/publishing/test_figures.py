@@ -1,5 +1,6 @@
 """Figures: what they show, that they say it in words, and that the same numbers give the same bytes."""
 
+import os
 import re
 import subprocess
 import sys
@@ -62,6 +63,26 @@ def test_same_numbers_give_the_same_bytes(experiment, tmp_path):
     for name in FIGURES:
         again = (tmp_path / "results/figures" / f"{name}.svg").read_bytes()
         assert again == Path(experiment.path("figures", f"{name}.svg")).read_bytes(), name
+
+
+def test_a_matplotlibrc_of_the_user_changes_nothing(tmp_path):
+    """As of somebody who writes papers: there is no TeX where the workflow runs."""
+    code = (
+        "from jointwear.publishing.figures.style import new_figure, save; "
+        "f = new_figure(2.0); a = f.add_subplot(); a.plot([1, 2], [3, 5]); a.set_xlabel('time [h]'); "
+        "save(f, {output!r}, 'A line', 'It rises.')"
+    )
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nfont.size: 20\naxes.facecolor: red\n")
+    drawn = []
+    for name, more in (("plain.svg", {}), ("own.svg", {"MATPLOTLIBRC": str(tmp_path / "matplotlibrc")})):
+        output = tmp_path / name
+        environment = {k: v for k, v in os.environ.items() if k != "MATPLOTLIBRC"} | {
+            "PYTHONPATH": str(ROOT / "workflow")
+        }
+        command = [sys.executable, "-c", code.format(output=str(output))]
+        subprocess.run(command, env=environment | more, check=True)
+        drawn.append(output.read_bytes())
+    assert drawn[0] == drawn[1]
 
 
 def test_drawing_imports_neither_pyplot_nor_scipy_nor_xarray():

@@ -85,6 +85,8 @@ def new_figure(height: float, width: float = WIDTH, layout: str | None = "constr
     layout : "constrained" finds the room that labels need, which takes as long as drawing; None where
         :class:`Margins` gives it.
     """
+    # Not what a matplotlibrc of the user says: figures are the same to the byte wherever they are drawn.
+    matplotlib.rcdefaults()
     matplotlib.rcParams.update(_SETTINGS)
     figure = Figure(figsize=(width, height), layout=layout)
     FigureCanvasSVG(figure)
