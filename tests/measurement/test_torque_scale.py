@@ -192,7 +192,16 @@ def test_a_file_without_motor_inertia_is_no_other_unit(example):
     bare = replace(robot, armature=nothing, viscous=nothing, coulomb_positive=nothing, coulomb_negative=nothing)
     found = torque_factors(recording, bare, measured)
     np.testing.assert_allclose(found.factor, [1.0, 1.0, np.nan, np.nan, np.nan, np.nan], atol=0.15)
-    with pytest.raises(Refused, match="torque of joint 2 is 944 times"):
+    with pytest.raises(Refused, match=r"torque of joint 2 is 944 times .* another unit than that of the other joints"):
         check_scale_of_one(
             torque_factors(recording, bare, replace(measured, torque=measured.torque * [1, 1e3, 1, 1, 1, 1]))
         )
+
+
+def test_of_one_joint_alone_that_tells_its_unit_nothing_is_said_of_the_others(example):
+    recording, robot, measured = example
+    found = torque_factors(recording, robot, replace(measured, torque=1e3 * measured.torque))
+    only = replace(found, factor=np.where(np.arange(6) == 1, found.factor, np.nan))
+    with pytest.raises(Refused, match=r"torque of joint 2 is \d+ times that of the model; it looks like mN m$") as told:
+        check_scale_of_one(only)
+    assert told.value.suggestion.startswith("state units: {torque: mN m} if all joints are, or give 'scale' with 0.")

@@ -100,11 +100,17 @@ def check_scale_of_one(found: Factors) -> None:
     worst = int(np.argmax(size))
     if size[worst] <= np.log(OF_ONE) or not _is_likelier(found, np.arange(len(size)) == worst):
         return
-    factor = abs(found.factor[worst])
+    factor, others = abs(found.factor[worst]), np.delete(size, worst)
+    # Of an arm of few joints none may tell what the unit of the others is.
+    alone = not np.isnan(np.delete(found.factor, worst)).all() and bool((others < np.log(FACTOR)).all())
+    unit = next((u for u, times in _other_units(found.stated) if abs(np.log(factor / times)) < np.log(ALIKE)), "")
+    looks = "another unit than that of the other joints" if alone else unit or "another unit"
+    shared = f"state units: {{torque: {unit}}} if all joints are, or " if unit and not alone else ""
     raise Refused(
         f"{found.name}: the torque of joint {worst + 1} is {significant(factor)} times that of the model; it "
-        "looks like another unit than that of the other joints",
-        f"give 'scale' with {significant(1 / factor)} for joint {worst + 1}, 'torque_constant' for each, or its column",
+        f"looks like {looks}",
+        f"{shared}give 'scale' with {significant(1 / factor)} for joint {worst + 1}, 'torque_constant' for each, or "
+        "its column",
         by_keys=True,
     )
 
