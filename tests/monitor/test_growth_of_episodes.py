@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.monitor.findings import _shared
+from jointwear.monitor.findings import _returned, _shared
 from jointwear.monitor.limits import COULOMB as COULOMB_FRICTION
 from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.limits import Limits
@@ -68,6 +68,25 @@ def test_one_shift_that_looks_viscous_does_not_take_the_name_of_an_episode():
     viscous = watched(odd + noise_of(3))
     assert not viscous_episodes(level, viscous, 0, SHIFT, 0.5).any()
     assert not viscous_part(level, viscous, 0, SHIFT, 0.5)[0].any()
+
+
+@pytest.mark.parametrize(
+    ("later", "words"),
+    [
+        ([], "came back to its normal state: was it serviced? Its alarm"),
+        ([0.0, 0.3], "came back to its normal state: was it serviced? Its alarm"),
+        ([0.01, 0.02], "came back to its normal state: was it serviced? Its alarm"),
+        ([0.2, 0.3], "came back to its normal state, and has grown again since: was it serviced then? Its alarm"),
+    ],
+)
+def test_an_axis_that_came_back_and_has_grown_again_is_told_as_that(later, words):
+    means = np.array([0.3, 0.3, 0.0, 0.0, *later])
+    level = watched(np.repeat(means, 4).reshape(-1, 4))
+    shift = np.repeat(np.arange(len(means)), 4)
+    statistics = SimpleNamespace(start=3600.0 * np.arange(len(shift)))
+    (found,) = _returned(statistics, shift, level, np.ones((len(shift), 1), dtype=bool))
+    assert words in found["words"]
+    assert found["time"] == 8 * 3600.0
 
 
 def test_the_share_of_a_level_without_viscous_friction_is_not_known():

@@ -24,6 +24,8 @@ from jointwear.publishing.report.numbers import fixed
 
 #: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
 WITH_SCALE = 2
+#: Share of what an axis had grown by before it came back, above which it has grown again.
+AGAIN = 0.5
 #: Kind of a finding on a fall that may be a service, on a program that the baseline lacks, and on most axes together.
 FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
 
@@ -198,7 +200,7 @@ def _programs(
 def _returned(
     statistics: WindowStatistics, shift: np.ndarray, level: Watch, changed: np.ndarray
 ) -> list[dict[str, Any]]:
-    """Axes with an open alarm whose last two shifts are as in the normal period again."""
+    """Axes with an open alarm of which two shifts were as in the normal period again."""
     result = []
     for j in range(changed.shape[1]):
         rows = np.flatnonzero(changed[:, j] & np.isfinite(level.residual[:, j]))
@@ -207,9 +209,12 @@ def _returned(
         for k in range(1, len(names)):
             if max(means[k - 1 : k + 1]) < NORMAL and max(means[: k - 1], default=0.0) > NORMAL:
                 time = float(statistics.start[rows[shift[rows] == names[k - 1]][0]])
+                # Beside what it has grown by since, that it is back would be taken for how it is now.
+                again = min(means[k + 1 :][-2:], default=0.0) > AGAIN * max(means[: k - 1])
+                since, then = (", and has grown again since", " then") if again else ("", "")
                 words = (
-                    f"Friction of axis {j + 1} came back to its normal state: was it serviced? Its alarm stays open "
-                    "until an event closes it."
+                    f"Friction of axis {j + 1} came back to its normal state{since}: was it serviced{then}? Its alarm "
+                    "stays open until an event closes it."
                 )
                 result.append({"time": time, "axes": [j + 1], "kind": FELL, "words": words})
                 break
