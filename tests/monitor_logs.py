@@ -15,9 +15,9 @@ from rosbags.typesys import Stores, get_typestore
 
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.survey import Survey, survey_log
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.survey import Survey, survey_log
 from jointwear.robots.robot import load_robot
 from jointwear.studies.monitor_study.example import TASK
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.monitor.records import CHANGED
+from jointwear.monitor.watching.records import CHANGED
 
 #: A name in a log that would run as a script. The robot of the fixture `monitored`: hours, and the 0-based worn axis.
 EVIL = "<script>alert(1)</script>"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.estimate import change_columns
-from jointwear.monitor.judge_settings import JudgeSettings
-from jointwear.monitor.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
+from jointwear.monitor.judging.judge_settings import JudgeSettings
+from jointwear.monitor.normal.estimate import change_columns
+from jointwear.monitor.reading.windows import HISTOGRAM_BINS, HISTOGRAM_SPAN, blank_statistics
 
 COULOMB = np.array([[10.0, 6.0], [2.0, 2.0], [1.0, 1.5]])
 VISCOUS = np.array([3.0, 1.0, 0.5])

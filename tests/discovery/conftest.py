@@ -5,9 +5,9 @@ import pytest
 from discovery_cases import coarse, make_case
 
 from jointwear.discovery import Settings
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
-from jointwear.discovery.whitening import whiten
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
 

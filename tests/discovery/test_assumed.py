@@ -91,7 +91,7 @@ def test_no_limit_stands_outside_the_two_records(folder):
     """A new number that decides belongs into Settings or assumed.py, any other into the list of its kind above."""
     listed = [name for names in OTHERS.values() for name in names.split()]
     assert len(listed) == len(set(listed))
-    found = {n for p in folder.glob("*.py") if p.name not in ("assumed.py", "settings.py") for n in numbers_of(p)}
+    found = {n for p in folder.rglob("*.py") if p.name not in ("assumed.py", "settings.py") for n in numbers_of(p)}
     assert found == set(listed)
 
 
@@ -102,7 +102,7 @@ PLAIN, COUNT, ROUND_OFF = (0.0, 0.5, 1.0, 2.0, 4.0, 1e3, 1e6), 10, 1e-6
 def test_no_number_hides_in_a_function(folder):
     """A number has a name, or its reason in a comment beside it; lengths of drawings speak for themselves."""
     hidden = []
-    for path in folder.glob("*.py"):
+    for path in folder.rglob("*.py"):
         text = path.read_text(encoding="utf-8")
         lines, tree = text.splitlines(), ast.parse(text)
         told = {id(c) for f in ast.walk(tree) if isinstance(f, ast.JoinedStr) for c in ast.walk(f)}
@@ -121,7 +121,7 @@ def test_every_assumption_has_its_meaning_and_is_asked(folder):
     text = (folder / "assumed.py").read_text(encoding="utf-8")
     for name in LIMITS:
         assert re.search(rf"^#: .*\n{name} = ", text, re.MULTILINE), name
-    modules = [p.read_text(encoding="utf-8") for p in folder.glob("*.py")]
+    modules = [p.read_text(encoding="utf-8") for p in folder.rglob("*.py")]
     # Taken over by name, a limit would keep its value when the record is moved.
     assert not any("from jointwear.discovery.assumed import" in module for module in modules)
     assert {name for module in modules for name in re.findall(r"\bassumed\.([A-Z_]+)\b", module)} >= set(LIMITS)

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from jointwear.discovery.base import INERTIAL_ERRORS, doubted_links
+from jointwear.discovery.estimates.base import INERTIAL_ERRORS, doubted_links
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.whitening import INERTIAL
+from jointwear.discovery.problem.whitening import INERTIAL
 
 #: What moves with a link is hardly to be told from it: columns of a body at the flange and of the last link.
 NOISE = np.random.default_rng(np.random.SeedSequence(5)).standard_normal((200, 3))

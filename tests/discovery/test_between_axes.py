@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jointwear.discovery.between_axes import between_variance, of_scales
 from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.model.between_axes import between_variance, of_scales
 
 
 def test_axes_that_agree_have_no_variance_between_them():

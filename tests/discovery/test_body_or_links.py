@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery.acceptance import refusals
-from jointwear.discovery.body_or_links import _nats_of_links
-from jointwear.discovery.candidates import build_dictionary, raw_blocks
+from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Term, gain
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.whitening import INERTIAL, whiten
+from jointwear.discovery.problem.candidates import build_dictionary, raw_blocks
+from jointwear.discovery.problem.whitening import INERTIAL, whiten
+from jointwear.discovery.search.acceptance import refusals
+from jointwear.discovery.search.body_or_links import _nats_of_links
 from jointwear.effects import get_effect
 from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body, reach_of_link
 from jointwear.robots.robot import load_robot

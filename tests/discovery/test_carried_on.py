@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.restrictions import beyond_the_temperature, beyond_the_time
+from jointwear.discovery.problem.candidates import Candidate
+from jointwear.discovery.problem.restrictions import beyond_the_temperature, beyond_the_time
 
 
 @pytest.mark.parametrize(("last", "told"), [(9.0, False), (25.0, True)])

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery import acceptance
-from jointwear.discovery.acceptance import predictive
-from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.crossval import CrossValidated
-from jointwear.discovery.explained import explained, explained_elsewhere
-from jointwear.discovery.leftovers import LINE, acts_elsewhere, left_open, nearly_all, stand_alone
+from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.residual_lines import strongest_line
+from jointwear.discovery.problem.candidates import Candidate, raw_columns
+from jointwear.discovery.search import acceptance
+from jointwear.discovery.search.acceptance import predictive
+from jointwear.discovery.search.crossval import CrossValidated
+from jointwear.discovery.search.explained import explained, explained_elsewhere
+from jointwear.discovery.search.leftovers import LINE, acts_elsewhere, left_open, nearly_all, stand_alone
+from jointwear.discovery.search.residual_lines import strongest_line
 
 RATE, SAMPLES, RECORDS = 100.0, 1100, 3
 
@@ -176,7 +176,7 @@ def test_what_a_form_may_be_off_by_does_not_ask_for_whole_records(white, monkeyp
     """A name that no other record shows stands beside structure that is small beside it, and not beside more."""
     outcome = _outcome(white, {2: 20.0 * np.sin(white.problem.train_state.position[:, 2])})
     one, form_error = outcome.named[0], white.problem.settings.form_error
-    monkeypatch.setattr("jointwear.discovery.leftovers.explained_elsewhere", lambda *_: 0.5)
+    monkeypatch.setattr("jointwear.discovery.search.leftovers.explained_elsewhere", lambda *_: 0.5)
     assert nearly_all(outcome, [], one, 0.9, 0.9 * form_error * one.evidence)
     assert not nearly_all(outcome, [], one, 0.9, 1.1 * form_error * one.evidence)
     assert not nearly_all(outcome, [], one, 0.7, 0.0)

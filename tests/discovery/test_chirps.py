@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.residual_lines import strongest_line
+from jointwear.discovery.search.residual_lines import strongest_line
 
 RATE, SAMPLES, RECORDS = 100.0, 1100, 3
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.discovery.crossval import lowered, positive
+from jointwear.discovery.search.crossval import lowered, positive
 
 
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=40))

@@ -7,22 +7,30 @@ import numpy as np
 import pytest
 from discovery_cases import make_case, wave
 
-from jointwear.discovery import Settings, acceptance, decide, discover, leftovers, pipeline
-from jointwear.discovery.acceptance import missed, predictive
-from jointwear.discovery.candidates import Candidate, build_dictionary, raw_blocks
-from jointwear.discovery.crossval import CrossValidated, cross_validate
-from jointwear.discovery.explained import explained
+from jointwear.discovery import Settings, discover, pipeline
+from jointwear.discovery.estimates.outcome import Named, Refusal
+from jointwear.discovery.estimates.scan import scan
 from jointwear.discovery.findings import _above_the_noise
-from jointwear.discovery.left_out import left_out_ratio
-from jointwear.discovery.leftovers import LINE, lasting, unexplained
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named, Refusal
-from jointwear.discovery.page import body_in_words, heading, joint_table, lead, put_back_in_words, write_page
-from jointwear.discovery.scan import scan
+from jointwear.discovery.model.left_out import left_out_ratio
+from jointwear.discovery.presentation.page import (
+    body_in_words,
+    heading,
+    joint_table,
+    lead,
+    put_back_in_words,
+    write_page,
+)
+from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_blocks
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search import acceptance, decide, leftovers
+from jointwear.discovery.search.acceptance import missed, predictive
+from jointwear.discovery.search.crossval import CrossValidated, cross_validate
+from jointwear.discovery.search.explained import explained
+from jointwear.discovery.search.leftovers import LINE, lasting, unexplained
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
 from jointwear.discovery.verdict import Gap
-from jointwear.discovery.whitening import whiten
 from jointwear.effects import get_effect
 from jointwear.files.errors import InputError
 from jointwear.measurement.recording import split
@@ -161,7 +169,9 @@ def test_what_a_bend_takes_up_is_the_effects_own(found, monkeypatch):
     drift = replace(one, candidate=Candidate("torque_offset_drift", 2, None), form=one.term)
     plain = CrossValidated(nats=3000.0, share=0.6)
     for share in (0.88, 0.3):
-        monkeypatch.setattr("jointwear.discovery.explained.cross_validate", lambda *_, s=share: replace(plain, share=s))
+        monkeypatch.setattr(
+            "jointwear.discovery.search.explained.cross_validate", lambda *_, s=share: replace(plain, share=s)
+        )
         assert explained(white, [], drift, plain) == max(share, 0.6)
     late = delay_with_form(found)[1]
     assert explained(white, [], late, plain) == 0.6

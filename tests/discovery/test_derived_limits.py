@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.discovery import Settings, acceptance
+from jointwear.discovery import Settings
+from jointwear.discovery.search import acceptance
 
 
 @given(usual=st.floats(0.05, 0.6))

@@ -88,8 +88,8 @@ def test_test_motion_takes_no_part(robot):
 
 
 def test_augmented_robot_file_gives_the_torque_of_the_verdict(robot):
-    from jointwear.discovery.written_robot import simulate_robot
-    from jointwear.measurement.motion import measure
+    from jointwear.discovery.model.written_robot import simulate_robot
+    from jointwear.measurement.derived.motion import measure
     from jointwear.measurement.recording import split
 
     recording = make_case(

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jointwear.discovery.estimates.scan import gain_about_one
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.noise import WIDE, Whitener, estimate, simulate, stable, whitenable
-from jointwear.discovery.scan import gain_about_one
+from jointwear.discovery.noise.noise import WIDE, Whitener, estimate, simulate, stable, whitenable
 from jointwear.discovery.settings import Settings
 from jointwear.effects.tables import hats
 from jointwear.files.errors import InputError
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import Recording, elapsed_time, split
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import (

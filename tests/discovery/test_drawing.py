@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointwear.discovery.drawing import _longest_run
+from jointwear.discovery.presentation.drawing import _longest_run
 
 
 @pytest.mark.parametrize(

@@ -7,16 +7,16 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.drive_shares import drive_shares, supported, told_shares
-from jointwear.discovery.estimation import finalise
-from jointwear.discovery.fallback import DRIVE
-from jointwear.discovery.left_out import Asked
+from jointwear.discovery.estimates.outcome import Unexplained
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Unexplained
-from jointwear.discovery.page import put_back_in_words
-from jointwear.discovery.told_fallbacks import told_fallbacks
+from jointwear.discovery.model.drive_shares import drive_shares, supported, told_shares
+from jointwear.discovery.model.estimation import finalise
+from jointwear.discovery.model.fallback import DRIVE
+from jointwear.discovery.model.left_out import Asked
+from jointwear.discovery.model.told_fallbacks import told_fallbacks
+from jointwear.discovery.model.written_robot import written_robot
+from jointwear.discovery.presentation.page import put_back_in_words
 from jointwear.discovery.verdict import Gap
-from jointwear.discovery.written_robot import written_robot
 
 
 @pytest.fixture(scope="module")
@@ -107,12 +107,12 @@ def test_both_files_hold_the_share_and_the_page_tells_it(found, robot, monkeypat
     axis = 1
     whole = finalise(found.final.outcome)
     assert whole.delta_friction[axis].any()
-    monkeypatch.setattr("jointwear.discovery.drive_shares.supported", lambda *_: share)
+    monkeypatch.setattr("jointwear.discovery.model.drive_shares.supported", lambda *_: share)
     left = Unexplained(axis, "position", "rad", 0.0, 1.0, 1e-12, 50.0)
     outcome = replace(found.final.outcome, unexplained=[left])
-    monkeypatch.setattr("jointwear.discovery.estimation.put_back", lambda _, terms, *more: (list(terms), ()))
+    monkeypatch.setattr("jointwear.discovery.model.estimation.put_back", lambda _, terms, *more: (list(terms), ()))
     final = finalise(outcome)
-    monkeypatch.setattr("jointwear.discovery.drive_shares.supported", lambda *_: 1.0)
+    monkeypatch.setattr("jointwear.discovery.model.drive_shares.supported", lambda *_: 1.0)
     fitted = finalise(outcome)
     assert fitted.delta_friction[axis].any()
     for part, all_of_it in (

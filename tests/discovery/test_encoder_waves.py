@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.discovery import leftovers
-from jointwear.discovery.leftovers import LINE, unexplained
-from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.estimates.outcome import Outcome
+from jointwear.discovery.search import leftovers
+from jointwear.discovery.search.leftovers import LINE, unexplained
 
 AXIS, FREQUENCY, SPEED, NEAR = 1, 9.0, 0.5, 0.2
 

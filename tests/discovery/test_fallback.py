@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.fallback import DRIVE, EVERYTHING, HALVINGS, HELD, OF_LINKS, PutBack, Step, best_step
 from jointwear.discovery.linear import Term
-from jointwear.discovery.steps_back import given_up_of_effects
-from jointwear.discovery.told_fallbacks import told_fallbacks
+from jointwear.discovery.model.fallback import DRIVE, EVERYTHING, HALVINGS, HELD, OF_LINKS, PutBack, Step, best_step
+from jointwear.discovery.model.steps_back import given_up_of_effects
+from jointwear.discovery.model.told_fallbacks import told_fallbacks
+from jointwear.discovery.problem.whitening import INERTIAL
 from jointwear.discovery.verdict import Gap
-from jointwear.discovery.whitening import INERTIAL
 
 
 def test_links_are_given_up_by_halves_and_never_widened():

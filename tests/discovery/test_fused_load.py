@@ -9,17 +9,17 @@ from discovery_cases import coarse
 
 from jointwear import effects
 from jointwear.discovery import assumed
-from jointwear.discovery.beyond_band import beyond_band
-from jointwear.discovery.candidates import Candidate, raw_columns, term_of, wider
-from jointwear.discovery.fused_load import end_of_columns, fused_load
-from jointwear.discovery.noise import estimate
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.estimates.beyond_band import beyond_band
+from jointwear.discovery.noise.noise import estimate
+from jointwear.discovery.problem.candidates import Candidate, raw_columns, term_of, wider
+from jointwear.discovery.problem.fused_load import end_of_columns, fused_load
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.whitening import whiten
 from jointwear.effects.order import second_derivative
-from jointwear.measurement.derived_noise import DerivedNoise
-from jointwear.measurement.filtering import derivatives, limit, low_pass
+from jointwear.measurement.derived.derived_noise import DerivedNoise
+from jointwear.measurement.derived.filtering import derivatives, limit, low_pass
 from jointwear.measurement.recording import split
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.discovery.candidates import Candidate, build_dictionary, raw_torques, whitened
-from jointwear.discovery.refine import refine
-from jointwear.discovery.scan import scan
+from jointwear.discovery.estimates.refine import refine
+from jointwear.discovery.estimates.scan import scan
+from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_torques, whitened
 
 
 def test_ends_of_records_do_not_shake_a_gear(white):

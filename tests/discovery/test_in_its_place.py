@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.in_its_place import better_in_its_place
-from jointwear.discovery.leftovers import stand_alone
+from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named, Outcome
-from jointwear.discovery.whitening import White
+from jointwear.discovery.problem.candidates import Candidate, raw_columns
+from jointwear.discovery.problem.whitening import White
+from jointwear.discovery.search.in_its_place import better_in_its_place
+from jointwear.discovery.search.leftovers import stand_alone
 
 
 def _outcome(white, axis, candidate, torque):

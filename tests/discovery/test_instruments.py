@@ -11,8 +11,12 @@ from discovery_cases import coarse, make_case
 
 from jointwear import effects
 from jointwear.discovery import discover
-from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.instruments import (
+from jointwear.discovery.estimates.outcome import Named
+from jointwear.discovery.linear import Term
+from jointwear.discovery.noise.noise import Whitener
+from jointwear.discovery.preflight import check_data
+from jointwear.discovery.problem.candidates import Candidate, raw_columns
+from jointwear.discovery.problem.instruments import (
     LATE,
     Cutoffs,
     axis_cutoffs,
@@ -23,20 +27,16 @@ from jointwear.discovery.instruments import (
     swing_cutoff,
     torque_noise,
 )
-from jointwear.discovery.linear import Term
-from jointwear.discovery.noise import Whitener
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.preflight import check_data
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.tolerance import with_tolerances
-from jointwear.discovery.whitening import whiten
 from jointwear.effects import make_state
 from jointwear.measurement.behind_gears import felt_robot
-from jointwear.measurement.derived_noise import DerivedNoise
-from jointwear.measurement.filtering import low_pass
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.derived_noise import DerivedNoise
+from jointwear.measurement.derived.filtering import low_pass
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 
 

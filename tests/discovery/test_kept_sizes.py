@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from jointwear.discovery import kept_sizes as module
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.kept_sizes import GATE, with_kept_sizes
-from jointwear.discovery.outcome import Named, Outcome
+from jointwear.discovery.estimates.outcome import Named, Outcome
+from jointwear.discovery.model import kept_sizes as module
+from jointwear.discovery.model.kept_sizes import GATE, with_kept_sizes
+from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.settings import Settings
 
 FOUND = 0.01

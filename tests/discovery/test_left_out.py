@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointwear.discovery import Settings
-from jointwear.discovery.left_out import Asked, margin, mean_squares, surely_worse
-from jointwear.discovery.whitening import INERTIAL
+from jointwear.discovery.model.left_out import Asked, margin, mean_squares, surely_worse
+from jointwear.discovery.problem.whitening import INERTIAL
 
 
 @given(st.lists(st.floats(0.01, 0.9), min_size=2, max_size=6), st.floats(0.1, 10.0))

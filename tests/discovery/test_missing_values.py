@@ -8,8 +8,8 @@ from discovery_cases import make_case
 
 from jointwear.discovery import discover
 from jointwear.discovery.preflight import check_data
-from jointwear.measurement import checked
-from jointwear.measurement.motion import measure
+from jointwear.measurement.checks import checked
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.refused import Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import robot_from_data

@@ -10,19 +10,19 @@ from scipy.signal import butter, sosfiltfilt
 from test_instruments import RATE, coarse
 
 from jointwear import effects
-from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.motion_in_torque import motion_ends, noise_in_torque
-from jointwear.discovery.noisy_columns import noise_share
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
-from jointwear.discovery.searches import _shared_drives
+from jointwear.discovery.estimates.noisy_columns import noise_share
+from jointwear.discovery.estimates.outcome import Named
+from jointwear.discovery.noise.motion_in_torque import motion_ends, noise_in_torque
+from jointwear.discovery.noise.spectra import density_of, frequencies, pieces_of
+from jointwear.discovery.problem.candidates import Candidate, raw_columns
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search.searches import _shared_drives
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.spectra import density_of, frequencies, pieces_of
-from jointwear.discovery.whitening import whiten
 from jointwear.effects import make_state
 from jointwear.effects.order import turn_by_lag
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
 

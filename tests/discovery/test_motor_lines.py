@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.discovery.gear_waves import gear_orders
-from jointwear.discovery.motor_lines import loud_waves, waves_in_band
-from jointwear.discovery.noise import estimate
+from jointwear.discovery.noise.gear_waves import gear_orders
+from jointwear.discovery.noise.noise import estimate
+from jointwear.discovery.noise.ridge_fit import RidgeFit
 from jointwear.discovery.pipeline import discover
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.ridge_fit import RidgeFit
-from jointwear.discovery.saturated import axis_noise
+from jointwear.discovery.problem.motor_lines import loud_waves, waves_in_band
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import axis_noise
 from jointwear.discovery.settings import Settings
 from jointwear.effects import get_effect, make_state
-from jointwear.measurement.derived_noise import DerivedNoise
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.derived_noise import DerivedNoise
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 
 AXIS = 2

@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.discovery import Settings, discover, sound_files
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.crossval import cross_validate
-from jointwear.discovery.estimation import doubts, finalise
-from jointwear.discovery.fallback import AS_FITTED, DRIVE, FELT, HELD, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
-from jointwear.discovery.left_out import Asked, left_out_ratio
+from jointwear.discovery import Settings, discover
+from jointwear.discovery.estimates.misfit import divided, misfit_of, tempered
+from jointwear.discovery.estimates.outcome import Unexplained
+from jointwear.discovery.estimates.refined_model import RefinedEffect, RefinedModel
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.misfit import divided, misfit_of, tempered
-from jointwear.discovery.outcome import Unexplained
-from jointwear.discovery.refined_model import RefinedEffect, RefinedModel
-from jointwear.discovery.whitening import INERTIAL
+from jointwear.discovery.model import sound_files
+from jointwear.discovery.model.estimation import doubts, finalise
+from jointwear.discovery.model.fallback import AS_FITTED, DRIVE, FELT, HELD, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
+from jointwear.discovery.model.left_out import Asked, left_out_ratio
+from jointwear.discovery.problem.candidates import Candidate
+from jointwear.discovery.problem.whitening import INERTIAL
+from jointwear.discovery.search.crossval import cross_validate
 
 
 @pytest.fixture(scope="module")
@@ -289,7 +290,7 @@ def test_an_axis_counts_as_without_a_name_by_the_effects_that_a_model_has(found,
         asked.append((model, list(open_axes)))
         return [t for t in terms if not t.effect], ()
 
-    monkeypatch.setattr("jointwear.discovery.estimation.put_back", gives_up_effects)
+    monkeypatch.setattr("jointwear.discovery.model.estimation.put_back", gives_up_effects)
     left = Unexplained(2, "position", "rad", 0.0, 1.0, 1e-12, 50.0)
     assert [n.candidate.axis for n in found.final.outcome.named] == [2]
     finalise(replace(found.final.outcome, unexplained=[left]))
@@ -298,7 +299,8 @@ def test_an_axis_counts_as_without_a_name_by_the_effects_that_a_model_has(found,
 
 def test_a_name_that_the_file_does_without_is_a_suspect_where_structure_is_left_on_its_axis(found, monkeypatch):
     monkeypatch.setattr(
-        "jointwear.discovery.estimation.put_back", lambda _, terms, *more: ([t for t in terms if not t.effect], ())
+        "jointwear.discovery.model.estimation.put_back",
+        lambda _, terms, *more: ([t for t in terms if not t.effect], ()),
     )
     for axis, suspected in ((2, True), (1, False)):
         left = Unexplained(axis, "position", "rad", 0.0, 1.0, 1e-12, 50.0)
@@ -405,12 +407,12 @@ def test_a_bend_of_a_form_is_given_up_before_the_effect(found, monkeypatch):
         bend = next((s for s in steps[2] if s.words.startswith("the plain form of")), None)
         return (terms if bend is None else bend.taken_off(terms)), ()
 
-    monkeypatch.setattr("jointwear.discovery.estimation.put_back", first_bend)
+    monkeypatch.setattr("jointwear.discovery.model.estimation.put_back", first_bend)
     white = found.final.outcome.white
     column = np.sin(np.arange(len(white.targets[2])))[:, None]
     raw = {2: white.whiteners[2].sigma * column}
     bend = Term("form of nonlinear_viscous_friction", {2: column}, np.array([1.0]), raw)
-    monkeypatch.setattr("jointwear.discovery.estimation._bend_if_kept", lambda *_: (None, bend))
+    monkeypatch.setattr("jointwear.discovery.model.estimation._bend_if_kept", lambda *_: (None, bend))
     final = finalise(found.final.outcome)
     assert asked[0][-2:] == [f"{w} nonlinear_viscous_friction" for w in ("the plain form of", "without")]
     assert [e.named.candidate.key for e in final.estimates] == [("nonlinear_viscous_friction", 2, None)]

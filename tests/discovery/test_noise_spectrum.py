@@ -5,14 +5,14 @@ import pytest
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery import assumed
-from jointwear.discovery.leftovers import unexplained
-from jointwear.discovery.noise import Whitener, estimate, simulate
-from jointwear.discovery.noise_spectrum import corrected, without_slow_torque
-from jointwear.discovery.outcome import Outcome
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.estimates.outcome import Outcome
+from jointwear.discovery.noise.noise import Whitener, estimate, simulate
+from jointwear.discovery.noise.noise_spectrum import corrected, without_slow_torque
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search.leftovers import unexplained
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.whitening import whiten
 from jointwear.measurement.recording import Recording, split
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot

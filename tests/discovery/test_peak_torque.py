@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery import peak_torque
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.fast_waves import draw_unfiltered, lost_to_speed
+from jointwear.discovery.estimates import peak_torque
+from jointwear.discovery.estimates.fast_waves import draw_unfiltered, lost_to_speed
+from jointwear.discovery.estimates.peak_torque import DRAWS, draw_beyond, draw_form_errors, zeros_of
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.peak_torque import DRAWS, draw_beyond, draw_form_errors, zeros_of
+from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.settings import Settings
 from jointwear.effects import get_effect
 

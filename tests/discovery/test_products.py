@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.discovery.candidates import build_dictionary, of_bases, term_of
+from jointwear.discovery.estimates.scan import gain_about_one, possible, scan
 from jointwear.discovery.linear import Fit, Term, gain, posterior_mean
-from jointwear.discovery.products import Products
-from jointwear.discovery.scan import gain_about_one, possible, scan
+from jointwear.discovery.problem.candidates import build_dictionary, of_bases, term_of
+from jointwear.discovery.problem.products import Products
 from jointwear.effects import get_effect
 
 SAMPLES, COLUMNS = 200, 5

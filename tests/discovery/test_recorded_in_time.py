@@ -8,23 +8,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_instruments import RATE, coarse
 
-from jointwear.discovery.acceptance import refusals
-from jointwear.discovery.candidates import Candidate, term_of
-from jointwear.discovery.crossval import cross_validate
-from jointwear.discovery.harmless_band import where_noise_is_harmless
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.recorded_in_time import (
+from jointwear.discovery.estimates.harmless_band import where_noise_is_harmless
+from jointwear.discovery.estimates.outcome import Named
+from jointwear.discovery.problem.candidates import Candidate, term_of
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search.acceptance import refusals
+from jointwear.discovery.search.crossval import cross_validate
+from jointwear.discovery.search.recorded_in_time import (
     bridged,
     change_in_time,
     nats_of_time,
     put_forward,
     whitened_change,
 )
-from jointwear.discovery.saturated import estimate_noise
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.whitening import whiten
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.discovery.drawing import axis_of, draw_effect, draw_regimes
-from jointwear.discovery.regimes import (
+from jointwear.discovery.presentation.drawing import axis_of, draw_effect, draw_regimes
+from jointwear.discovery.problem.regimes import (
     BINS,
     Motion,
     axis_of_most,

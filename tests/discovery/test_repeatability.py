@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery import repeatability
+from jointwear.discovery.search import repeatability
 from jointwear.discovery.settings import Settings
 
 

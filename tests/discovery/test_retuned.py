@@ -8,8 +8,8 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.link_masses import unlikely_masses
-from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in
+from jointwear.discovery.model.link_masses import unlikely_masses
+from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.verdict import Retuned
 from jointwear.robots.robot import robot_from_data
 from jointwear.robots.robot_file import read_robot_file

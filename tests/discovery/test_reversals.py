@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from jointwear.discovery import assumed
-from jointwear.discovery.reversals import leave_out_reversals, leave_out_ringing
-from jointwear.measurement.motion import Measured, measure
+from jointwear.discovery.problem.reversals import leave_out_reversals, leave_out_ringing
+from jointwear.measurement.derived.motion import Measured, measure
 from jointwear.measurement.recording import Recording
 
 RATE, TURN = 200.0, 300

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jointwear.discovery.noise import SETTLE, Whitener, coloured, drawn, estimate, regress, whitenable
-from jointwear.discovery.ridge_fit import RidgeFit
+from jointwear.discovery.noise.noise import SETTLE, Whitener, coloured, drawn, estimate, regress, whitenable
+from jointwear.discovery.noise.ridge_fit import RidgeFit
 
 LABEL = np.repeat([0, 1], 400)
 WHITE = Whitener(whitenable(np.ones(800, bool), LABEL, 2), np.array([1.2, -0.5]), 0.3)

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from jointwear.discovery import carried, searches
-from jointwear.discovery.candidates import Candidate
+from jointwear.discovery.estimates.outcome import Outcome
 from jointwear.discovery.linear import chi_square
-from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.noise.shaken import shaken_shares
+from jointwear.discovery.noise.spectra import frequencies, piece_of
 from jointwear.discovery.pipeline import split
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.problem.candidates import Candidate
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search import carried, searches
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.shaken import shaken_shares
-from jointwear.discovery.spectra import frequencies, piece_of
-from jointwear.discovery.whitening import whiten
 from jointwear.measurement.recording import Recording
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot

@@ -9,14 +9,14 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover, pipeline
-from jointwear.discovery import shared_delay as module
-from jointwear.discovery.candidates import Candidate, raw_blocks
+from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.recorded_in_time import Steps, coulomb_steps
-from jointwear.discovery.searches import whitened
-from jointwear.discovery.shared_delay import (
+from jointwear.discovery.problem.candidates import Candidate, raw_blocks
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.search import shared_delay as module
+from jointwear.discovery.search.recorded_in_time import Steps, coulomb_steps
+from jointwear.discovery.search.searches import whitened
+from jointwear.discovery.search.shared_delay import (
     delay_in_words,
     lasting_terms,
     sampling_period,

@@ -8,12 +8,12 @@ from discovery_cases import COARSE_RATE as RATE
 from discovery_cases import make_case
 
 from jointwear.discovery import assumed
-from jointwear.discovery.candidates import Candidate, raw_columns
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.refine import simplest
-from jointwear.discovery.searches import search, whitened
+from jointwear.discovery.estimates.refine import simplest
+from jointwear.discovery.problem.candidates import Candidate, raw_columns
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.shared_drives import sticking
+from jointwear.discovery.search.searches import search, whitened
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.shared_drives import sticking
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
 

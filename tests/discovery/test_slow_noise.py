@@ -4,10 +4,10 @@ import numpy as np
 from scipy.signal import lfilter
 
 from jointwear.discovery.pipeline import discover
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.searches import search, whitened
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.search.searches import search, whitened
+from jointwear.discovery.search.slow_noise import slower_noise
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.slow_noise import slower_noise
 from jointwear.measurement.recording import Recording, split
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot

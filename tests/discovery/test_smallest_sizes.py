@@ -7,14 +7,14 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings
-from jointwear.discovery.candidates import build_dictionary, term_of
-from jointwear.discovery.identifiability import identifiability
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.posing import pose_problem
 from jointwear.discovery.preflight import check_data
-from jointwear.discovery.saturated import estimate_noise
-from jointwear.discovery.smallest_sizes import condensed, smallest_size
-from jointwear.discovery.whitening import whiten
+from jointwear.discovery.problem.candidates import build_dictionary, term_of
+from jointwear.discovery.problem.identifiability import identifiability
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search.smallest_sizes import condensed, smallest_size
 from jointwear.measurement.recording import split
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointwear.discovery.sound_links import nearest_links
+from jointwear.discovery.model.sound_links import nearest_links
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import (
     bodies,

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from jointwear.discovery.candidates import Seen
-from jointwear.discovery.leftovers import _where
+from jointwear.discovery.problem.candidates import Seen
+from jointwear.discovery.search.leftovers import _where
 from jointwear.discovery.structure import Basis
 
 

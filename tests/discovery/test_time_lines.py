@@ -6,8 +6,8 @@ from discovery_cases import RATE, make_case
 from scipy.signal import lfilter
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.noise_spectrum import FEWEST_OF_RECORD
-from jointwear.discovery.time_lines import loudest
+from jointwear.discovery.noise.noise_spectrum import FEWEST_OF_RECORD
+from jointwear.discovery.problem.time_lines import loudest
 
 
 def _noise(rng, records=4, count=1000):

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear import effects
-from jointwear.discovery.candidates import Candidate, raw_columns
+from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.tolerance import with_tolerances
+from jointwear.discovery.problem.candidates import Candidate, raw_columns
+from jointwear.discovery.search.tolerance import with_tolerances
 
 
 def test_a_gain_acts_on_the_friction_that_the_robot_has_and_not_on_that_of_its_file(white):

@@ -7,9 +7,9 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.leftovers import lasting, unexplained
-from jointwear.discovery.reversals import resolved_motion
-from jointwear.discovery.unresolved_steps import at_unresolved_steps
+from jointwear.discovery.problem.reversals import resolved_motion
+from jointwear.discovery.problem.unresolved_steps import at_unresolved_steps
+from jointwear.discovery.search.leftovers import lasting, unexplained
 
 AXIS = 1
 

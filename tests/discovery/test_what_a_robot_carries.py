@@ -7,13 +7,13 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings
-from jointwear.discovery.candidates import build_dictionary, raw_blocks
-from jointwear.discovery.carried import carrying
+from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named, Outcome
-from jointwear.discovery.problem import build_problem
-from jointwear.discovery.saturated import estimate_noise
-from jointwear.discovery.whitening import whiten
+from jointwear.discovery.problem.candidates import build_dictionary, raw_blocks
+from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.search.carried import carrying
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import Link, load_robot
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from jointwear.discovery.instruments import limit
-from jointwear.discovery.noise import Whitener
-from jointwear.discovery.whitening import bridged
-from jointwear.measurement.filtering import low_pass
+from jointwear.discovery.noise.noise import Whitener
+from jointwear.discovery.problem.instruments import limit
+from jointwear.discovery.problem.whitening import bridged
+from jointwear.measurement.derived.filtering import low_pass
 
 
 def test_what_the_noise_model_leaves_is_white(white):

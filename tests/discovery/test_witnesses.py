@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery import decide
-from jointwear.discovery.acceptance import nats_without_witnesses
-from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.whitening import INERTIAL
+from jointwear.discovery.problem.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.problem.whitening import INERTIAL
+from jointwear.discovery.search import decide
+from jointwear.discovery.search.acceptance import nats_without_witnesses
 
 SHOULDER, ELBOW, WRIST = 1, 2, 5
 

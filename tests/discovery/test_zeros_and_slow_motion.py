@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.acceptance import _levels_lead, _sigmas
-from jointwear.discovery.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.estimates.outcome import Named
+from jointwear.discovery.estimates.refine import evidence_at, refine, simplest
 from jointwear.discovery.linear import Term
-from jointwear.discovery.outcome import Named
-from jointwear.discovery.refine import evidence_at, refine, simplest
-from jointwear.discovery.reversals import unseen_slow_motion
+from jointwear.discovery.problem.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.problem.reversals import unseen_slow_motion
+from jointwear.discovery.search.acceptance import _levels_lead, _sigmas
 from jointwear.effects import get_effect
 
 AXIS = 1

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.discovery.augment import entries_of
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.forms import Form, changed_in_holes
-from jointwear.discovery.largest_torque import Fitted
+from jointwear.discovery.estimates.forms import Form, changed_in_holes
+from jointwear.discovery.estimates.largest_torque import Fitted
+from jointwear.discovery.model.augment import entries_of
+from jointwear.discovery.problem.candidates import Candidate
 from jointwear.effects import get_effect
 from jointwear.effects.holes import stretches_of, weakest_in_holes
 from jointwear.effects.tables import hats, knots_of

@@ -9,17 +9,17 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.acceptance import missed, stiff
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.crossval import CrossValidated
-from jointwear.discovery.peak_torque import Shape, height
+from jointwear.discovery.estimates.peak_torque import Shape, height
+from jointwear.discovery.problem.candidates import Candidate
+from jointwear.discovery.search.acceptance import missed, stiff
+from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.effects import make_state
-from jointwear.measurement import axes_check, axis_readings
-from jointwear.measurement.axes_check import FAVOURS, check_axes, explained, explained_otherwise, favours
-from jointwear.measurement.axis_readings import Likelihood, Reading, _solved, other_scale, readings, units_of_one
-from jointwear.measurement.checked import checked
-from jointwear.measurement.motion import measure
-from jointwear.measurement.other_zero import zero_in_words
+from jointwear.measurement.checks import axes_check, axis_readings
+from jointwear.measurement.checks.axes_check import FAVOURS, check_axes, explained, explained_otherwise, favours
+from jointwear.measurement.checks.axis_readings import Likelihood, Reading, _solved, other_scale, readings, units_of_one
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.other_zero import zero_in_words
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.refused import Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.checked import checked
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.formats.bursts import without_bursts
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import Refused
 from jointwear.robots.robot import load_robot

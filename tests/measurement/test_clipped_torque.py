@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.measurement.checked import checked
-from jointwear.measurement.clipped_torque import clipped_torques
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.clipped_torque import clipped_torques
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.robots.robot import load_robot

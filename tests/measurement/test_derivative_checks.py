@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.measurement.checked import checked
-from jointwear.measurement.derivative_checks import check_derivatives
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import Refused

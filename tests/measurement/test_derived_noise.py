@@ -7,9 +7,9 @@ import pytest
 from discovery_cases import COARSE_RATE as RATE
 from discovery_cases import coarse
 
-from jointwear.measurement.derived_noise import quantisation_density
-from jointwear.measurement.filtering import low_pass, zero_phase_gain
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.derived_noise import quantisation_density
+from jointwear.measurement.derived.filtering import low_pass, zero_phase_gain
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.even_steps import evenly, pieces_of
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.even_steps import evenly, pieces_of
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import Recording, elapsed_time
 
 ROUND = 2e-5

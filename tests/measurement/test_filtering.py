@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from jointwear.measurement.filtering import FORGOTTEN, limit, low_pass, zero_phase_gain
-from jointwear.measurement.motion import TRANSIENT
+from jointwear.measurement.derived.filtering import FORGOTTEN, limit, low_pass, zero_phase_gain
+from jointwear.measurement.derived.motion import TRANSIENT
 
 
 @pytest.mark.parametrize("shape", [(500,), (24,), (500, 3), (40, 2, 3)])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.filtering import derivatives, low_pass
-from jointwear.measurement.fused_velocity import fuse, made_of_positions
+from jointwear.measurement.derived.filtering import derivatives, low_pass
+from jointwear.measurement.derived.fused_velocity import fuse, made_of_positions
 
 RATE = 200.0
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.measurement.held_rows import check_rows_are_new, without_lines
+from jointwear.measurement.checks.held_rows import check_rows_are_new, without_lines
 from jointwear.measurement.refused import Refused
 
 RATE = 50.0

@@ -8,7 +8,7 @@ from monitor_logs import columns, layout, make_log, write_csv
 from pyarrow import parquet
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks import check_recording
+from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.formats import read_log
 from jointwear.measurement.possible import check_clock
 from jointwear.measurement.recording_files import load_recording

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointwear.measurement.checks.lasting_jumps import check_rows_follow
+from jointwear.measurement.derived.jumps import jumps, jumps_in_words, jumps_of, without_jumps, without_jumps_of
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.measurement.jumps import jumps, jumps_in_words, jumps_of, without_jumps, without_jumps_of
-from jointwear.measurement.lasting_jumps import check_rows_follow
-from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import Refused
 

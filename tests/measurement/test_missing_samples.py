@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.measurement.missing_samples import reached
+from jointwear.measurement.derived.missing_samples import reached
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=80), st.integers(0, 40))

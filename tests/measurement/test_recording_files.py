@@ -5,7 +5,7 @@ import pytest
 from monitor_logs import columns, make_log, write_csv
 
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks import check_recording
+from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording, read_recording, write_recording
 from jointwear.robots.robot import load_robot

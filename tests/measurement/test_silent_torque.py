@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.measurement.checks.silent_joints import moving_torques, silence_in_words
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.silent_joints import moving_torques, silence_in_words
 
 RATE = 100.0
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.filtering import low_pass
-from jointwear.measurement.motion import measure
+from jointwear.measurement.derived.filtering import low_pass
+from jointwear.measurement.derived.motion import measure
+from jointwear.measurement.derived.smoothing import CLEAR, END, LONGEST_END, smooth
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.smoothing import CLEAR, END, LONGEST_END, smooth
 
 STEP = 2e-5
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.motion import RESOLVED, measure
+from jointwear.measurement.derived.motion import RESOLVED, measure
+from jointwear.measurement.derived.spectral_floor import RESTING, resting
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.spectral_floor import RESTING, resting
 
 RATE, STEP = 125.0, 2 * np.pi / 2**15
 WHOLE = [slice(0, 1250)]

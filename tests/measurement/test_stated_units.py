@@ -8,13 +8,13 @@ from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.discovery.preflight import check_data
 from jointwear.files.errors import InputError
-from jointwear.measurement.checked import checked
-from jointwear.measurement.motion import measure
-from jointwear.measurement.position_unit import check_position_unit
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.position_unit import check_position_unit
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import Refused
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.reading.survey import survey_log
 from jointwear.robots.robot import load_robot
 
 EXAMPLE = "data/examples/puma560_hidden.nc"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.measurement.checked import checked
-from jointwear.measurement.motion import measure
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.time_scale import check_time_scale
+from jointwear.measurement.checks.torque_scale import thinned
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.refused import Refused
-from jointwear.measurement.time_scale import check_time_scale
-from jointwear.measurement.torque_scale import thinned
 from jointwear.robots.robot import load_robot
 
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.measurement.late_torque import check_delay
-from jointwear.measurement.model_size import check_model_size
-from jointwear.measurement.motion import measure
+from jointwear.measurement.checks.late_torque import check_delay
+from jointwear.measurement.checks.model_size import check_model_size
+from jointwear.measurement.checks.silent_joints import moving_torques
+from jointwear.measurement.checks.torque_follows import check_follows
+from jointwear.measurement.checks.torque_scale import check_scale, check_scale_of_one, torque_factors
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import Refused
-from jointwear.measurement.silent_joints import moving_torques
-from jointwear.measurement.torque_follows import check_follows
-from jointwear.measurement.torque_scale import check_scale, check_scale_of_one, torque_factors
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import load_robot
 

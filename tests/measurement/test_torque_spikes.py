@@ -7,12 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.measurement.checked import checked
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.derived.motion import measure
+from jointwear.measurement.derived.torque_spikes import (
+    spikes,
+    spikes_in_words,
+    spikes_of,
+    without_spikes,
+    without_spikes_of,
+)
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.measurement.motion import measure
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
-from jointwear.measurement.torque_spikes import spikes, spikes_in_words, spikes_of, without_spikes, without_spikes_of
 from jointwear.robots.robot import load_robot
 
 RATE = 125.0

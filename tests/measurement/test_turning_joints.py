@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from monitor_logs import LENGTH, columns, layout, make_log, model, write_parquet
 
-from jointwear.measurement.checked import checked
+from jointwear.measurement.checks.checked import checked
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import Refused
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.survey import survey_log
 from jointwear.robots.robot import load_robot
 
 #: Two turns of the last joint [rad].

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.measurement.checked import checked
-from jointwear.measurement.motion import measure
+from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.unsigned_torque import check_torque_has_sign
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import Refused
-from jointwear.measurement.unsigned_torque import check_torque_has_sign
 from jointwear.robots.robot import load_robot
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from jointwear.discovery.restrictions import _late_velocities
-from jointwear.measurement.motion import measure
+from jointwear.discovery.problem.restrictions import _late_velocities
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import Recording
 
 RATE, FINE = 125.0, 1000

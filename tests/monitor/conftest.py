@@ -7,12 +7,12 @@ import pytest
 from monitor_logs import ROBOT, START, columns, make_log, survey_once, write_parquet
 from monitor_states import EVIL, HOURS, WORN
 
-from jointwear.monitor import reading_stages
 from jointwear.monitor.fleet import watch
-from jointwear.monitor.page import write_page
-from jointwear.monitor.reading_stages import accumulate_windows, survey_logs
+from jointwear.monitor.judging.state import read_state
+from jointwear.monitor.presentation.page import write_page
+from jointwear.monitor.reading import reading_stages
+from jointwear.monitor.reading.reading_stages import accumulate_windows, survey_logs
 from jointwear.monitor.stages import judge_windows
-from jointwear.monitor.state import read_state
 
 
 @pytest.fixture(scope="module")

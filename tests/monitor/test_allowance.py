@@ -2,7 +2,7 @@
 
 import pytest
 
-from jointwear.monitor.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHARE
+from jointwear.monitor.watching.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHARE
 
 
 def test_all_charts_together_have_what_is_stated():

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from monitor_windows import SETTINGS, residuals, statistics_of
 
-from jointwear.monitor.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.backlash import BACKLASH, FEWEST_TURNS, backlash_series, hidden_because
-from jointwear.monitor.judge import judge
-from jointwear.monitor.model import ModelTorque
-from jointwear.monitor.records import CHANGED
-from jointwear.monitor.reversals import SLOWEST, pulses, reach_of
-from jointwear.monitor.windows import merge
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.model import ModelTorque
+from jointwear.monitor.reading.reversals import SLOWEST, pulses, reach_of
+from jointwear.monitor.reading.windows import merge
+from jointwear.monitor.watching.backlash import BACKLASH, FEWEST_TURNS, backlash_series, hidden_because
+from jointwear.monitor.watching.records import CHANGED
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.closed_loop import RATE, SAMPLES, Runs, at_phase
 from jointwear.studies.shop_floor.gear import NEW_GAP

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.carried import LoadsOnMotion, _positive, find_load, near_switch, with_loads
-from jointwear.monitor.model import ModelTorque
+from jointwear.monitor.reading.carried import LoadsOnMotion, _positive, find_load, near_switch, with_loads
+from jointwear.monitor.reading.model import ModelTorque
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.studies.shop_floor.arms import LIGHT, robot_data, robot_of

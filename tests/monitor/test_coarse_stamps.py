@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.even_steps import usual_step
+from jointwear.measurement.derived.even_steps import usual_step
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.monitor.derivation import derive_motion
+from jointwear.monitor.reading.derivation import derive_motion
 
 SPEED, SIZE = 2 * np.pi * np.array([0.5, 0.9]), np.array([0.8, 0.5])
 

@@ -8,12 +8,12 @@ from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.refused import Refused
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.read_findings import missing_temperature
-from jointwear.monitor.reversals import reach_of
-from jointwear.monitor.seen_growth import dead_band_findings
-from jointwear.monitor.survey import read_survey, survey_log
+from jointwear.monitor.findings.read_findings import missing_temperature
+from jointwear.monitor.findings.seen_growth import dead_band_findings
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.reversals import reach_of
+from jointwear.monitor.reading.survey import read_survey, survey_log
 from jointwear.robots.robot import EffectEntry, Link
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.fast_path import survey_of

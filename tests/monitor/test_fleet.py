@@ -12,7 +12,7 @@ from jointwear.files.storage import Variable, write_dataset
 from jointwear.monitor.fleet.plan import FEWEST_PER_JOB, JOBS, MOST_PROCESSES, ROBOTS_PER_JOB, batches, processes_of_job
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.watch import watch_robots
-from jointwear.monitor.reading_stages import accumulate_windows, survey_logs
+from jointwear.monitor.reading.reading_stages import accumulate_windows, survey_logs
 from jointwear.monitor.stages import judge_windows
 from jointwear.robots.robot import load_robot
 from jointwear.statistics.randomness import generator

@@ -14,7 +14,7 @@ from jointwear.monitor.events import events_of
 from jointwear.monitor.fleet.history import SCHEMA, join_histories
 from jointwear.monitor.fleet.watch import watch_robot
 from jointwear.monitor.notify.outbox import Outbox
-from jointwear.monitor.standing import NOTHING, rows_of
+from jointwear.monitor.presentation.standing import NOTHING, rows_of
 
 pytestmark = pytest.mark.usefixtures("surveyed_once")
 ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "12s", "baseline": {"windows": 8}}

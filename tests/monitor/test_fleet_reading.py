@@ -11,7 +11,7 @@ from monitor_logs import ROBOT, START, columns, make_log, write_csv, write_parqu
 from jointwear.monitor.fleet import reading, watch
 from jointwear.monitor.fleet.plan import seen
 from jointwear.monitor.fleet.watch import watch_robot, watch_robots
-from jointwear.monitor.page import write_page
+from jointwear.monitor.presentation.page import write_page
 
 pytestmark = pytest.mark.usefixtures("surveyed_once", "no_pages")
 ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "12s", "baseline": {"windows": 8}}

@@ -13,21 +13,21 @@ from hypothesis import strategies as st
 from prometheus_client.parser import text_string_to_metric_families
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.backlash import BACKLASH
-from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.findings import fell_words
+from jointwear.monitor.findings.findings import fell_words
+from jointwear.monitor.findings.read_findings import DRIVES, drives_words
+from jointwear.monitor.findings.told_together import told_together
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.page import robot_item, write_fleet_page
 from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
+from jointwear.monitor.judging.open_alarms import OPEN_ALARM
 from jointwear.monitor.local_time import local_time, zone_of
-from jointwear.monitor.open_alarms import OPEN_ALARM
-from jointwear.monitor.page import finding_rows
-from jointwear.monitor.read_findings import DRIVES, drives_words
-from jointwear.monitor.standing import NOTHING, rhythm_hours
-from jointwear.monitor.told_together import told_together
-from jointwear.monitor.words import MAY_BE_REACHED, change_words, outlook_words
+from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.presentation.page import finding_rows
+from jointwear.monitor.presentation.standing import NOTHING, rhythm_hours
+from jointwear.monitor.presentation.words import MAY_BE_REACHED, change_words, outlook_words
+from jointwear.monitor.watching.backlash import BACKLASH
 
 NOW = 1_767_225_600.0
 DAY = 86400.0

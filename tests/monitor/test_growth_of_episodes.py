@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.monitor.findings import _returned, _shared
-from jointwear.monitor.limits import COULOMB as COULOMB_FRICTION
-from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
-from jointwear.monitor.limits import Limits
-from jointwear.monitor.parts import viscous_episodes, viscous_part
-from jointwear.monitor.present import back_to_normal
-from jointwear.monitor.watched_axis import Start
+from jointwear.monitor.findings.findings import _returned, _shared
+from jointwear.monitor.watching.limits import COULOMB as COULOMB_FRICTION
+from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
+from jointwear.monitor.watching.limits import Limits
+from jointwear.monitor.watching.parts import viscous_episodes, viscous_part
+from jointwear.monitor.watching.present import back_to_normal
+from jointwear.monitor.watching.watched_axis import Start
 
 
 def watched(residual, source="friction", alarm_from=None, std=0.005):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.monitor.growth_so_far import LARGE, shrunk
+from jointwear.monitor.watching.growth_so_far import LARGE, shrunk
 
 
 def test_a_growth_that_stands_out_is_taken_as_it_is_and_scatter_for_none():

@@ -7,9 +7,9 @@ import pytest
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.timestamps import moment_of
-from jointwear.monitor.baseline import baseline_of, choose_baseline, keep_baseline, with_kept_baseline
 from jointwear.monitor.events import events_of
-from jointwear.monitor.windows import blank_statistics
+from jointwear.monitor.judging.baseline import baseline_of, choose_baseline, keep_baseline, with_kept_baseline
+from jointwear.monitor.reading.windows import blank_statistics
 
 DAY, COUNT = 86400.0, 40
 UNTIL = "1970-01-04T00:00:00Z"

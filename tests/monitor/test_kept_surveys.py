@@ -5,10 +5,10 @@ from monitor_logs import ROBOT, columns, make_log, write_parquet
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json
-from jointwear.monitor import reading_stages
-from jointwear.monitor.kept_surveys import FILE, MOST, surveyed_log
-from jointwear.monitor.reading_stages import survey_first_log
-from jointwear.monitor.survey import read_survey
+from jointwear.monitor.reading import reading_stages
+from jointwear.monitor.reading.kept_surveys import FILE, MOST, surveyed_log
+from jointwear.monitor.reading.reading_stages import survey_first_log
+from jointwear.monitor.reading.survey import read_survey
 
 pytestmark = pytest.mark.usefixtures("surveyed_once")
 ENTRY = {"window": "12s"}

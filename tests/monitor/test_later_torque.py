@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
 
+from jointwear.measurement.checks.torque_scale import off_scale, shared_scale
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of, read_log
 from jointwear.measurement.refused import Refused
-from jointwear.measurement.torque_scale import off_scale, shared_scale
-from jointwear.monitor import later_check, misreadings
-from jointwear.monitor.derivation import derive_motion
-from jointwear.monitor.later_check import LaterCheck, beyond_loads
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.read_findings import reading_findings
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.findings.read_findings import reading_findings
+from jointwear.monitor.reading import later_check, misreadings
+from jointwear.monitor.reading.derivation import derive_motion
+from jointwear.monitor.reading.later_check import LaterCheck, beyond_loads
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.survey import survey_log
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link, load_robot
 from jointwear.robots.trajectory import Task

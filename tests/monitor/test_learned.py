@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from monitor_logs import ROBOT, START, columns, layout, make_log, model, write_csv, write_parquet
 
-from jointwear.discovery.written_robot import WrittenRobot
+from jointwear.discovery.model.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import write_json
 from jointwear.monitor.learned import stage

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from monitor_windows import NOISE, residuals, statistics_of
 
-from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN, loud_findings
+from jointwear.monitor.findings.loud import LOUD, SMOOTH, UNEVEN, loud_findings
 
 #: Windows, and those of a shift; the first three shifts are the baseline.
 WINDOWS, SHIFT = 64, 8

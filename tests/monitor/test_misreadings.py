@@ -9,9 +9,9 @@ import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.measurement.refused import Refused
-from jointwear.monitor import misreadings
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.reading import misreadings
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.survey import survey_log
 from jointwear.robots.robot import Link
 
 LENGTH = 12.0

@@ -8,11 +8,11 @@ from monitor_logs import START
 from monitor_states import WORN, changed
 
 from jointwear.measurement.timestamps import stamp
-from jointwear.monitor.condition import axis_conditions
-from jointwear.monitor.episodes import episodes_of
 from jointwear.monitor.events import events_of
-from jointwear.monitor.records import _is_news, _Told
-from jointwear.monitor.state import ALARM_COLUMNS, read_state, write_alarms
+from jointwear.monitor.judging.state import ALARM_COLUMNS, read_state, write_alarms
+from jointwear.monitor.presentation.condition import axis_conditions
+from jointwear.monitor.presentation.episodes import episodes_of
+from jointwear.monitor.watching.records import _is_news, _Told
 
 
 def test_the_worn_axis_alarms_and_nothing_else(monitored):

@@ -7,9 +7,9 @@ from zoneinfo import ZoneInfo
 import numpy as np
 import pytest
 
-from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.clocks import clock_findings
-from jointwear.monitor.windows import blank_statistics
+from jointwear.monitor.findings.clocks import clock_findings
+from jointwear.monitor.reading.assembly import Piece, assemble
+from jointwear.monitor.reading.windows import blank_statistics
 
 
 def piece(log: str, hour: int) -> Piece:

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
-from jointwear.monitor.friction import window_friction
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.survey import survey_log
-from jointwear.monitor.temperature import temperature_share
+from jointwear.monitor.normal.friction import window_friction
+from jointwear.monitor.presentation.temperature import temperature_share
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.survey import survey_log
 from jointwear.robots.robot import EffectEntry
 
 LENGTH, AXIS, SLOPE = 24.0, 0, 0.2

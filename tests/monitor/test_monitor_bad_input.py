@@ -9,12 +9,12 @@ import xarray as xr
 from monitor_logs import LENGTH, START, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
 
 from jointwear.files.errors import InputError
-from jointwear.measurement import axes_check
+from jointwear.measurement.checks import axes_check
 from jointwear.measurement.flags import DISQUALIFYING, Flag
 from jointwear.measurement.refused import Refused
-from jointwear.monitor.inspection import ALL_LOGS, Inspector
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.read_findings import reading_findings
+from jointwear.monitor.findings.read_findings import reading_findings
+from jointwear.monitor.reading.inspection import ALL_LOGS, Inspector
+from jointwear.monitor.reading.logs import log_statistics
 from jointwear.running.script import with_suggestion
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from monitor_windows import COULOMB, PER_WINDOW, motion
 
-from jointwear.monitor.estimate import choose_free, column_change, contrast
+from jointwear.monitor.normal.estimate import choose_free, column_change, contrast
 
 
 def test_columns_turn_levels_into_one_growth():

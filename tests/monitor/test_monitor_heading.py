@@ -7,18 +7,18 @@ import pytest
 from monitor_states import HOURS, WORN, changed, with_estimates
 
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.condition import UNRESOLVED, axis_conditions
-from jointwear.monitor.drawing import _rests_on
+from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.table import table_row
+from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.local_time import zone_of
-from jointwear.monitor.loud import LOUD
-from jointwear.monitor.page import write_page
-from jointwear.monitor.records import CHANGED, HEALTHY, UNJUDGED, Reason
-from jointwear.monitor.standing import NOTHING, standing
-from jointwear.monitor.state import read_state
-from jointwear.monitor.summaries import axis_summary, headline
-from jointwear.monitor.words import todo
+from jointwear.monitor.presentation.condition import UNRESOLVED, axis_conditions
+from jointwear.monitor.presentation.drawing import _rests_on
+from jointwear.monitor.presentation.page import write_page
+from jointwear.monitor.presentation.standing import NOTHING, standing
+from jointwear.monitor.presentation.summaries import axis_summary, headline
+from jointwear.monitor.presentation.words import todo
+from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reason
 
 
 def test_an_axis_that_stops_moving_is_no_longer_called_healthy(monitored):

@@ -10,16 +10,16 @@ import pytest
 from monitor_windows import SETTINGS, VISCOUS, motion, residuals, statistics_of
 
 from jointwear.measurement.flags import Flag
-from jointwear.monitor import judge as judge_module
-from jointwear.monitor.another_robot import first_exchange
 from jointwear.monitor.events import Event
-from jointwear.monitor.judge import judge
-from jointwear.monitor.judge_settings import JudgeSettings
-from jointwear.monitor.limits import VISCOUS as VISCOUS_FRICTION
-from jointwear.monitor.open_alarms import OPEN_ALARM
-from jointwear.monitor.records import CHANGED, HEALTHY, UNJUDGED, Reason, Teller
-from jointwear.monitor.shared_error import shared_error
-from jointwear.monitor.watching import watch
+from jointwear.monitor.judging import judge as judge_module
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.judging.judge_settings import JudgeSettings
+from jointwear.monitor.judging.open_alarms import OPEN_ALARM
+from jointwear.monitor.watching.another_robot import first_exchange
+from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
+from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reason, Teller
+from jointwear.monitor.watching.shared_error import shared_error
+from jointwear.monitor.watching.watching import watch
 
 
 def test_judgement_names_the_worn_axis_and_says_what_it_cannot_judge():

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.monitor.locate import axis_probability, honest_probability
-from jointwear.monitor.records import evidence
+from jointwear.monitor.watching.locate import axis_probability, honest_probability
+from jointwear.monitor.watching.records import evidence
 
 
 def test_probabilities_of_axes():

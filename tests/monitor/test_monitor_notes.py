@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from monitor_states import changed, with_estimates
 
-from jointwear.monitor.condition import axis_conditions
+from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.local_time import zone_of
-from jointwear.monitor.page import write_page
-from jointwear.monitor.records import UNJUDGED
-from jointwear.monitor.standing import standing
-from jointwear.monitor.state import read_state
-from jointwear.monitor.summaries import UNKNOWN, axis_summary, headline, why_unjudged
-from jointwear.monitor.temperature import temperature_share
-from jointwear.monitor.words import sure_words, todo
+from jointwear.monitor.presentation.condition import axis_conditions
+from jointwear.monitor.presentation.page import write_page
+from jointwear.monitor.presentation.standing import standing
+from jointwear.monitor.presentation.summaries import UNKNOWN, axis_summary, headline, why_unjudged
+from jointwear.monitor.presentation.temperature import temperature_share
+from jointwear.monitor.presentation.words import sure_words, todo
+from jointwear.monitor.watching.records import UNJUDGED
 
 
 class Tags(HTMLParser):

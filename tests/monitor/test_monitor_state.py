@@ -10,16 +10,16 @@ from monitor_logs import ROBOT, model
 from monitor_states import EVIL, HOURS, WORN
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.baseline import choose_baseline
-from jointwear.monitor.friction import window_friction
-from jointwear.monitor.judge import judge
-from jointwear.monitor.judge_settings import settings_of
-from jointwear.monitor.page import write_page
-from jointwear.monitor.records import CHANGED, UNJUDGED
+from jointwear.monitor.judging.baseline import choose_baseline
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.judging.judge_settings import settings_of
+from jointwear.monitor.judging.state import read_state, write_state
+from jointwear.monitor.normal.friction import window_friction
+from jointwear.monitor.presentation.page import write_page
+from jointwear.monitor.reading.assembly import Piece, assemble
+from jointwear.monitor.reading.window_files import read_statistics
 from jointwear.monitor.stages import judge_windows
-from jointwear.monitor.state import read_state, write_state
-from jointwear.monitor.window_files import read_statistics
+from jointwear.monitor.watching.records import CHANGED, UNJUDGED
 
 
 def test_friction_of_every_window(monitored):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.monitor.drawing import _alone, _pauses, _thin
+from jointwear.monitor.presentation.drawing import _alone, _pauses, _thin
 
 
 @given(st.integers(1, 40), st.integers(1, 12), st.integers(0, 2**32 - 1))

@@ -13,12 +13,12 @@ from scipy.signal import lfilter
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.monitor.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.derivation import derive_motion
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.survey import survey_log
-from jointwear.monitor.window_files import read_statistics, write_statistics
-from jointwear.monitor.windows import HISTOGRAM_BINS, PER_WINDOW, REGRESSORS, merge
+from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.derivation import derive_motion
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.survey import survey_log
+from jointwear.monitor.reading.window_files import read_statistics, write_statistics
+from jointwear.monitor.reading.windows import HISTOGRAM_BINS, PER_WINDOW, REGRESSORS, merge
 
 LENGTH = 12.0
 SETTINGS = WindowSettings(LENGTH, np.full(6, 0.01), np.array([40, 60, 20, 2, 2, 1.0]), reach=5, block=0.2)

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.decision import STEP_WINDOWS, shift_evidence
-from jointwear.monitor.dispersion import (
+from jointwear.monitor.normal.dispersion import (
     FLOOR,
     START,
     USUAL_NONE,
@@ -16,16 +15,17 @@ from jointwear.monitor.dispersion import (
     between_shifts,
     updated_between,
 )
-from jointwear.monitor.normal_state import Noise, Posterior, fit_normal_state, taught
-from jointwear.monitor.null_runs import Axis, null_thresholds
-from jointwear.monitor.recent_shifts import AxisWindows
-from jointwear.monitor.regimes import find_regimes
-from jointwear.monitor.shared_error import shared_error, units_of_levels
-from jointwear.monitor.shift_forecast import TOLD, forecast_shifts
-from jointwear.monitor.shift_scale import shift_scale
-from jointwear.monitor.shifts import shift_labels
-from jointwear.monitor.warm_up import warm_up_state
-from jointwear.monitor.watching import outside_baseline
+from jointwear.monitor.normal.normal_state import Noise, Posterior, fit_normal_state, taught
+from jointwear.monitor.normal.recent_shifts import AxisWindows
+from jointwear.monitor.normal.shift_scale import shift_scale
+from jointwear.monitor.normal.shifts import shift_labels
+from jointwear.monitor.normal.warm_up import warm_up_state
+from jointwear.monitor.reading.regimes import find_regimes
+from jointwear.monitor.watching.decision import STEP_WINDOWS, shift_evidence
+from jointwear.monitor.watching.null_runs import Axis, null_thresholds
+from jointwear.monitor.watching.shared_error import shared_error, units_of_levels
+from jointwear.monitor.watching.shift_forecast import TOLD, forecast_shifts
+from jointwear.monitor.watching.watching import outside_baseline
 
 HOUR = 3600.0
 

@@ -5,7 +5,7 @@ import pytest
 from monitor_windows import motion, residuals, statistics_of
 
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED, odd_motion_findings
+from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED, odd_motion_findings
 
 #: Windows, and those of a shift; the first four shifts are the baseline. Two programs take turns.
 WINDOWS, SHIFT, STEP = 64, 8, 0.02

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.monitor.conditions import operating_features
-from jointwear.monitor.estimate import Sums
-from jointwear.monitor.payload import GravityTorque, gravity_share
-from jointwear.monitor.windows import blank_statistics
+from jointwear.monitor.normal.conditions import operating_features
+from jointwear.monitor.normal.estimate import Sums
+from jointwear.monitor.normal.payload import GravityTorque, gravity_share
+from jointwear.monitor.reading.windows import blank_statistics
 
 SAMPLES = 400
 

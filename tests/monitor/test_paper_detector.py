@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from monitor_windows import SETTINGS, residuals, statistics_of
 
-from jointwear.monitor import paper_detector
 from jointwear.monitor.events import Event
-from jointwear.monitor.judge import judge
-from jointwear.monitor.paper_detector import paper_alarms, raised_limit
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.watching import paper_detector
+from jointwear.monitor.watching.paper_detector import paper_alarms, raised_limit
 
 
 def test_the_paper_detector_alarms_on_a_changed_distribution(monkeypatch):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from monitor_windows import residuals, statistics_of
 
-from jointwear.monitor.products import product_findings, with_products
+from jointwear.monitor.normal.products import product_findings, with_products
 
 #: Windows, and those of a shift; the first four shifts are the baseline.
 WINDOWS, SHIFT = 64, 8

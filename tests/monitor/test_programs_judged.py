@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from monitor_windows import SETTINGS, residuals, statistics_of
 
-from jointwear.monitor.conditions import Conditions, design_of
-from jointwear.monitor.judge import judge
-from jointwear.monitor.normal_state import Noise, fit_normal_state
-from jointwear.monitor.program_labels import add_labels, label_text, window_programs
-from jointwear.monitor.programs import labelled_regimes
-from jointwear.monitor.records import HEALTHY, UNJUDGED, Reason
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.normal.conditions import Conditions, design_of
+from jointwear.monitor.normal.normal_state import Noise, fit_normal_state
+from jointwear.monitor.normal.programs import labelled_regimes
+from jointwear.monitor.reading.program_labels import add_labels, label_text, window_programs
+from jointwear.monitor.watching.records import HEALTHY, UNJUDGED, Reason
 
 
 def labelled(growth, names, seed=0):

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 from monitor_logs import ROBOT, START, columns, make_log, write_parquet
 
-from jointwear.monitor import learning, reading_stages, stages, watching
+from jointwear.monitor import stages
 from jointwear.monitor.fleet import watch
-from jointwear.monitor.recall import Recall, key_of, read_recall, write_recall
+from jointwear.monitor.normal import learning
+from jointwear.monitor.normal.recall import Recall, key_of, read_recall, write_recall
+from jointwear.monitor.reading import reading_stages
+from jointwear.monitor.watching import watching
 
 
 @pytest.fixture

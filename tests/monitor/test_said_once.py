@@ -4,7 +4,7 @@ import pytest
 from monitor_logs import ROBOT, columns, make_log, write_parquet
 
 from jointwear.monitor.fleet.watch import watch_robot
-from jointwear.monitor.reading_stages import survey_logs
+from jointwear.monitor.reading.reading_stages import survey_logs
 from jointwear.running.script import reported
 
 MENDED = "state units: {torque: mN m}"

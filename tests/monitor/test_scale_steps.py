@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.monitor.findings import _scales
-from jointwear.monitor.gain_of_all import gain_of_all
-from jointwear.monitor.scale import ScaleStep, scale_steps
-from jointwear.monitor.windows import blank_statistics
+from jointwear.monitor.findings.findings import _scales
+from jointwear.monitor.reading.windows import blank_statistics
+from jointwear.monitor.watching.gain_of_all import gain_of_all
+from jointwear.monitor.watching.scale import ScaleStep, scale_steps
 
 
 def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, ...] = (), begin: int = 40):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from jointwear.measurement.units import converted
-from jointwear.monitor.thermometers import broken, other_unit, stuck
-from jointwear.monitor.windows import blank_statistics
+from jointwear.monitor.findings.thermometers import broken, other_unit, stuck
+from jointwear.monitor.reading.windows import blank_statistics
 
 
 def statistics(later):

@@ -7,9 +7,9 @@ import pytest
 from monitor_logs import LENGTH, RATE, Log, columns, layout, model, read, write_parquet
 
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.read_findings import reading_findings
-from jointwear.monitor.survey import survey_log
-from jointwear.monitor.torque_lag import Lag, change_of, read_later
+from jointwear.monitor.findings.read_findings import reading_findings
+from jointwear.monitor.reading.survey import survey_log
+from jointwear.monitor.reading.torque_lag import Lag, change_of, read_later
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.trajectory import Task
 

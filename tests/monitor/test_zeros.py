@@ -7,11 +7,11 @@ import pytest
 from monitor_logs import RATE, Log, columns, model, read, write_parquet
 
 from jointwear.measurement.flags import Flag
-from jointwear.monitor.condition import AxisCondition
-from jointwear.monitor.episodes import Episode
-from jointwear.monitor.records import CHANGED, DETECTORS
-from jointwear.monitor.windows import blank_statistics
-from jointwear.monitor.zeros import changed_zero, zero_finding
+from jointwear.monitor.presentation.condition import AxisCondition
+from jointwear.monitor.presentation.episodes import Episode
+from jointwear.monitor.reading.windows import blank_statistics
+from jointwear.monitor.reading.zeros import changed_zero, zero_finding
+from jointwear.monitor.watching.records import CHANGED, DETECTORS
 from jointwear.robots.trajectory import Task
 
 

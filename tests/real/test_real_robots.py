@@ -7,9 +7,9 @@ import pytest
 import yaml
 
 from jointwear.discovery import Settings, discover, load_recording
-from jointwear.discovery.page import compare_published, joint_table, write_page
+from jointwear.discovery.model.written_robot import simulate_robot
+from jointwear.discovery.presentation.page import compare_published, joint_table, write_page
 from jointwear.discovery.stages import discover_dataset
-from jointwear.discovery.written_robot import simulate_robot
 from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError
 from jointwear.files.storage import read_variables

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.monitor.estimate import Pooled
+from jointwear.monitor.normal.estimate import Pooled
 from jointwear.studies.monitor_study.charts import CLIP, LENGTHS, inflation, run_chart, threshold_for, thresholds_for
 from jointwear.studies.monitor_study.normal_period import Normal
 from jointwear.studies.monitor_study.scores import named_axis

@@ -4,13 +4,13 @@ import numpy as np
 from monitor_logs import ROBOT, ROOT, layout, model
 
 from jointwear.measurement.formats import read_log
-from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.judge import judge
-from jointwear.monitor.judge_settings import settings_of
-from jointwear.monitor.logs import log_statistics
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.judging.judge_settings import settings_of
 from jointwear.monitor.plan import find_logs
-from jointwear.monitor.records import CHANGED, UNJUDGED
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.reading.assembly import Piece, assemble
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.survey import survey_log
+from jointwear.monitor.watching.records import CHANGED, UNJUDGED
 from jointwear.studies.monitor_study.example import DAYS, HEALTHY_HOURS, START, WORN_AXIS, write_example
 
 SHIPPED = find_logs([str(ROOT / "data/examples/monitor_puma560/day_*")])

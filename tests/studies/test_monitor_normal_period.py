@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from monitor_windows import COULOMB, VISCOUS, motion, residuals, sums
 
-from jointwear.monitor.estimate import COLUMNS, prior_scale
+from jointwear.monitor.normal.estimate import COLUMNS, prior_scale
 from jointwear.studies.monitor_study.normal_period import coulomb_estimates, learn_normal
 
 

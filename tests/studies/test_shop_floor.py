@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.windows import merge
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.windows import merge
 from jointwear.publishing.report.study_page import write_study_page
 from jointwear.studies.shop_floor import aims, figures, gap_sample, sample, stages
 from jointwear.studies.shop_floor.arms import ARM_TYPES, HEAVY, LIGHT, robot_data

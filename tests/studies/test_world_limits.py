@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointwear.discovery import assumed
-from jointwear.discovery.calibration import FEATURES, calibrated
-from jointwear.discovery.candidates import Candidate
-from jointwear.discovery.outcome import Outcome, Refusal
+from jointwear.discovery.estimates.outcome import Outcome, Refusal
+from jointwear.discovery.problem.candidates import Candidate
+from jointwear.discovery.search.calibration import FEATURES, calibrated
 from jointwear.discovery.settings import REPORTED, USERS, Settings
 from jointwear.studies.world import assumptions
 from jointwear.studies.world.calibration import cross_fitted, fit, names_of, summary

@@ -21,8 +21,8 @@ import json
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from jointwear.monitor.allowance import LEVEL_SHARE
-from jointwear.monitor.shifts import shift_labels
+from jointwear.monitor.normal.shifts import shift_labels
+from jointwear.monitor.watching.allowance import LEVEL_SHARE
 from jointwear.studies.shop_floor.cell import Cell, draw_cell
 from jointwear.studies.shop_floor.month import BASELINE_DAYS, DAY
 
@@ -32,7 +32,7 @@ RATE, FAST, AIM = 1.0, 336.0, 48.0
 GRID, BACK = 4, 336
 #: Null months and worn months that are drawn for each robot.
 NULLS, RUNS = 400, 100
-#: Degrees of freedom of the heavy law (:data:`jointwear.monitor.null_runs.FREEDOM`).
+#: Degrees of freedom of the heavy law (:data:`jointwear.monitor.watching.null_runs.FREEDOM`).
 FREEDOM = 3.5
 #: Scale of that law at which its quartiles are those of the normal one.
 HEAVY = float(ndtri(0.75) / stdtrit(FREEDOM, 0.75))

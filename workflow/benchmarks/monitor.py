@@ -20,9 +20,9 @@ import roboticstoolbox
 
 from jointwear.files.storage import Variable, create_dataset
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.logs import log_statistics
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.survey import survey_log
+from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.survey import survey_log
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task
 

@@ -2,7 +2,7 @@
 from snakemake.exceptions import WorkflowError
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
-from jointwear.monitor.kept_surveys import surveyed_log
+from jointwear.monitor.reading.kept_surveys import surveyed_log
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.learned_model import learnt_of_other, model_file
 from jointwear.monitor.notify.plan import check_channels

@@ -2,7 +2,7 @@
 
 import sys
 
-from jointwear.monitor.reading_stages import accumulate_windows
+from jointwear.monitor.reading.reading_stages import accumulate_windows
 from jointwear.running.script import reported
 
 if __name__ == "__main__":

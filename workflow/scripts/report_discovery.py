@@ -1,6 +1,6 @@
 """Write the page of one data set."""
 
-from jointwear.discovery.page import write_page
+from jointwear.discovery.presentation.page import write_page
 from jointwear.running.script import reported
 
 if __name__ == "__main__":

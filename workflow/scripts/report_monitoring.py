@@ -1,7 +1,7 @@
 """Write the page of a monitored robot."""
 
-from jointwear.monitor.page import write_page
-from jointwear.monitor.state import read_state
+from jointwear.monitor.judging.state import read_state
+from jointwear.monitor.presentation.page import write_page
 from jointwear.running.script import reported
 
 if __name__ == "__main__":

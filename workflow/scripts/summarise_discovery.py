@@ -1,6 +1,6 @@
 """Write the report's chapter on the shipped data set with a hidden effect."""
 
-from jointwear.discovery.chapter import PICTURES, write_chapter
+from jointwear.discovery.presentation.chapter import PICTURES, write_chapter
 from jointwear.running.script import reported
 from jointwear.studies.challenge.examples import EXAMPLE
 

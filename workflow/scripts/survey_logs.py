@@ -1,6 +1,6 @@
 """Survey the first log of a monitored robot."""
 
-from jointwear.monitor.reading_stages import survey_first_log
+from jointwear.monitor.reading.reading_stages import survey_first_log
 from jointwear.running.script import reported
 
 if __name__ == "__main__":

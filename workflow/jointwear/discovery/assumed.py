@@ -7,7 +7,7 @@ jointwear.studies.world.sensitivity --assumed` moves each of them by 30 % both w
 
 Numbers elsewhere in these modules are none of this kind: grids that are searched, rounds and other bounds on time,
 fewest samples of a statistic, ridges, and what follows from a definition (half is most of something; the two numbers
-of :mod:`jointwear.discovery.calibration` belong to its fit and change with it alone).
+of :mod:`jointwear.discovery.search.calibration` belong to its fit and change with it alone).
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Candidate
-from jointwear.discovery.outcome import Outcome
+from jointwear.discovery.estimates.outcome import Outcome
+from jointwear.discovery.problem.candidates import LINK_MASS, Candidate
 from jointwear.effects import State, get_effect, make_state
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import gravity_regressor, inertial_regressor, to_joint_frame

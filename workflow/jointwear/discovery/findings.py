@@ -6,17 +6,17 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from jointwear.discovery.candidates import LINK_MASS, Candidate
-from jointwear.discovery.effect_estimates import Estimate
-from jointwear.discovery.final_model import Final
-from jointwear.discovery.identifiability import Visible
-from jointwear.discovery.link_masses import unlikely_masses
-from jointwear.discovery.noise_floor import floor_with_names
-from jointwear.discovery.outcome import Outcome, Refusal, Unexplained
-from jointwear.discovery.problem import Problem
-from jointwear.discovery.restrictions import beyond_the_temperature, beyond_the_time
-from jointwear.discovery.retuned import ended_on_bounds, retuned_parameters, stands_in
-from jointwear.discovery.told_fallbacks import told_fallbacks
+from jointwear.discovery.estimates.effect_estimates import Estimate
+from jointwear.discovery.estimates.outcome import Outcome, Refusal, Unexplained
+from jointwear.discovery.model.final_model import Final
+from jointwear.discovery.model.link_masses import unlikely_masses
+from jointwear.discovery.model.noise_floor import floor_with_names
+from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
+from jointwear.discovery.model.told_fallbacks import told_fallbacks
+from jointwear.discovery.problem.candidates import LINK_MASS, Candidate
+from jointwear.discovery.problem.identifiability import Visible
+from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.problem.restrictions import beyond_the_temperature, beyond_the_time
 from jointwear.discovery.verdict import (
     NONE,
     AboveNoise,

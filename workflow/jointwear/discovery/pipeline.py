@@ -8,23 +8,25 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.base_parameters import free_identification
-from jointwear.discovery.carried import search_beside
-from jointwear.discovery.estimation import Final
+from jointwear.discovery.estimates.outcome import Outcome, Unexplained
 from jointwear.discovery.experiment import Experiment, propose
 from jointwear.discovery.findings import make_verdict
-from jointwear.discovery.identifiability import Visible, identifiability
-from jointwear.discovery.kept_sizes import with_kept_sizes
-from jointwear.discovery.leftovers import lasting, unexplained
-from jointwear.discovery.outcome import Outcome, Unexplained
-from jointwear.discovery.outside_force import force_in_words
+from jointwear.discovery.model.estimation import Final
+from jointwear.discovery.model.kept_sizes import with_kept_sizes
+from jointwear.discovery.model.sound_files import sound_files, unchanged_files, write_files
+from jointwear.discovery.model.written_robot import WrittenRobot
 from jointwear.discovery.posing import pose_problem
-from jointwear.discovery.problem import Problem, build_problem
-from jointwear.discovery.recorded_in_time import coulomb_steps
-from jointwear.discovery.repeatability import repeat
-from jointwear.discovery.searches import search, whitened
-from jointwear.discovery.settings import Settings
-from jointwear.discovery.shared_delay import (
+from jointwear.discovery.problem.base_parameters import free_identification
+from jointwear.discovery.problem.identifiability import Visible, identifiability
+from jointwear.discovery.problem.problem import Problem, build_problem
+from jointwear.discovery.problem.whitening import White
+from jointwear.discovery.search.carried import search_beside
+from jointwear.discovery.search.leftovers import lasting, unexplained
+from jointwear.discovery.search.outside_force import force_in_words
+from jointwear.discovery.search.recorded_in_time import coulomb_steps
+from jointwear.discovery.search.repeatability import repeat
+from jointwear.discovery.search.searches import search, whitened
+from jointwear.discovery.search.shared_delay import (
     delay_in_words,
     lasting_terms,
     named_delays,
@@ -32,16 +34,14 @@ from jointwear.discovery.shared_delay import (
     shared_delay,
     without_delay,
 )
-from jointwear.discovery.slow_noise import beside_slow_noise
-from jointwear.discovery.sound_files import sound_files, unchanged_files, write_files
+from jointwear.discovery.search.slow_noise import beside_slow_noise
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.undecided import NUMERICAL, reason
 from jointwear.discovery.verdict import NONE, Verdict
-from jointwear.discovery.whitening import White
-from jointwear.discovery.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
-from jointwear.measurement.other_zero import zero_in_words
+from jointwear.measurement.checks.other_zero import zero_in_words
+from jointwear.measurement.checks.silent_joints import moving_torques
 from jointwear.measurement.recording import Recording, split
-from jointwear.measurement.silent_joints import moving_torques
 from jointwear.robots.robot import Robot
 
 MODELS = ("nominal", "retuned", "augmented")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from jointwear.discovery.problem import Problem
-from jointwear.discovery.repeatability import check_groups
-from jointwear.discovery.restrictions import motion_restrictions
+from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.problem.restrictions import motion_restrictions
+from jointwear.discovery.problem.unknown_inertia import build_with_motors
+from jointwear.discovery.search.repeatability import check_groups
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.unknown_inertia import build_with_motors
 from jointwear.measurement.behind_gears import felt_robot
-from jointwear.measurement.checked import checked
+from jointwear.measurement.checks.checked import checked
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.shortened import shortened
 from jointwear.robots.robot import Robot

@@ -14,22 +14,22 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.discovery.candidates import Dictionary, build_dictionary
-from jointwear.discovery.identifiability import Visible, identifiability
 from jointwear.discovery.posing import pose_problem
-from jointwear.discovery.problem import Problem
-from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.problem.candidates import Dictionary, build_dictionary
+from jointwear.discovery.problem.identifiability import Visible, identifiability
+from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.whitening import White, whiten
+from jointwear.discovery.search.smallest_sizes import smallest_size
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.smallest_sizes import smallest_size
 from jointwear.discovery.undecided import NUMERICAL, reason
-from jointwear.discovery.whitening import White, whiten
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
-from jointwear.measurement.checked import UNASKED
-from jointwear.measurement.even_steps import usual_step
+from jointwear.measurement.checks.checked import UNASKED
+from jointwear.measurement.derived.even_steps import usual_step
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.units import POSITION_WORDS, spelled

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.discovery.estimates.scan import scan
 from jointwear.discovery.experiment import Experiment as Motion
 from jointwear.discovery.findings import argument_of
 from jointwear.discovery.pipeline import MODELS, Discovery, discover
-from jointwear.discovery.scan import scan
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.verdict import NamedEffect, NextExperiment, Verdict
 from jointwear.effects import check_effects

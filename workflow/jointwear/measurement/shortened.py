@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.files.wording import count
-from jointwear.measurement.motion import decimation
+from jointwear.measurement.derived.motion import decimation
 from jointwear.measurement.recording import Recording
 from jointwear.statistics.runs import runs
 

@@ -1,6 +1,6 @@
 """Monitor a robot on its own logs: friction of every axis over time, alarms, and what cannot be judged.
 
-Logs become :class:`~jointwear.monitor.windows.WindowStatistics` (readers, clock, derivation, accumulate); these are
-judged; :mod:`jointwear.monitor.reading_stages` and :mod:`jointwear.monitor.stages` read and write files for the
+Logs become :class:`~.windows.WindowStatistics` (readers, clock, derivation, accumulate); these are
+judged; :mod:`jointwear.monitor.reading.reading_stages` and :mod:`jointwear.monitor.stages` read and write files for the
 workflow.
 """

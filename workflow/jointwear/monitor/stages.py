@@ -1,6 +1,6 @@
 """The judging stage of ``snakemake monitor``: files in, files out.
 
-Logs are read in :mod:`jointwear.monitor.reading_stages`.
+Logs are read in :mod:`jointwear.monitor.reading.reading_stages`.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.assembly import Piece, assemble
-from jointwear.monitor.baseline import baseline_of, keep_baseline, with_kept_baseline
-from jointwear.monitor.clocks import clock_findings
-from jointwear.monitor.judge import Judgement, judge
-from jointwear.monitor.judge_settings import settings_of
+from jointwear.monitor.findings.clocks import clock_findings
+from jointwear.monitor.findings.read_findings import missing_temperature
+from jointwear.monitor.findings.seen_growth import COARSE, dead_band_findings
+from jointwear.monitor.judging.baseline import baseline_of, keep_baseline, with_kept_baseline
+from jointwear.monitor.judging.judge import Judgement, judge
+from jointwear.monitor.judging.judge_settings import settings_of
+from jointwear.monitor.judging.state import write_alarms, write_state
 from jointwear.monitor.made_with import made_with
-from jointwear.monitor.piece_files import read_pieces
-from jointwear.monitor.read_findings import missing_temperature
-from jointwear.monitor.recall import Recall, read_recall, write_recall
-from jointwear.monitor.records import UNJUDGED
-from jointwear.monitor.seen_growth import COARSE, dead_band_findings
-from jointwear.monitor.state import write_alarms, write_state
-from jointwear.monitor.survey import Survey, read_survey
-from jointwear.monitor.windows import WindowStatistics
+from jointwear.monitor.normal.recall import Recall, read_recall, write_recall
+from jointwear.monitor.reading.assembly import Piece, assemble
+from jointwear.monitor.reading.piece_files import read_pieces
+from jointwear.monitor.reading.survey import Survey, read_survey
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.records import UNJUDGED
 from jointwear.robots.robot import load_robot
 from jointwear.running.modules import code_of
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from jointwear.monitor.findings import AT_ONCE, FELL
-from jointwear.monitor.loud import LOUD, SMOOTH, UNEVEN
-from jointwear.monitor.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
-from jointwear.monitor.open_alarms import OPEN_ALARM
-from jointwear.monitor.read_findings import DRIVES, NONE
-from jointwear.monitor.thermometers import BROKEN
-from jointwear.monitor.zeros import ZERO
+from jointwear.monitor.findings.findings import AT_ONCE, FELL
+from jointwear.monitor.findings.loud import LOUD, SMOOTH, UNEVEN
+from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
+from jointwear.monitor.findings.read_findings import DRIVES, NONE
+from jointwear.monitor.findings.thermometers import BROKEN
+from jointwear.monitor.judging.open_alarms import OPEN_ALARM
+from jointwear.monitor.reading.zeros import ZERO
 
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
 ASKING = (OPEN_ALARM, "scale", "clock", FELL, AT_ONCE, LOUD, ZERO)

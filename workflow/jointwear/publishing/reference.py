@@ -30,7 +30,8 @@ PUBLIC = (
     "reproduction.normal_model", "reproduction.detection", "reproduction.location", "reproduction.tables",
     "reproduction.verdicts",
     "discovery.pipeline", "discovery.settings", "discovery.stages",
-    "monitor.windows", "monitor.normal_state", "monitor.decision", "monitor.judge", "monitor.reading_stages",
+    "monitor.reading.windows", "monitor.reading.reading_stages", "monitor.normal.normal_state",
+    "monitor.watching.decision", "monitor.judging.judge",
     "monitor.stages",
 )  # fmt: skip
 _BOUNDS = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}

@@ -13,7 +13,7 @@ from pyarrow import parquet
 
 from jointwear.files.errors import InputError
 from jointwear.files.regular_files import check_regular
-from jointwear.monitor.state import RobotState
+from jointwear.monitor.judging.state import RobotState
 
 #: Estimates that have a column each and one for the standard deviation; empty where a robot has none.
 ESTIMATES = ("coulomb_percent", "coulomb", "viscous_percent", "viscous", "friction", "backlash")

@@ -9,8 +9,8 @@ from typing import Any
 
 from prometheus_client import CollectorRegistry, Gauge, write_to_textfile
 
-from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.fleet.ranking import ORDER
+from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 
 LEVELS = (HEALTHY, UNRESOLVED, CHANGED, UNJUDGED)
 #: Columns of a robot's row that are gauges of their own: name of the metric -> what it counts.

@@ -10,15 +10,15 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import listed, name_axes
-from jointwear.monitor.backlash import BACKLASH
-from jointwear.monitor.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.findings.seen_growth import COARSE, LOOSE
+from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
-from jointwear.monitor.seen_growth import COARSE, LOOSE
+from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.presentation.words import todo
 from jointwear.monitor.to_answer import lasts, to_do
-from jointwear.monitor.told_together import before_words, told_together
-from jointwear.monitor.words import todo
+from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.publishing.report.rendering import render_page
 
 BADGES = {

@@ -21,15 +21,15 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
 from jointwear.measurement.refused import Refused
-from jointwear.monitor.assembly import Piece, fingerprint
 from jointwear.monitor.fleet.plan import stamp_of
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.order_of_logs import in_order
-from jointwear.monitor.piece_files import read_pieces, write_pieces
 from jointwear.monitor.plan import READING_KEYS, window_seconds
-from jointwear.monitor.reading_stages import log_pieces, survey_logs
-from jointwear.monitor.survey import read_survey
-from jointwear.monitor.windows import WindowStatistics, blank_statistics
+from jointwear.monitor.reading.assembly import Piece, fingerprint
+from jointwear.monitor.reading.piece_files import read_pieces, write_pieces
+from jointwear.monitor.reading.reading_stages import log_pieces, survey_logs
+from jointwear.monitor.reading.survey import read_survey
+from jointwear.monitor.reading.windows import WindowStatistics, blank_statistics
 from jointwear.running.script import with_suggestion
 
 #: Logs between two saves: what a run that is killed has to read again at most.

@@ -14,7 +14,7 @@ from jointwear.monitor.fleet.ranking import STALE_AFTER_HOURS, as_of, ranked
 from jointwear.monitor.fleet.table import write_table
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.outbox import Outbox
-from jointwear.monitor.standing import rows_of
+from jointwear.monitor.presentation.standing import rows_of
 
 
 def read_rows(batches: Sequence[str | Path]) -> list[dict]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.timestamps import stamp
-from jointwear.monitor.condition import UNJUDGED
+from jointwear.monitor.presentation.condition import UNJUDGED
 
 #: What each column holds is told in docs/howto/fleet.md.
 COLUMNS = (

@@ -13,17 +13,17 @@ from jointwear.files.digests import digest
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import write_json
 from jointwear.files.text_files import remove
-from jointwear.monitor.condition import CHANGED, HEALTHY, UNRESOLVED
 from jointwear.monitor.fleet.folders import namesakes, own_folder
 from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.ranking import asks
 from jointwear.monitor.fleet.reading import Readings
+from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.made_with import model_of
-from jointwear.monitor.page import write_page
-from jointwear.monitor.recall import read_recall, write_recall
+from jointwear.monitor.normal.recall import read_recall, write_recall
+from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNRESOLVED
+from jointwear.monitor.presentation.page import write_page
+from jointwear.monitor.presentation.standing import NOTHING, standing
 from jointwear.monitor.stages import judge_pieces
-from jointwear.monitor.standing import NOTHING, standing
-from jointwear.monitor.state import read_state
 from jointwear.running.modules import code_of
 from jointwear.running.script import with_suggestion
 
@@ -58,7 +58,7 @@ def watch_robot(
     Returns
     -------
     dict : `robot`, `folder`, `result` (judged or refused), `reason` of a refusal or of logs that cannot be reached,
-        `logs_read` by this call, and what :func:`~jointwear.monitor.standing.standing` says.
+        `logs_read` by this call, and what :func:`~jointwear.monitor.presentation.standing.standing` says.
     """
     own = folder / name
     row = {"robot": name, "folder": own.name, "result": "judged", "logs_read": 0, **NOTHING, "reason": unreachable}

@@ -13,7 +13,7 @@ from jointwear.measurement.clock import Clock, Ordered, part_of
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.measurement.turns import unwrapped
-from jointwear.monitor.baseline import baseline_of
+from jointwear.monitor.judging.baseline import baseline_of
 from jointwear.monitor.plan import window_seconds
 
 #: Longest piece of one stretch that is taken [s], so that many hours fit, and shortest that shows anything.

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.discovery.model.written_robot import WrittenRobot, simulate_robot
 from jointwear.discovery.pipeline import Discovery, discover
-from jointwear.discovery.written_robot import WrittenRobot, simulate_robot
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import write_json
 from jointwear.files.json_values import six_digits
 from jointwear.files.text_files import replace_text
+from jointwear.measurement.derived.motion import Measured, measure
 from jointwear.measurement.formats import layout_of
-from jointwear.measurement.motion import Measured, measure
 from jointwear.monitor.learned.gather import Piece, baseline_pieces
 from jointwear.monitor.learned.programs import programs_of
 from jointwear.monitor.learned.selection import FEWEST_PIECES, choose, recording_of

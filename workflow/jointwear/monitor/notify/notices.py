@@ -8,8 +8,8 @@ from datetime import tzinfo
 from typing import Any
 
 from jointwear.monitor.local_time import duration, log_time
-from jointwear.monitor.records import DETECTORS
-from jointwear.monitor.words import change_words, outlook_words
+from jointwear.monitor.presentation.words import change_words, outlook_words
+from jointwear.monitor.watching.records import DETECTORS
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.channels import send as send_through
 from jointwear.monitor.notify.notices import notices
 from jointwear.monitor.notify.outbox import Outbox
-from jointwear.monitor.standing import rows_of
+from jointwear.monitor.presentation.standing import rows_of
 
 
 def notify(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.estimate import Pooled
+from jointwear.monitor.normal.estimate import Pooled
 from jointwear.studies.monitor_study.charts import run_chart, thresholds_for
 from jointwear.studies.monitor_study.forecast import forecast
 from jointwear.studies.monitor_study.normal_period import Normal

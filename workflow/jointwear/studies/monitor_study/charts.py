@@ -1,7 +1,7 @@
 """Control chart of the study of the monitor: averages over the last 2 to 96 windows against the normal period.
 
 It judges the estimates of the monitor at one rate of false alarms with the other detectors, window by window. What the
-monitor itself decides by, shift by shift, is :mod:`jointwear.monitor.decision`.
+monitor itself decides by, shift by shift, is :mod:`jointwear.monitor.watching.decision`.
 
 For every length m of a grid the statistic is the mean change of the last m windows over its standard deviation, in
 which the error of the normal mean counts too,

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.monitor.estimate import Sums
-from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.normal.estimate import Sums
+from jointwear.monitor.reading.model import TorqueModel
 from jointwear.reproduction.wear import Wear
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link, Robot

@@ -1,7 +1,7 @@
 """Hours until the friction of an axis reaches a limit, growth law unknown, from window to window.
 
 The study of the monitor asks it of its estimates; what the monitor itself tells, from shift to shift, is
-:mod:`jointwear.monitor.shift_forecast`.
+:mod:`jointwear.monitor.watching.shift_forecast`.
 
 Bayesian average over growth laws f(t), each scaled to 1 at the time of issue so that its factor A is the growth of
 now, with the same flat prior A > 0 for all:
@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import log_ndtr, ndtr
 
-from jointwear.monitor.shift_forecast import Forecast
+from jointwear.monitor.watching.shift_forecast import Forecast
 
 #: Exponents of the power laws: from straight to the steep growth before a failure.
 EXPONENTS = tuple(np.geomspace(1.0, 6.0, 10))

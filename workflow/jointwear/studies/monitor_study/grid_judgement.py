@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.json_documents import write_json
-from jointwear.monitor.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.judge import judge
-from jointwear.monitor.judge_settings import settings_of
-from jointwear.monitor.model import TorqueModel
-from jointwear.monitor.windows import WindowStatistics
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.judging.judge_settings import settings_of
+from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.reproduction.grid import worn_runs
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.robots.trajectory import Motion, load_task

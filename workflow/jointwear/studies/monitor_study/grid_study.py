@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.files import provenance
 from jointwear.files.storage import Variable, read_variables, write_dataset
-from jointwear.monitor.estimate import Sums
+from jointwear.monitor.normal.estimate import Sums
 from jointwear.reproduction.grid import Cell, by_cell, worn_runs
 from jointwear.robots.robot import load_robot
 from jointwear.robots.trajectory import load_task

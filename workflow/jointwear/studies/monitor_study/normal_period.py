@@ -1,6 +1,6 @@
 """What the normal period teaches the charts of the study: mean and scatter of its windows, and how long they remember.
 
-The monitor itself learns a normal state under temperature, load and speed instead: :mod:`jointwear.monitor.learning`.
+The monitor itself learns a normal state under temperature, load and speed instead: :mod:`.learning`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.estimate import Pooled, Sums, column_estimate, pool_windows
+from jointwear.monitor.normal.estimate import Pooled, Sums, column_estimate, pool_windows
 
 #: Lags [windows] over which the correlation of normal windows is looked at, and laws that are tried for its decay.
 LAGS, MEMORIES = 24, np.array([0.3, 0.6, 0.8, 0.9, 0.95, 0.98])
@@ -42,7 +42,7 @@ def learn_normal(sums: Sums, scale: np.ndarray) -> Normal:
 
     Parameters
     ----------
-    sums : of the normal period alone. scale : (n, 5), :func:`jointwear.monitor.estimate.prior_scale`.
+    sums : of the normal period alone. scale : (n, 5), :func:`jointwear.monitor.normal.estimate.prior_scale`.
     """
     pooled = pool_windows(sums, scale)
     raw, white = column_estimate(sums, pooled.held, pooled.free, pooled.variance)

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from jointwear.files.storage import open_dataset, read_variable
-from jointwear.monitor.estimate import Sums, change_columns, prior_scale
-from jointwear.monitor.model import TorqueModel
+from jointwear.monitor.normal.estimate import Sums, change_columns, prior_scale
+from jointwear.monitor.reading.model import TorqueModel
 from jointwear.reproduction.wear import Wear
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.estimate import Sums
-from jointwear.monitor.locate import axis_probability
+from jointwear.monitor.normal.estimate import Sums
+from jointwear.monitor.watching.locate import axis_probability
 from jointwear.studies.monitor_study.charts import Trace, run_chart, thresholds_for
 from jointwear.studies.monitor_study.normal_period import Normal, coulomb_estimates
 

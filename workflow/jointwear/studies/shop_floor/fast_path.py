@@ -16,12 +16,12 @@ from scipy.signal import butter, sosfiltfilt
 
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.accumulate import WindowSettings, moving, window_statistics
-from jointwear.monitor.carried import with_loads
-from jointwear.monitor.model import ModelTorque, TorqueModel
-from jointwear.monitor.reversals import reach_of
-from jointwear.monitor.survey import Survey, guard_of, survey_log
-from jointwear.monitor.windows import WindowStatistics, merge
+from jointwear.monitor.reading.accumulate import WindowSettings, moving, window_statistics
+from jointwear.monitor.reading.carried import with_loads
+from jointwear.monitor.reading.model import ModelTorque, TorqueModel
+from jointwear.monitor.reading.reversals import reach_of
+from jointwear.monitor.reading.survey import Survey, guard_of, survey_log
+from jointwear.monitor.reading.windows import WindowStatistics, merge
 from jointwear.robots.robot import Robot
 from jointwear.studies.shop_floor.arms import robot_data, robot_of
 from jointwear.studies.shop_floor.cell import Cell
@@ -152,11 +152,11 @@ class _JobLoads:
     square: np.ndarray
 
     def unit(self, rows: np.ndarray) -> np.ndarray:
-        """See :class:`jointwear.monitor.carried.UnitTorques`."""
+        """See :class:`jointwear.monitor.reading.carried.UnitTorques`."""
         return self._parts(rows).sum(axis=0)
 
     def torque(self, rows: np.ndarray, moments: np.ndarray) -> np.ndarray:
-        """See :class:`jointwear.monitor.carried.UnitTorques`."""
+        """See :class:`jointwear.monitor.reading.carried.UnitTorques`."""
         return np.einsum("smkn,mk->smn", self._parts(rows), moments)
 
     def _parts(self, rows: np.ndarray) -> np.ndarray:

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.monitor.backlash import BACKLASH
-from jointwear.monitor.baseline import choose_baseline
-from jointwear.monitor.judge import judge
-from jointwear.monitor.judge_settings import settings_of
+from jointwear.monitor.judging.baseline import choose_baseline
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.judging.judge_settings import settings_of
+from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.studies.shop_floor.cell import SEEDS, draw_cell
 from jointwear.studies.shop_floor.fast_path import nominal_robot, statistics_of
 from jointwear.studies.shop_floor.gear import Wear

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.monitor.baseline import choose_baseline
-from jointwear.monitor.judge import judge
-from jointwear.monitor.judge_settings import settings_of
-from jointwear.monitor.records import UNJUDGED
-from jointwear.monitor.windows import WindowStatistics
+from jointwear.monitor.judging.baseline import choose_baseline
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.judging.judge_settings import settings_of
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.records import UNJUDGED
 from jointwear.studies.shop_floor.cell import Cell
 from jointwear.studies.shop_floor.fast_path import nominal_robot
 from jointwear.studies.shop_floor.month import BASELINE_DAYS, DAY

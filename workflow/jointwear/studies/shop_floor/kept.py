@@ -9,9 +9,9 @@ from typing import Any
 from jointwear.files.errors import InputError
 from jointwear.files.storage import open_dataset
 from jointwear.measurement.refused import Refused
-from jointwear.monitor.survey import Survey
-from jointwear.monitor.window_files import read_statistics, write_statistics
-from jointwear.monitor.windows import WindowStatistics
+from jointwear.monitor.reading.survey import Survey
+from jointwear.monitor.reading.window_files import read_statistics, write_statistics
+from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.studies.shop_floor.cell import Cell, draw_cell
 from jointwear.studies.shop_floor.fast_path import statistics_of, survey_of
 from jointwear.studies.shop_floor.plan import batch_of, robots_of

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 
-from jointwear.discovery.calibration import FEATURES, FILE, features
+from jointwear.discovery.search.calibration import FEATURES, FILE, features
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.studies.challenge.reliability import calibration_error
 

@@ -17,13 +17,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from jointwear.discovery.candidates import LINK_MASS, Dictionary, build_dictionary
-from jointwear.discovery.decide import decide
-from jointwear.discovery.outcome import Outcome
-from jointwear.discovery.saturated import estimate_noise
+from jointwear.discovery.estimates.outcome import Outcome
+from jointwear.discovery.problem.candidates import LINK_MASS, Dictionary, build_dictionary
+from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.unknown_inertia import build_with_motors
+from jointwear.discovery.problem.whitening import White, whiten
+from jointwear.discovery.search.decide import decide
 from jointwear.discovery.settings import REPORTED, USERS, Settings
-from jointwear.discovery.unknown_inertia import build_with_motors
-from jointwear.discovery.whitening import White, whiten
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.measurement.recording import split

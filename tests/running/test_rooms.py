@@ -1,0 +1,54 @@
+"""The rooms of the library, and those of its large rooms, import one way."""
+
+import ast
+from collections import defaultdict
+from graphlib import TopologicalSorter
+
+import pytest
+
+from jointwear.running.modules import LIBRARY
+
+
+def imported(path):
+    """The modules of the library that a file names in its imports, as parts of their dotted names."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            yield from (f"{node.module}.{name.name}".split(".") for name in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (name.name.split(".") for name in node.names)
+
+
+def arrows(room):
+    """Of each room and module that lies in a folder, those beside it that it imports."""
+    found = defaultdict(set)
+    depth = len(room.relative_to(LIBRARY.parent).parts)
+    for path in room.rglob("*.py"):
+        own = path.relative_to(LIBRARY.parent).with_suffix("").parts
+        if own[depth] == "__init__":
+            continue
+        for name in imported(path):
+            there = room / name[depth] if len(name) > depth else None
+            if tuple(name[:depth]) == own[:depth] and there and (there.is_dir() or there.with_suffix(".py").is_file()):
+                found[own[depth]].add(name[depth])
+        found[own[depth]].discard(own[depth])
+    return found
+
+
+def rooms():
+    return {p.name for p in LIBRARY.iterdir() if (p / "__init__.py").is_file()}
+
+
+@pytest.mark.parametrize("room", ["", *sorted(rooms() - {"studies"})])
+def test_what_a_room_holds_imports_one_way(room):
+    """Of the studies the page of the hidden-effect test also shows the tier that is made with its parts."""
+    order = set(TopologicalSorter(arrows(LIBRARY / room)).static_order())
+    assert room or order == rooms()
+
+
+def test_two_rooms_that_import_each_other_are_found(tmp_path, monkeypatch):
+    monkeypatch.setattr(f"{__name__}.LIBRARY", tmp_path / "jointwear")
+    for name, other in (("one", "two"), ("two", "one")):
+        folder = tmp_path / "jointwear/shop" / name
+        folder.mkdir(parents=True)
+        (folder / "part.py").write_text(f"from jointwear.shop.{other} import part\n")
+    assert arrows(tmp_path / "jointwear/shop") == {"one": {"two"}, "two": {"one"}}

@@ -1,0 +1,1 @@
+"""What an effect gains a fit, its refined parameters, and its size with an interval."""

@@ -1,0 +1,60 @@
+"""What was given up of the written models, told once for each model and joint: what was tried, and what was kept."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from jointwear.discovery.model.fallback import PutBack
+from jointwear.discovery.model.final_model import Final
+from jointwear.discovery.verdict import FallBack, Gap, GivenUp
+
+#: Between the steps that were taken one after the other.
+THEN = ", then "
+
+
+def told_fallbacks(final: Final, gap: Gap) -> tuple[FallBack, ...]:
+    """Return one entry for each model and axis, with the steps in their order and what is written in the end.
+
+    Parameters
+    ----------
+    gap : errors of the files on held-out motion.
+    """
+    found: dict[tuple[str, int], list[PutBack]] = {}
+    for one in final.fallbacks:
+        found.setdefault((one.model, one.axis), []).append(one)
+    result = []
+    for (model, axis), steps in sorted(found.items()):
+        given, written = gap.nominal[axis - 1], getattr(gap, model)[axis - 1]
+        result.append(
+            FallBack(
+                model=model,
+                axis=axis,
+                ratio=steps[0].ratio,
+                step=THEN.join(dict.fromkeys(s.step for s in steps)),
+                steps=tuple(GivenUp(s.step, s.ratio) for s in steps),
+                kept=_kept(final, model, axis - 1, steps),
+                held_out=float(f"{written / given:.4g}") if given and written is not None else None,
+            )
+        )
+    return tuple(result)
+
+
+def _kept(final: Final, model: str, axis: int, steps: list[PutBack]) -> str:
+    """Return in words what a file holds for a 0-based axis on which these steps were taken."""
+    augmented = model == "augmented"
+    drive = (final.delta_friction if augmented else final.retuned_friction)[axis]
+    links = final.delta_inertial if augmented else final.retuned_inertial
+    effects = [e.named.candidate.effect for e in final.estimates if e.named.candidate.axis in (axis, None)]
+    felt = ", but for what this joint feels" if any(s.held for s in steps) and np.any(links) else ""
+    words = [
+        f"friction and motor inertia {_as(drive, any(s.in_part for s in steps))}",
+        f"inertia of the links {_as(links)}{felt}",
+    ]
+    return ", ".join(words + (list(dict.fromkeys(effects)) if augmented else []))
+
+
+def _as(change: Collection[float], in_part: bool = False) -> str:
+    fitted = "in part as fitted" if in_part else "as fitted"
+    return fitted if np.any(change) else "as given"

@@ -1,0 +1,1 @@
+"""The page and the chapter of one data set, and their figures."""

@@ -1,0 +1,247 @@
+"""The page of one data set: where, what, before and after, gap; plain words first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from jointwear.discovery.presentation.drawing import draw_all
+from jointwear.effects import library
+from jointwear.files.documents import read_yaml
+from jointwear.files.json_documents import read_json
+from jointwear.files.text_files import replace_text
+from jointwear.files.wording import numbered
+from jointwear.publishing.report.inline import inline_svg
+from jointwear.publishing.report.numbers import number, percent, with_std
+from jointwear.publishing.report.rendering import render_page
+
+_WORDS = {
+    "none": "Nothing is missing",
+    "retuned": "Parameters are wrong, no effect is missing",
+    "effects": "The model lacks an effect",
+    "unknown": "Part of the disagreement has no name",
+}
+_PARAMETERS = {
+    "coulomb_positive": "positive Coulomb friction",
+    "coulomb_negative": "negative Coulomb friction",
+    "viscous": "viscous friction",
+}
+#: Share of the error of the given robot below which a gap is too narrow for a part of it to be told.
+NARROW = 0.05
+
+
+def lead(content: dict[str, Any]) -> list[str]:
+    """Return the verdict in sentences."""
+    effects = library()
+
+    def name(e: dict[str, Any]) -> str:
+        where = "on the whole arm" if e["axis"] is None else f"on joint {e['axis']}"
+        source = f", from joint {e['source_axis']}" if e["source_axis"] else ""
+        return f"{effects[e['effect']].phrase} {where}{source}"
+
+    named = [name(e) for e in content["effects"]]
+    sentences = []
+    if content["verdict"] == "none":
+        sentences.append("No effect is missing and no parameter needs to change.")
+    elif content["verdict"] == "retuned":
+        sentences.append("No effect is missing; parameters of terms that the model has are wrong.")
+    elif content["verdict"] == "effects":
+        sentences.append(f"The model lacks {'; '.join(named)}.")
+    elif named:
+        sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
+    else:
+        sentences.append("There is structure beyond the noise that no effect of the library explains.")
+    if content["verdict"] != "unknown" or content["above_the_noise"]:
+        sentences.append(_what_is_left(content))
+    if content["suspects"]:
+        suspects = "; ".join(name(e) for e in content["suspects"])
+        sentences.append(f"Suspects on joints that stay unexplained: {suspects}.")
+    closed = _closed(content["gap"])
+    if closed is not None:
+        alone, augmented = (
+            f"closes {percent(share)}" if share >= 0 else f"widens it by {percent(-share)}" for share in closed
+        )
+        sentences.append(
+            f"The gap between model and noise on held-out motion: retuning alone {alone}, "
+            f"the augmented model {augmented}{_beside_it(content['verdict'], closed[1])}."
+        )
+    return sentences
+
+
+def _beside_it(verdict: str, closed: float) -> str:
+    """Say how what has no name can be there though nearly all of the gap is closed, empty where that is no question."""
+    if verdict != "unknown" or closed < 1 - NARROW:
+        return ""
+    return "; what has no name is small beside that gap, but more than noise"
+
+
+def _what_is_left(content: dict[str, Any]) -> str:
+    """Say whether the held-out error is down to the noise, and where it is not."""
+    if content["to_the_noise"]:
+        return "On held-out motion nothing beyond the noise is left."
+    above = [f"{a['ratio']:.2g} times on joint {a['axis']}" for a in content["above_the_noise"]]
+    if not above:
+        return "The held-out error could not be compared with the noise."
+    return f"The error on held-out motion stays above the noise: {', '.join(above)}."
+
+
+def heading(content: Mapping[str, Any]) -> str:
+    """Return the verdict as a heading that says where more than noise is left, structure told or not."""
+    words = _WORDS[content["verdict"]]
+    axes = [a["axis"] for a in content["above_the_noise"]]
+    if content["verdict"] == "unknown" or not axes:
+        return words
+    return f"{words}, and more than noise is left on {numbered('joint', axes)}"
+
+
+def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
+    """Return the closed part of the gap by retuning and by the augmented model, on the root sum of squares."""
+    total = {}
+    for kind in ("nominal", "retuned", "augmented", "noise_floor"):
+        total[kind] = sum(
+            v**2 for v, n, f in zip(gap[kind], gap["nominal"], gap["noise_floor"], strict=True) if None not in (v, n, f)
+        )
+    root = {k: v**0.5 for k, v in total.items()}
+    width = root["nominal"] - root["noise_floor"]
+    if width <= NARROW * root["nominal"]:
+        return None
+    return tuple(1 - (root[k] - root["noise_floor"]) / width for k in ("retuned", "augmented"))
+
+
+def body_in_words(effect: Mapping[str, Any]) -> str:
+    """Return an effect given by mass and first moments as a body: mass [kg] with its standard deviation, centre of mass
+    [mm] and moments of inertia about it [kg m2]; empty for others.
+    """
+    value = {name: p["value"] for name, p in effect["parameters"].items()}
+    if not {"mass", "moment_x", "moment_y", "moment_z", "xx", "yy", "zz"} <= set(value) or value["mass"] <= 0:
+        return ""
+    com = [value[f"moment_{x}"] / value["mass"] for x in "xyz"]
+    # Steiner: from the origin of the link to the centre of mass.
+    square = sum(x * x for x in com)
+    moments = [value[k] - value["mass"] * (square - x * x) for k, x in zip(("xx", "yy", "zz"), com, strict=True)]
+    std = effect["parameters"]["mass"].get("std")
+    return (
+        f"{with_std(value['mass'], std)} kg with its centre of mass at "
+        f"({', '.join(number(1e3 * x) for x in com)}) mm in the frame of the last link, "
+        f"moments of inertia about it {', '.join(number(x) for x in moments)} kg m²."
+    )
+
+
+def parameter_words(key: str) -> str:
+    """Return a parameter of a robot file as readers know it."""
+    return _PARAMETERS.get(key, key.replace("_", " "))
+
+
+def meaning(effect: str, parameter: str) -> str:
+    """Return what a parameter of an effect is, with its symbol in the equation; empty where the effect says nothing."""
+    return next((p.description for p in library()[effect].parameters if p.name == parameter), "")
+
+
+def joint_table(content: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return one row per joint: what was named, corrected and left, and the part of the gap that each model leaves."""
+    effects, gap = library(), content["gap"]
+    whole = [effects[e["effect"]].phrase for e in content["effects"] if e["axis"] is None]
+    rows = []
+    for axis in range(1, len(gap["nominal"]) + 1):
+        named = [
+            effects[e["effect"]].phrase + (f" from joint {e['source_axis']}" if e["source_axis"] else "")
+            for e in content["effects"]
+            if e["axis"] == axis
+        ]
+        left = [u["argument"] for u in content["unexplained"] if u["axis"] == axis]
+        if not left:
+            above = (a["ratio"] for a in content["above_the_noise"] if a["axis"] == axis)
+            left = [f"error {number(ratio)} times the noise" for ratio in above]
+        retuned = [parameter_words(r["parameter"]) for r in content["retuned"] if r["axis"] == axis]
+        k = axis - 1
+        better = None
+        if gap["retuned"][k] and gap["augmented"][k]:
+            better = gap["retuned"][k] / gap["augmented"][k]
+        rows.append({"axis": axis, "named": named + whole, "left": left[:3], "retuned": retuned, "better": better})
+    return rows
+
+
+def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
+    """Return for every joint on which a model was put back why, what went back in which order, and what is written.
+
+    Models of which all that is the same are told together.
+    """
+    models: dict[tuple, list[str]] = {}
+    for f in content["fallbacks"]:
+        steps = tuple((s["step"], s["ratio"]) for s in f["steps"])
+        models.setdefault((f["axis"], steps, f["kept"], f["held_out"]), []).append(f["model"])
+    told, still = [], {u["axis"] for u in content["unexplained"]}
+    for (axis, steps, kept, held_out), names in sorted(models.items(), key=lambda found: found[0][0]):
+        put_back = "; ".join(
+            step if k == 0 else f"then, at {number(ratio)} times, {step}" for k, (step, ratio) in enumerate(steps)
+        )
+        first = steps[0][1]
+        why = f"as fitted, its error on records left out was {number(first)} times that of the given robot"
+        if max(ratio for _, ratio in steps) <= 1.0:
+            stands_in = "it stands in for what stays unexplained there and may be worse in the next recording"
+            why += f", but {stands_in if axis in still else 'it gains in some stretches of time and loses in others'}"
+        end = "" if held_out is None else f" On held-out motion it has {number(held_out)} times the given error."
+        told.append(
+            f"Joint {axis}, {' and '.join(sorted(names))} model{'s' if len(names) > 1 else ''}: {why}. Put back: "
+            f"{put_back}. The file holds: {kept}.{end}"
+        )
+    return told
+
+
+def compare_published(content: Mapping[str, Any], published: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return published values beside those found; `found` is None where the effect was not named."""
+    rows = []
+    for entry in published["values"]:
+        same = [
+            e
+            for e in content["effects"]
+            if (e["effect"], e["axis"], e["source_axis"]) == (entry["effect"], entry["axis"], entry.get("source_axis"))
+        ]
+        found = same[0]["parameters"].get(entry["parameter"]) if same else None
+        rows.append({**entry, "found": found["value"] if found else None, "std": found["std"] if found else None})
+    return rows
+
+
+def write_page(
+    verdict: str | Path,
+    where: str | Path,
+    models: str | Path,
+    output: str | Path,
+    figures: str | Path,
+    published: str | Path | None = None,
+) -> None:
+    """Write the page of one data set.
+
+    Parameters
+    ----------
+    figures : folder for its SVG files. published : YAML file with values that others found, or None.
+    """
+    content = read_json(verdict)
+    files = draw_all(verdict, where, models, figures)
+    effects = library()
+    untried = {n["effect"] for n in content["not_tried"]}
+    single = [n for n in content["not_identifiable"] if len(n["effects"]) == 1 and n["effects"][0] not in untried]
+    pairs = [n for n in content["not_identifiable"] if len(n["effects"]) > 1]
+    context = {
+        "content": content,
+        "heading": heading(content),
+        "lead": lead(content),
+        "library": effects,
+        "number": number,
+        "figures": {name: inline_svg(path, name.replace("_", "-")) for name, path in files.items()},
+        "files": {name: Path(path).relative_to(Path(output).parent).as_posix() for name, path in files.items()},
+        "single": single,
+        "joints": joint_table(content),
+        "put_back": put_back_in_words(content),
+        "parameter_words": parameter_words,
+        "meaning": meaning,
+        "body": body_in_words,
+        "published": None,
+        "pairs": pairs,
+        "weak": list(dict.fromkeys(effects[n["effects"][0]].phrase for n in single)),
+    }
+    if published is not None:
+        others = read_yaml(str(published))
+        context["published"] = {**others, "rows": compare_published(content, others)}
+    replace_text(output, render_page("discover.html.j2", context))

@@ -1,0 +1,74 @@
+"""What structure without a name would explain if it stood in the place of a name."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.discovery.estimates.outcome import Named, Outcome
+from jointwear.discovery.linear import gain
+from jointwear.discovery.problem.candidates import LINK_MASS, of_bases, resolved_bases
+from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.discovery.structure import Basis
+from jointwear.effects import get_effect
+
+#: Priors of the size of a structure, over the `usual` share of the friction of its axis: decades and halves of them,
+#: from what noise hides to several times the friction. All are as likely.
+SIZES = np.logspace(-2, 1, 7)
+
+
+def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float] | None:
+    """Return the structure of one joint over one argument that explains more than a name does in its place, or None.
+
+    A form that is right needs a few parameters where structure has one for each knot, and pays for them: structure over
+    an argument, any of those that leftovers are tested over, then explains less. Where it explains more, by `accept`,
+    the torque follows that argument and the name has only come close to it: a name is taken back for as much evidence
+    as it is given for. Its torque may be off by `form_error`, which costs the square of that of its own nats; an effect
+    of the whole arm is asked on every joint that it moves. Structure over the argument of the effect itself is no
+    rival: what it does better is the form. Nor is structure that explains as much beside the name: that is something
+    else, which does not take its place.
+
+    Returns
+    -------
+    the structure, its 0-based axis and the nats by which it is ahead.
+    """
+    white = outcome.white
+    rest = [n for n in outcome.named if n is not one]
+    before = [*with_tolerances(white, rest), *white.attenuation]
+    fit = white.fit(before)
+    # What noise takes off fitted inertias may stand for all of a torque constant, and what is left of the name is the
+    # price of its tolerance: then there is nothing that structure could explain in its place.
+    beside = white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation])
+    own, settings = max(beside.evidence - fit.evidence, 0.0), outcome.problem.settings
+    needed = settings.accept + settings.form_error**2 * own
+    best = None
+    for axis in asked_of(one):
+        rivals = [basis for basis in resolved_bases(white, axis) if not of_its_form(one, basis.argument)]
+        for basis, seen in of_bases(white, fit, axis, rivals):
+            nats = _nats(outcome, axis, seen.b, seen.gram)
+            if nats - own <= (needed if best is None else best[2]):
+                continue
+            if nats - _nats(outcome, axis, *beside.gram({axis: seen.columns})) > settings.accept:
+                best = basis, axis, nats - own
+    return best
+
+
+def asked_of(one: Named) -> list[int]:
+    """Return the 0-based axes on which structure may stand for an effect: its own, or all that it moves."""
+    if one.candidate.effect == LINK_MASS:
+        return []
+    return sorted(one.term.blocks) if get_effect(one.candidate.effect).whole_arm else [one.candidate.axis]
+
+
+def of_its_form(one: Named, argument: str) -> bool:
+    """Return whether structure is over the argument of the effect itself, in whatever sense of motion."""
+    own = get_effect(one.candidate.effect).argument
+    return own.split(" x ")[0] == argument.split(" x ")[0] and " of joint " not in argument
+
+
+def _nats(outcome: Outcome, axis: int, b: np.ndarray, gram: np.ndarray) -> float:
+    """Return the evidence [nats] that structure over an argument adds to a fit, averaged over :data:`SIZES`.
+
+    `b` (k,) and `gram` (k, k) are of :meth:`Fit.gram`.
+    """
+    size = outcome.problem.settings.usual * outcome.problem.scale[axis] * np.ones(len(b))
+    return float(np.logaddexp.reduce([gain(b, gram, share * size) for share in SIZES]) - np.log(len(SIZES)))

@@ -1,0 +1,161 @@
+"""Noise that is slower than the saturated fit can tell, asked anew beside what was found.
+
+A fit with 240 columns leaves a fifth of the noise below 1 Hz, of records of 15 s a handful of waves: how dense slow
+noise is beside white noise they do not tell. Where structure without a name or a weak name rests on that, the noise is
+looked at beside a small fit: the base regression, what was named, and the basis that describes an axis best. If what is
+left is denser below 2 Hz than the noise was taken to be, it is noise, up to what a sensor's may be, and the search is
+run again. Where most joints have more than that, in a log whose rate is so low that a noise model looks back as far as
+any noise remembers, it is the noise of that log. In others a wind has it on all joints too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from jointwear.discovery import assumed
+from jointwear.discovery.estimates.outcome import Outcome
+from jointwear.discovery.linear import Fit
+from jointwear.discovery.noise.noise import HIGHEST_ORDER_DERIVED, Whitener, simulate, whitenable
+from jointwear.discovery.noise.noise_spectrum import (
+    CELLS,
+    DRAWS,
+    EDGES,
+    POINTS,
+    band_freedom,
+    band_power,
+    most_of_noise,
+    of_density,
+    quick_band,
+    reddest_noise,
+    slowest_pole,
+    steadied,
+)
+from jointwear.discovery.problem.whitening import White, whiten
+from jointwear.discovery.search.leftovers import LINE, structure_terms
+from jointwear.discovery.search.tolerance import with_tolerances
+
+#: How often the search is run again at most: each time less is held beside the noise.
+ROUNDS = 3
+#: Price of an order of the noise model, none: slow noise beside white noise has a long tail of small coefficients,
+#: which say little of the next sample and much of what is slow.
+PRICE = 0.0
+
+
+def beside_slow_noise(white: White, ask: Callable[[White], Outcome]) -> Outcome:
+    """Return what `ask` finds in whitened data, asked again for as long as slow noise may stand for some of it.
+
+    Slow noise stands for structure and weak names: where a name of `weak_nats` would go with them it is no explanation.
+    """
+    outcome = ask(white)
+    weak_nats = white.problem.settings.weak_nats
+    for _ in range(ROUNDS):
+        slower = slower_noise(outcome)
+        if slower is None:
+            break
+        again = ask(whiten(outcome.problem, slower))
+        strong = {n.candidate.key for n in outcome.named if n.evidence >= weak_nats}
+        if not strong <= {n.candidate.key for n in again.named}:
+            break
+        outcome = again
+    return outcome
+
+
+def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
+    """Return the noise models with more slow noise on the axes where it may stand for what was found, or None for none.
+
+    Asked are axes with structure and those of names of less than `weak_nats`. What swings at one frequency is no
+    sensor's noise: an axis on which a line over time is nearly all of the structure is left as it is, but in a log
+    whose noise is slow: what is slow swings at some frequency in every record.
+    """
+    white, settings = outcome.white, outcome.problem.settings
+    weak = [n for n in outcome.named if n.evidence < settings.weak_nats]
+    # Of the structure of an axis only the strongest is held: many bases together take slow noise off again.
+    strongest = {u.axis: u for u in sorted(outcome.unexplained, key=lambda u: u.nats)}
+    lines = [u for u in outcome.unexplained if u.argument == LINE]
+    asked = strongest.keys() | {axis for n in weak for axis in n.term.blocks}
+    # Further back than its order no noise model looks: in a log of a higher rate what forgets so slowly may be a wind.
+    told = white.problem.measured.rate * assumed.longest_memory() <= HIGHEST_ORDER_DERIVED
+    swings = {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
+    if not told:
+        asked -= swings
+    if not asked:
+        return None
+    beside = replace(outcome, unexplained=list(strongest.values()))
+    terms = [*with_tolerances(white, outcome.named), *white.attenuation]
+    fit = white.fit(terms + [t for axis in sorted(strongest) for t in structure_terms(beside, axis)])
+    dense, of_log = _densities(white, fit, white.problem.judged if told else sorted(asked), told)
+    if not of_log:
+        asked -= swings
+    whiteners = list(white.whiteners)
+    for axis in sorted(asked):
+        found, times = _slower(white, axis, dense[axis])
+        # A chi-square of that much more noise is that much smaller, and so is the logarithm of its p-value. Before the
+        # price of complexity and search `accept` asks for twice as many nats.
+        surest = min((u.p_value for u in outcome.unexplained if u.axis == axis), default=1.0)
+        stands = [np.log(surest) / np.log(settings.unexplained_p)] if axis in strongest else []
+        over = [n.evidence - settings.accept for n in weak if axis in n.term.blocks]
+        stands += [1.0 + 0.5 * nats / settings.accept for nats in over]
+        if min(stands) < times:
+            whiteners[axis] = found
+    return whiteners if any(a is not b for a, b in zip(whiteners, white.whiteners, strict=True)) else None
+
+
+def _densities(white: White, fit: Fit, axes: Sequence[int], told: bool) -> tuple[dict[int, np.ndarray], bool]:
+    """Return the density (k,) of the noise of axes with the slow noise that a fit leaves, up to a sensor's.
+
+    And whether most of them have more of it than that, where that is `told` by a log. Then noise may forget as slowly
+    as any, and as the axes have it in the middle each has it at least: beside the structure that is held on an axis
+    little of it is left there.
+    """
+    rate = white.problem.measured.rate
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    models = {axis: white.whiteners[axis].density(frequency, rate) for axis in axes}
+    dense = {axis: model * _louder(white, fit, axis) for axis, model in models.items()}
+    most = {axis: most_of_noise(model, frequency) for axis, model in models.items()}
+    if not told or 2 * sum(np.any(dense[axis] > most[axis]) for axis in models) <= len(models):
+        return {axis: np.minimum(dense[axis], most[axis]) for axis in models}, False
+    slow = frequency < quick_band()[0]
+    reddest = {axis: reddest_noise(model, frequency, rate) for axis, model in models.items()}
+    alike = np.median([dense[axis] / reddest[axis] for axis in models], axis=0)
+    for axis, model in reddest.items():
+        dense[axis][slow] = np.minimum(np.maximum(dense[axis], alike * model), model)[slow]
+    return dense, True
+
+
+def _louder(white: White, fit: Fit, axis: int) -> np.ndarray:
+    """Return how many times as dense as in the noise model of one axis the slow noise is that a fit leaves (k,)."""
+    problem, model = white.problem, white.whiteners[axis]
+    rate, label, rows = problem.measured.rate, problem.measured.trajectory[problem.train], model.rows
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    rng = np.random.default_rng(np.random.SeedSequence([9, len(model.lags)]))
+    drawn = model(simulate(model, label, DRAWS, rng))
+    design, index = fit.design[axis], fit.columns[axis]
+    left = drawn - design @ (fit.covariance[np.ix_(index, index)] @ (design.T @ drawn))
+    whole, kept, seen = (band_power(x, rows, label) for x in (drawn, left, fit.residual[axis][:, None]))
+    freedom = band_freedom(rows, label) * np.minimum(kept / whole, 1.0)
+    known = (kept > assumed.NOISE_LEFT * whole) & (freedom > 0.0)
+    if not known.any():
+        return np.ones(len(frequency))
+    centres, freedom = (0.5 * (EDGES[:-1] + EDGES[1:]) * 0.5 * rate / CELLS)[known], freedom[known]
+    ratio = np.log(np.maximum(seen, 1e-9) / kept)[known]
+    # Noise of one pole changes fourfold in an octave.
+    ratio = steadied(ratio, 2.0 / freedom, np.log(4.0) ** 2 * np.diff(np.log2(centres)))
+    # Above, the saturated fit leaves enough of the noise to tell.
+    quick = quick_band()[0]
+    slow = np.clip((quick - frequency) / (quick - assumed.slow()), 0.0, 1.0)
+    return np.exp(slow * np.interp(frequency, centres, ratio))
+
+
+def _slower(white: White, axis: int, dense: np.ndarray) -> tuple[Whitener, float]:
+    """Return the noise model of one axis of a density (k,), and how many times as dense as before slow noise is."""
+    problem, model = white.problem, white.whiteners[axis]
+    rate, label = problem.measured.rate, problem.measured.trajectory[problem.train]
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    density = model.density(frequency, rate)
+    radius = slowest_pole(rate)
+    found = of_density(np.maximum(density, dense), rate, HIGHEST_ORDER_DERIVED, len(model.rows), radius, PRICE)
+    times = float(np.max((found.density(frequency, rate) / density)[frequency < assumed.slow()]))
+    return Whitener(whitenable(problem.usable[:, axis], label, len(found.lags)), found.lags, found.sigma), times

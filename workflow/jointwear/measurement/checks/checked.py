@@ -1,0 +1,60 @@
+"""A recording with its derivatives, or the reason why it must not be judged."""
+
+from __future__ import annotations
+
+from jointwear.measurement.checks.axes_check import check_axes
+from jointwear.measurement.checks.checks import check_recording
+from jointwear.measurement.checks.clipped_torque import clipped_torques
+from jointwear.measurement.checks.derivative_checks import check_derivatives, check_rate
+from jointwear.measurement.checks.held_rows import check_rows_are_new
+from jointwear.measurement.checks.lasting_jumps import check_rows_follow
+from jointwear.measurement.checks.late_torque import check_delay
+from jointwear.measurement.checks.model_size import check_model_size, unusual_parameters
+from jointwear.measurement.checks.mounting import check_mounting
+from jointwear.measurement.checks.position_unit import check_position_unit, check_reach
+from jointwear.measurement.checks.silent_joints import moving_torques, silence_in_words
+from jointwear.measurement.checks.time_scale import check_time_scale
+from jointwear.measurement.checks.torque_follows import check_follows
+from jointwear.measurement.checks.torque_scale import check_scale, check_scale_of_one, thinned, torque_factors
+from jointwear.measurement.checks.unsigned_torque import check_torque_has_sign
+from jointwear.measurement.derived.jumps import jumps_in_words
+from jointwear.measurement.derived.motion import Measured
+from jointwear.measurement.derived.torque_spikes import spikes_in_words
+from jointwear.measurement.recording import Recording
+from jointwear.robots.robot import Robot
+
+#: What is told where the motion is too little for the question.
+UNASKED = "too little motion to tell whether sign, order, zero and side of the axes are those of the robot"
+
+
+def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
+    """Return what :func:`~.motion.measure` makes of a recording, and restrictions in words.
+
+    Raises
+    ------
+    Refused : with the first reason why the recording cannot belong to the robot as it stands; see the checks.
+    """
+    name = f"data set '{recording.name}'"
+    check_derivatives(recording, recording.trajectory, name)
+    check_rows_are_new(recording, recording.trajectory, name)
+    restrictions = [*unusual_parameters(robot), *check_recording(recording, robot)]
+    check_reach(recording.position, robot, name)
+    check_rows_follow(recording)
+    check_rate(recording, name)
+    measured = moving_torques(recording)
+    restrictions += [*jumps_in_words(measured.jumped), *spikes_in_words(measured.spiked), *silence_in_words(measured)]
+    check_torque_has_sign(recording.torque, measured, robot, name)
+    thin = thinned(measured)
+    check_position_unit(thin, robot, name, recording.units.get("position", ""))
+    # A torque in another unit looks like that of a motor or of another joint, which is asked next.
+    factors = torque_factors(recording, robot, measured)
+    restrictions += check_scale(factors)
+    check_mounting(name, robot, thin.parts, thin.usable)
+    check_time_scale(name, robot, thin.parts, thin.usable)
+    if not check_axes(name, robot, measured):
+        restrictions.append(UNASKED)
+    check_scale_of_one(factors)
+    check_model_size(measured, robot, name, behind_gears=recording.torque_kind == "link_sensor")
+    check_follows(measured, robot, name)
+    restrictions += check_delay(measured, robot, name)
+    return measured, [*restrictions, *clipped_torques(recording)]

@@ -1,0 +1,94 @@
+"""A clock that runs too fast or too slow, told from the torques of a motion: a rate that was stated wrongly.
+
+Where time is stretched by a factor, derived velocities fall by it and accelerations by its square, while positions and
+their gravity stay. So inertial torques of all joints are off by one factor. What the drives add in proportion to
+acceleration or speed tells nothing, because any motor inertia may be wrong by as much: it is left free.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jointwear.measurement.checks.axes_check import FAVOURS, best_reading, explained, total_left
+from jointwear.measurement.checks.axis_readings import INERTIAL_ERROR, Likelihood
+from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.robot import Robot
+
+#: Largest factor that is looked for, either way, and the step by which it is asked whether there is one.
+LARGEST, STEP = 4.0, 1.1
+#: How closely it is found, as a share of it.
+CLOSELY = 1e-3
+#: Powers of the factor in position, velocity, acceleration and torque.
+POWERS = np.array([0.0, 1.0, 2.0, 0.0])
+
+
+def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarray) -> None:
+    """Check that time passed as fast as the recording says.
+
+    Another clock has to be as much likelier as another zero, to fit better in size, to be likelier than every other
+    reading of the axes, and to change inertial torques by more than three standard deviations of a nominal model's
+    inertial parameters.
+
+    Parameters
+    ----------
+    name : of the data set or the log, for messages.
+    parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
+
+    Raises
+    ------
+    Refused : with the factor by which time runs too fast or too slow.
+    """
+    bodies = Dynamics(robot.without_drives())
+    stretch, nats, gained = _likeliest(bodies, parts, usable)
+    if _within_errors(stretch) or gained < FAVOURS["zero"]:
+        return
+    factor = float(np.exp(stretch))
+    # Loads that change within a log are likelier with far smaller bodies, and fit worse in size.
+    given, other = Dynamics(robot), parts * (factor**POWERS)[:, None]
+    before, after = (total_left(explained(given, p, usable), 1e-12) for p in (parts, other))
+    if not before > after:
+        return
+    if best_reading(bodies, parts, usable)[0] > nats:
+        return
+    raise Refused(
+        f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "
+        f"{_wrong(factor)}, as where a rate is stated wrongly",
+        f"multiply the time by {1 / factor:.3g}, or write it at the rate at which the samples were taken",
+    )
+
+
+def keeps_time(robot: Robot, parts: np.ndarray, usable: np.ndarray) -> bool:
+    """Return whether time passed as fast as it says, within what a nominal model's inertial parameters are wrong by.
+
+    Parameters
+    ----------
+    parts, usable : as of :func:`check_time_scale`, (m, 4, n) and (m, n).
+    """
+    return _within_errors(_likeliest(Dynamics(robot.without_drives()), parts, usable)[0])
+
+
+def _within_errors(log_factor: float) -> bool:
+    return abs(2.0 * log_factor) < np.log1p(3.0 * INERTIAL_ERROR)
+
+
+def _likeliest(bodies: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple[float, float, float]:
+    """Return the log of the factor by which time is likeliest stretched, its nats, and by how many it is likelier."""
+    from scipy.optimize import minimize_scalar
+
+    likelihood = Likelihood(bodies, FEWEST)
+
+    def nats(log_factor: float) -> float:
+        return likelihood(parts * np.exp(log_factor * POWERS)[:, None], usable)
+
+    step, far, as_read = np.log(STEP), np.log(LARGEST), nats(0.0)
+    slower, faster = nats(-step), nats(step)
+    if max(slower, faster) <= as_read:
+        return 0.0, as_read, 0.0
+    bounds = (0.0, far) if faster > slower else (-far, 0.0)
+    best = minimize_scalar(lambda x: -nats(x), bounds=bounds, method="bounded", options={"xatol": CLOSELY})
+    return float(best.x), -float(best.fun), -float(best.fun) - as_read
+
+
+def _wrong(factor: float) -> str:
+    return f"stretched by {factor:.3g}" if factor > 1 else f"compressed to {factor:.3g} of itself"

@@ -1,0 +1,1 @@
+"""What is no alarm of wear but must be told."""

@@ -1,0 +1,245 @@
+"""What is no alarm of wear but must be told: changed scales, a proposed service, programs, axes that moved together."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import name_axes
+from jointwear.monitor.findings.loud import loud_findings
+from jointwear.monitor.findings.thermometers import broken, other_unit
+from jointwear.monitor.local_time import duration
+from jointwear.monitor.normal.conditions import Conditions
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.another_robot import FEWEST_RISEN, MOST_AXES, Exchange
+from jointwear.monitor.watching.decision import NORMAL
+from jointwear.monitor.watching.scale import FEWEST_TOGETHER, ScaleStep
+from jointwear.monitor.watching.shared_error import FINDING
+from jointwear.monitor.watching.watching import Watch
+from jointwear.publishing.report.numbers import fixed
+
+#: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
+WITH_SCALE = 2
+#: Share of what an axis had grown by before it came back, above which it has grown again.
+AGAIN = 0.5
+#: Kind of a finding on a fall that may be a service, on a program that the baseline lacks, and on most axes together.
+FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
+
+
+def moment_words(statistics: WindowStatistics, seconds: float) -> str:
+    """Return a time as ISO 8601 UTC, or in hours of the log's clock."""
+    if statistics.dated:
+        return datetime.fromtimestamp(seconds, tz=UTC).strftime("%Y-%m-%dT%H:%MZ")
+    return f"{seconds / 3600:.4g} h"
+
+
+def findings_of(
+    statistics: WindowStatistics,
+    shift: np.ndarray,
+    baseline: np.ndarray,
+    level: Watch,
+    steps: Sequence[ScaleStep],
+    exchanges: Sequence[Exchange],
+    changed: np.ndarray,
+    conditions: Conditions,
+) -> list[dict[str, Any]]:
+    """Return the findings, each with `time` [s], `axes` (1-based), `kind` and `words` for the page.
+
+    Parameters
+    ----------
+    steps : changed scales. exchanges : of robots or drives. changed : (w, n) bool, axes with an open alarm of friction.
+    conditions : of all windows.
+    """
+    explained = {(s.axis, s.window) for s in steps} | {(j, one.window) for one in exchanges for j in one.axes}
+    found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained)
+    found += [_exchanged(statistics, level, one) for one in exchanges]
+    found += _at_once(statistics, shift, level, explained)
+    found += _programs(statistics, conditions, baseline, level)
+    found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
+    found += other_unit(statistics, baseline) + broken(statistics, baseline)
+    events = [[s.window for s in starts if not s.proposed] for starts in level.starts]
+    found += loud_findings(statistics, shift, baseline, events)
+    return sorted(found, key=lambda f: f["time"])
+
+
+def _scales(
+    statistics: WindowStatistics, shift: np.ndarray, steps: Sequence[ScaleStep], changed: np.ndarray
+) -> list[dict[str, Any]]:
+    """One finding for each moment at which scales changed, with the axes that alarmed at that time."""
+    onset = [np.flatnonzero(c)[0] if c.any() else None for c in changed.T]
+    result = []
+    for window in sorted({s.window for s in steps}):
+        here = [s for s in steps if s.window == window]
+        time = float(statistics.start[window])
+        axes, factor = [s.axis + 1 for s in here], float(np.mean([s.factor for s in here]))
+        words = (
+            f"The scale of the torque of {name_axes(axes)} changed by {factor:.3g}: a gain, a unit or a torque "
+            "constant, no wear. It is learnt anew from there; enter the event as 'sensor'."
+        )
+        others = [j + 1 for j, k in enumerate(onset) if k is not None and j + 1 not in axes]
+        others = [a for a in others if 0 <= shift[onset[a - 1]] - shift[window] <= WITH_SCALE]
+        if others:
+            words += f" The friction of {name_axes(others)} rose with it: look at the gain there before the gear."
+        result.append({"time": time, "axes": axes, "kind": "scale", "words": words})
+    return result
+
+
+def _services(statistics: WindowStatistics, level: Watch, explained: set[tuple[int, int]]) -> list[dict[str, Any]]:
+    result = []
+    for j, starts in enumerate(level.starts):
+        for start in starts:
+            if start.proposed and (j, start.window) not in explained:
+                time = float(statistics.start[start.window])
+                words = fell_words([j + 1])
+                # Any later event of the axis closes what was before it.
+                told = any(not later.proposed and later.window >= start.window for later in starts)
+                answered = {"answered": True} if told else {}
+                result.append({"time": time, "axes": [j + 1], "kind": FELL, "words": words, "fell": True, **answered})
+    return result
+
+
+def _at_once(
+    statistics: WindowStatistics, shift: np.ndarray, level: Watch, explained: set[tuple[int, int]]
+) -> list[dict[str, Any]]:
+    """One finding for the first two shifts in which most axes begin to alarm or fall, each by itself."""
+    begins = [
+        (int(shift[k]), int(k), j, rose)
+        for j, starts in enumerate(level.starts)
+        for k, rose in [
+            *((k, True) for k in np.flatnonzero(level.alarm[:, j])[:1]),
+            *((s.window, False) for s in starts if s.proposed and (j, s.window) not in explained),
+        ]
+    ]
+    for name in sorted({b[0] for b in begins}):
+        here = [b for b in begins if 0 <= b[0] - name <= 1]
+        rose, fell = (sorted({j + 1 for _, _, j, up in here if up == wanted}) for wanted in (True, False))
+        axes = sorted({*rose, *fell})
+        if len(axes) < max(FEWEST_TOGETHER, MOST_AXES * len(level.starts)) or len(rose) < FEWEST_RISEN:
+            continue
+        window = min(k for _, k, _, _ in here)
+        words = (
+            f"Within two shifts friction {_moved(rose, fell)}, which no gear does: logs of another robot under this "
+            "name, exchanged drives, another controller, a load, or weather that no thermometer shows. Look for that "
+            "before you look at a gear, and enter under 'events' what was changed."
+        )
+        return [_of_many(statistics, level, window, axes, words)]
+    return []
+
+
+def _exchanged(statistics: WindowStatistics, level: Watch, one: Exchange) -> dict[str, Any]:
+    """The finding on logs of another robot."""
+    rose, fell = ([j + 1 for j in axes] for axes in (one.rose, one.fell))
+    if one.end is None:
+        since, then = "", "all axes are learnt anew from there"
+    else:
+        lasted = duration((statistics.start[one.end] - statistics.start[one.window]) / 3600)
+        since, then = f", and for {lasted},", "these windows are not judged"
+    words = (
+        f"From one shift to the next{since} friction {_moved(rose, fell)}, which no gear does: logs of another robot "
+        f"under this name, exchanged drives, or another controller. No wear is told of it, and {then}: put the logs "
+        "where they belong, or enter under 'events' what was changed."
+    )
+    return _of_many(statistics, level, one.window, sorted([*rose, *fell]), words)
+
+
+def _moved(rose: Sequence[int], fell: Sequence[int]) -> str:
+    """Return in words which 1-based axes rose and fell."""
+    return " and ".join(f"of {name_axes(a)} {word}" for a, word in ((rose, "rose"), (fell, "fell")) if a)
+
+
+def _of_many(statistics: WindowStatistics, level: Watch, window: int, axes: list[int], words: str) -> dict[str, Any]:
+    """Return the finding on 1-based axes that changed together at a window; answered by a later event of each."""
+    answered = all(any(not s.proposed and s.window >= window for s in level.starts[a - 1]) for a in axes)
+    known = {"answered": True} if answered else {}
+    return {"time": float(statistics.start[window]), "axes": axes, "kind": AT_ONCE, "words": words, **known}
+
+
+def fell_words(axes: Sequence[int]) -> str:
+    """Return in words that the friction of 1-based axes fell."""
+    was, it, learnt = ("was", "it", "It is") if len(axes) == 1 else ("were", "they", "They are")
+    return (
+        f"Friction of {name_axes(axes)} fell: {was} {it} serviced or greased? {learnt} learnt anew from there; enter "
+        "the service under 'events' to confirm it, or look for another cause."
+    )
+
+
+#: How a program that the motion shows is learnt.
+_LEARNT = (
+    "What it changes is learnt from its differences to other programs of the same shift, never from the level of a "
+    "shift, so that wear does not become normal;"
+)
+
+
+def _judged_words(ran: float, judged_after: float | None) -> str:
+    if judged_after is None:
+        return f"in its {ran:.3g} h so far most axes could not be judged"
+    return f"most axes could be judged in it after {judged_after:.3g} h of it"
+
+
+def _programs(
+    statistics: WindowStatistics, conditions: Conditions, baseline: np.ndarray, level: Watch
+) -> list[dict[str, Any]]:
+    """One finding for each program that the motion shows and the baseline did not have, and until when it is learnt."""
+    if conditions.regime is None or conditions.named:
+        return []
+    result = []
+    for regime in np.setdiff1d(np.unique(conditions.regime[~baseline]), [*conditions.regime[baseline], -1]):
+        rows = np.flatnonzero(conditions.regime == regime)
+        judged = np.isfinite(level.residual[rows]).mean(axis=1) > 0.5
+        hours = statistics.length / 3600
+        found = {"ran": len(rows) * hours, "judged_after": float(np.argmax(judged)) * hours if judged.any() else None}
+        words = f"A program began that the baseline did not have. {_LEARNT} {_judged_words(**found)}."
+        result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": PROGRAM, "words": words, **found})
+    return result
+
+
+def _returned(
+    statistics: WindowStatistics, shift: np.ndarray, level: Watch, changed: np.ndarray
+) -> list[dict[str, Any]]:
+    """Axes with an open alarm of which two shifts were as in the normal period again."""
+    result = []
+    for j in range(changed.shape[1]):
+        rows = np.flatnonzero(changed[:, j] & np.isfinite(level.residual[:, j]))
+        names = np.unique(shift[rows])
+        means = [float(np.mean(level.residual[rows[shift[rows] == s], j])) for s in names]
+        for k in range(1, len(names)):
+            if max(means[k - 1 : k + 1]) < NORMAL and max(means[: k - 1], default=0.0) > NORMAL:
+                time = float(statistics.start[rows[shift[rows] == names[k - 1]][0]])
+                # Beside what it has grown by since, that it is back would be taken for how it is now.
+                again = min(means[k + 1 :][-2:], default=0.0) > AGAIN * max(means[: k - 1])
+                since, then = (", and has grown again since", " then") if again else ("", "")
+                words = (
+                    f"Friction of axis {j + 1} came back to its normal state{since}: was it serviced{then}? Its alarm "
+                    "stays open until an event closes it."
+                )
+                result.append({"time": time, "axes": [j + 1], "kind": FELL, "words": words})
+                break
+    return result
+
+
+def _shared(
+    statistics: WindowStatistics, shift: np.ndarray, baseline: np.ndarray, level: Watch
+) -> list[dict[str, Any]]:
+    """One finding for each run of shifts in which all axes moved together, with its end where it has one."""
+    names = np.unique(shift[~baseline])
+    means = np.array([np.mean(level.shared.common[shift == s]) for s in names])
+    edges = [0, *(np.flatnonzero(np.diff(np.abs(means) > FINDING)) + 1), len(names)]
+    result: list[dict[str, Any]] = []
+    for a, b in itertools.pairwise(edges):
+        if a == b or abs(means[a]) <= FINDING:
+            continue
+        rows = np.flatnonzero(np.isin(shift, names[a:b]))
+        time, end = float(statistics.start[rows[0]]), float(statistics.end[rows[-1]])
+        size = float(means[a:b][np.argmax(np.abs(means[a:b]))])
+        lasts = f"for {duration((end - time) / 3600)}, and no more since" if b < len(names) else "to this day"
+        words = (
+            f"All axes moved together by up to {fixed(100 * size, 0, True)} %, {lasts}, which is no wear of one axis: "
+            "look at the load that the robot carries, the temperature, the oil, the model and the unit of the torque."
+        )
+        until = {"end": end} if b < len(names) else {}
+        result.append({"time": time, **until, "axes": [], "kind": "shared", "words": words})
+    return result

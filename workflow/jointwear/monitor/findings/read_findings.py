@@ -1,0 +1,189 @@
+"""What was found in the logs themselves: samples that do not count, a turned sign, a temperature that is lacking."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from jointwear.effects import get_effect
+from jointwear.files.wording import count, listed, name_axes
+from jointwear.measurement.flags import Flag
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.robots.robot import Robot
+from jointwear.statistics.runs import runs
+
+#: What was found in reading that keeps axes from being judged, or samples from counting: kind -> flag and words.
+_READ = {
+    "set_back": (
+        Flag.CLOCK_RESET,
+        (
+            "The clock of the logs was set back: windows hold two times, as where summer time ends; log in UTC, or "
+            "state their 'time_zone'."
+        ),
+    ),
+    "refused": (
+        Flag.REFUSED,
+        "Samples of {axes} contradict the model and are not judged; the reasons, and what mends them, are under Logs.",
+    ),
+    "contradicted": (
+        Flag.CONTRADICTED,
+        (
+            "The torque of {axes} fits neither the model nor the first log: the flange may carry a load that the robot "
+            "file lacks, its unit or column may have changed, its sign may be missing, or its measurement may be "
+            "faulty. These windows are not judged; state the load, or mend these logs or leave them out."
+        ),
+    ),
+    "outside": (
+        Flag.OUTSIDE_LIMITS,
+        (
+            "Positions of {axes} lie far outside the limits of the robot file: another unit, another zero, whole turns "
+            "that the log counts on, or another column. Such samples count for no axis; mend these logs, or the limits."
+        ),
+    ),
+    "frozen": (
+        Flag.TORQUE_FROZEN,
+        ("The torque of {axes} keeps one value in motion: the sensor, or the log. Nothing is judged from it there."),
+    ),
+    "saturated": (
+        Flag.SATURATED,
+        (
+            "The torque of {axes} stays at a limit of its drive or its sensor in a part of the samples. These are left "
+            "out: what the axis needs there is not known."
+        ),
+    ),
+    "missing": (
+        Flag.NOT_FINITE,
+        (
+            "The logs hold no torque, or no position, of {axes}. Without its torque an axis is not judged, without a "
+            "position none is; look at the column, or at the sensor."
+        ),
+    ),
+    "later": (
+        Flag.LATER,
+        (
+            "The torque of {axes} turns at another time against the motion than in the first log: another filter of "
+            "the controller or of the log, or another clock. It is read at the time of the first log, so that it does "
+            "not look like viscous friction; what the filter takes from quick motion is not known."
+        ),
+    ),
+}
+
+#: Kind of friction that is none, or drives.
+DRIVES = "drives"
+#: Kinds of an axis that has no samples that count: an odd hour of it is told in numbers alone, a shift in words.
+NONE = ("outside", "frozen", "missing")
+
+
+def reading_findings(
+    statistics: WindowStatistics, baseline: np.ndarray | None = None, shift: np.ndarray | None = None
+) -> list[dict[str, Any]]:
+    """Return one finding for each run of windows in which the clock went back, samples were refused or are missing, or
+    torques stay at a limit or are none that the model knows.
+
+    Parameters
+    ----------
+    baseline : (w,) bool, default all windows; what an axis never had there is no news.
+    shift : (w,) labels, rising, default one for each window; what is missing for less than a shift is not told.
+    """
+    result: list[dict[str, Any]] = []
+    moved = np.asarray(statistics.count) > 0
+    there = (moved if baseline is None else moved[baseline]).any(axis=0)
+    shift = np.arange(statistics.windows) if shift is None else shift
+    for kind, (flag, words) in _READ.items():
+        marked = statistics.flags & int(flag) != 0
+        if flag == Flag.CLOCK_RESET and not statistics.dated:
+            continue
+        if flag == Flag.NOT_FINITE:
+            marked &= ~moved & there
+        # What is refused, or keeps one value, is told as that.
+        if kind in NONE:
+            marked &= statistics.flags & int(Flag.REFUSED) == 0
+        elif flag == Flag.CONTRADICTED:
+            marked &= statistics.flags & int(Flag.TORQUE_FROZEN) == 0
+        seen = marked.any(axis=1)
+        for part in (p for p in runs(seen) if seen[p.start]):
+            if kind in NONE and not _holds_a_shift(shift, part):
+                continue
+            axes = (np.flatnonzero(marked[part].any(axis=0)) + 1).tolist()
+            told = "all axes" if len(axes) == statistics.axes else name_axes(axes)
+            result.append(
+                {
+                    "time": float(statistics.start[part.start]),
+                    "end": float(statistics.end[part.stop - 1]),
+                    "axes": [] if len(axes) == statistics.axes else axes,
+                    "kind": kind,
+                    "words": words.format(axes=told),
+                }
+            )
+    return result
+
+
+def _holds_a_shift(shift: np.ndarray, part: slice) -> bool:
+    """Return whether windows hold all of any shift."""
+    names, count = np.unique(shift[part], return_counts=True)
+    return any(np.sum(shift == name) == n for name, n in zip(names, count, strict=True))
+
+
+def driving_findings(
+    statistics: WindowStatistics, driving: np.ndarray | None, shift: np.ndarray
+) -> list[dict[str, Any]]:
+    """Return one finding for each run of windows, nights between them passed over, in which the friction of an axis
+    came out at zero or below for all of a shift; a single window tells nothing.
+
+    Parameters
+    ----------
+    driving : (w, n) bool, of :class:`~jointwear.monitor.normal.series.Series`, or None. shift : (w,) labels, rising.
+    """
+    if driving is None:
+        return []
+    result = []
+    for j in range(statistics.axes):
+        moved = np.flatnonzero(np.asarray(statistics.count)[:, j] > 0)
+        for part in (p for p in runs(driving[moved, j]) if driving[moved[p.start], j] and p.stop - p.start > 1):
+            if not _holds_a_shift(shift[moved], part):
+                continue
+            found = {"time": float(statistics.start[moved[part.start]])}
+            if part.stop < len(moved):
+                found["end"] = float(statistics.end[moved[part.stop - 1]])
+            result.append({**found, "axes": [j + 1], "kind": DRIVES, "words": drives_words([j + 1])})
+    return result
+
+
+def drives_words(axes: Sequence[int]) -> str:
+    """Return in words that the friction of 1-based axes came out at zero or below."""
+    return (
+        f"Friction of {name_axes(axes)} came out at zero or below, as if nothing rubbed or it drove the motion: the "
+        "sign of a torque or of a position looks turned, or the torque is a command or that of a model. It is not "
+        "judged in these logs; mend them, or leave them out."
+    )
+
+
+def missing_temperature(statistics: WindowStatistics, robot: Robot) -> list[dict[str, Any]]:
+    """Return one finding on effects of the robot file that count as zero because a temperature was not logged, or none.
+
+    Windows in which an axis shows no friction need no temperature.
+    """
+    lacking = ~np.isfinite(statistics.temperature) & (np.asarray(statistics.count) > 0)
+    names, axes = {}, set()
+    for entry in robot.effects:
+        effect = get_effect(entry.effect)
+        if "temperature" not in effect.needs:
+            continue
+        own = range(robot.joints) if entry.axis is None else [entry.axis - 1]
+        without = {j for j in own if lacking[:, j].any()}
+        if without:
+            names[effect.phrase] = None
+            axes |= without
+    if not axes:
+        return []
+    found = lacking[:, sorted(axes)].any(axis=1)
+    where = "" if found.all() else f" in {int(found.sum())} of {count(statistics.windows, 'window')}"
+    numbers = [j + 1 for j in sorted(axes)]
+    words = (
+        f"The robot file has {listed(names)}, but the logs hold no temperature of {name_axes(numbers)}{where}: "
+        "the effect counts as zero there, so its torque looks like friction; log the temperature."
+    )
+    time = float(statistics.start[np.flatnonzero(found)[0]])
+    return [{"time": time, "axes": numbers, "kind": "missing_temperature", "words": words}]

@@ -1,0 +1,96 @@
+"""What was found, for people: what is alike in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from jointwear.files.wording import name_axes
+from jointwear.monitor.findings.findings import FELL, PROGRAM, fell_words
+from jointwear.monitor.findings.read_findings import DRIVES, drives_words
+from jointwear.monitor.findings.seen_growth import COARSE
+
+#: A finding as it is stored.
+Finding = Mapping[str, Any]
+
+
+def told_together(findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    """Return findings for a page, what is alike in one sentence where the first of it stands.
+
+    Alike are axes whose limit cannot be seen, axes whose friction fell or was none at one time, and programs that the
+    motion shows and the baseline did not have, which are told with the time of the newest.
+    """
+    groups: dict[tuple, list[Finding]] = {}
+    for k, found in enumerate(findings):
+        groups.setdefault(_alike(found) or (k,), []).append(found)
+    return [dict(g[0]) if len(g) == 1 else {**g[0], **_TOGETHER[g[0]["kind"]](g)} for g in groups.values()]
+
+
+def before_words(count: int) -> str:
+    """Return in words that what was found has been so `count` times before; empty for none."""
+    if not count:
+        return ""
+    return " It was so once before." if count == 1 else f" It was so {count} times before."
+
+
+def _alike(found: Finding) -> tuple:
+    """Return what findings that are told together have in common, empty where a finding stands alone."""
+    kind = found["kind"]
+    if kind == COARSE:
+        return (kind,)
+    # One that came back to normal is another story, and so is a program that has a name.
+    if kind == FELL and found.get("fell"):
+        return kind, found["time"], bool(found.get("answered"))
+    if kind == DRIVES:
+        return kind, found["time"], found.get("end")
+    if kind == PROGRAM and "ran" in found:
+        return (kind,)
+    return ()
+
+
+def _coarse(found: Sequence[Finding]) -> dict[str, Any]:
+    axes, least = _axes(found), sorted(f["least"] for f in found)
+    words = (
+        f"Of {name_axes(axes)} only changes above {_percents(least)} can be seen, more than their limits: their "
+        "friction differs too much from shift to shift, or is too small against the noise. That there is no alarm says "
+        "nothing of smaller changes."
+    )
+    return {"axes": axes, "least": least[0], "words": words}
+
+
+def _fell(found: Sequence[Finding]) -> dict[str, Any]:
+    axes = _axes(found)
+    return {"axes": axes, "words": fell_words(axes)}
+
+
+def _drive(found: Sequence[Finding]) -> dict[str, Any]:
+    axes = _axes(found)
+    return {"axes": axes, "words": drives_words(axes)}
+
+
+def _programs(found: Sequence[Finding]) -> dict[str, Any]:
+    blind = sum(f["judged_after"] is None for f in found)
+    ran = sum(f["ran"] for f in found)
+    judged = f"; in {blind} of them most axes could not be judged so far" if blind else ""
+    words = (
+        f"The motion shows {len(found)} programs that the baseline did not have, {ran:.3g} h in all{judged}. What they "
+        "change is learnt from their differences to other programs of the same shift, never from the level of a shift. "
+        "If nothing new was started, a window holds less than a whole cycle: log whole cycles, or name the programs "
+        "under 'program'."
+    )
+    return {"time": max(f["time"] for f in found), "words": words}
+
+
+_TOGETHER: dict[str, Callable[[Sequence[Finding]], dict[str, Any]]] = {
+    COARSE: _coarse, FELL: _fell, DRIVES: _drive, PROGRAM: _programs,
+}  # fmt: skip
+
+
+def _axes(found: Sequence[Finding]) -> list[int]:
+    return sorted(axis for f in found for axis in f["axes"])
+
+
+def _percents(shares: Sequence[float]) -> str:
+    """Return the span of sorted shares in percent, one number where they round to the same."""
+    low, high = (f"{100 * share:.0f}" for share in (shares[0], shares[-1]))
+    return f"{low} %" if low == high else f"{low} to {high} %"

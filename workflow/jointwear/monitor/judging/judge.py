@@ -1,0 +1,284 @@
+"""The judgement: from window statistics to states, estimates and alarms.
+
+Friction of every axis, window by window (:mod:`.series`), is held against its normal state under the conditions of
+that window (:mod:`.learning`), what all other axes have in common is taken out (:mod:`.shared_error`), and growth over
+the last shifts is decided on (:mod:`.decision`), at a stated rate of false alarms. Beside it the paper's detector
+(:mod:`.paper_detector`), at the same rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.findings.findings import findings_of
+from jointwear.monitor.findings.odd_motion import odd_motion_findings
+from jointwear.monitor.findings.read_findings import driving_findings, reading_findings
+from jointwear.monitor.findings.seen_growth import coarse_findings, loose_findings
+from jointwear.monitor.judging.judge_settings import JudgeSettings
+from jointwear.monitor.judging.observed import Observed, observe
+from jointwear.monitor.judging.open_alarms import open_alarm_findings
+from jointwear.monitor.normal.learning import AxisNormal, learn_axes
+from jointwear.monitor.normal.override import override_findings
+from jointwear.monitor.normal.products import product_findings
+from jointwear.monitor.normal.programs import program_findings
+from jointwear.monitor.normal.recall import Recall
+from jointwear.monitor.normal.series import Series, usual_speed
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.reading.zeros import changed_zero, zero_finding
+from jointwear.monitor.watching.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHARE
+from jointwear.monitor.watching.another_robot import Exchange, first_exchange, without_exchange
+from jointwear.monitor.watching.backlash import (
+    BACKLASH,
+    backlash_findings,
+    backlash_records,
+    backlash_series,
+    raised_status,
+)
+from jointwear.monitor.watching.gain_of_all import gain_of_all
+from jointwear.monitor.watching.parts import viscous_part, viscous_scale
+from jointwear.monitor.watching.present import back_to_normal, error_now
+from jointwear.monitor.watching.records import CHANGED, Teller, paper_records
+from jointwear.monitor.watching.scale import ScaleStep, scale_steps
+from jointwear.monitor.watching.shared_error import units_of_levels
+from jointwear.monitor.watching.watching import Watch, before_events, watch
+
+#: Rounds in which changed scales of the torque are looked for, and at which rate of false alarms per 1,000 h: a scale
+#: makes axes be learnt anew, and no stated rate may decide what is learnt.
+MOST_STEPS, SCALE_RATE = 3, 1.0
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """State of every window and axis.
+
+    `estimates`, `std` : name -> (w, n), change since the normal period; `units` : name -> unit. Names: `coulomb`
+    [N m], the growth of friction that counts as Coulomb friction; `coulomb_percent` [%] of the level in the normal
+    period; `viscous` [N m s/rad] where the motion shows it, `viscous_percent` [%] of that in the normal period;
+    `backlash` [%], of the torque pulses at reversals of the load. `now_error` : name -> (n,), standard deviation of the
+    mean over the last day. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`, :data:`UNJUDGED`. `alarms` : records
+    with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3): forecast at the last judged window,
+    median, low and high; NaN where none is due, infinite where open; `limited_by` (n): whose limit that is.
+    `back` (n,) bool: what alarmed since the last event is as it was before; its alarm stays open all the same.
+    `reason` (w, n): why not judged, :class:`~jointwear.monitor.watching.records.Reason`. `findings` :
+    what is no alarm but must be told: `time` [s], `axes` (1-based), `kind`, `words`.
+    """
+
+    estimates: dict[str, np.ndarray]
+    std: dict[str, np.ndarray]
+    status: np.ndarray
+    alarms: list[dict[str, Any]]
+    units: dict[str, str]
+    hours_to_limit: np.ndarray
+    reason: np.ndarray
+    limited_by: list[str] = field(default_factory=list)
+    now_error: dict[str, np.ndarray] = field(default_factory=dict)
+    back: np.ndarray | None = None
+    findings: list[dict[str, Any]] = field(default_factory=list)
+
+
+def judge(
+    statistics: WindowStatistics,
+    baseline: int | np.ndarray,
+    settings: JudgeSettings,
+    known: dict[str, list[AxisNormal | None]] | None = None,
+    recall: Recall | None = None,
+) -> Judgement:
+    """Judge all windows.
+
+    Parameters
+    ----------
+    baseline : number of windows, from the first, that show the robot healthy, or which ones, (w,) bool.
+    known : normal states by name of the series, of a call that differs in the stated rate alone; filled where empty.
+    recall : of what the baseline told before, :mod:`.recall`.
+
+    Raises
+    ------
+    InputError : if there is no window.
+    """
+    if not statistics.windows:
+        raise InputError("there is no window to judge")
+    seen = observe(statistics, baseline, settings)
+    first, shift = seen.baseline, seen.shift
+    normal = _normal_states(statistics, seen, {} if known is None else known, recall)
+    stated = settings.false_alarms_per_1000_h
+    rate = stated / 1000 * seen.conditions.hours
+    friction = _watch_level(normal, seen, stated, recall)
+    level, normal = friction.watch, friction.normal
+    backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False)
+    # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
+    fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
+    # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.
+    unit = np.array([1.0 / viscous_scale(float(share)) for share in seen.series["viscous"].share])
+    viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall, unit=unit)
+    limit = settings.limit_percent / 100
+    usual = usual_speed(statistics, first)
+    teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
+    alarms = teller.records() + backlash_records(statistics, backlash)
+    if first.any():
+        anew = [{*own, *(s.window for s in starts)} for own, starts in zip(seen.events, level.starts, strict=True)]
+        alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, seen.regime, anew)
+    estimates, std, now_error = _estimates(level, viscous, seen.series, usual, shift, statistics.end)
+    estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
+    std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
+    hours, limited_by = teller.hours_to_limit()
+    status = raised_status(teller.status, backlash, CHANGED)
+    return Judgement(
+        estimates=estimates,
+        std=std,
+        status=status,
+        alarms=alarms,
+        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad", "viscous_percent": "%", BACKLASH: "%"},
+        hours_to_limit=hours,
+        limited_by=limited_by,
+        now_error=now_error,
+        back=back_to_normal(
+            [(level, level.alarm), (viscous, teller.viscous_alarm), (backlash, backlash.alarm)], shift, statistics.end
+        ),
+        reason=teller.reasons(),
+        findings=[
+            *_findings(statistics, seen, friction, teller, limit),
+            *open_alarm_findings(statistics, settings.events, alarms, estimates),
+        ],
+    )
+
+
+def _findings(
+    statistics: WindowStatistics, seen: Observed, friction: _Level, teller: Teller, limit: float
+) -> list[dict[str, Any]]:
+    """Return what is no alarm but must be told; `limit` of growth, as a share."""
+    first, shift, level = seen.baseline, seen.shift, friction.watch
+    changes = friction.steps, friction.exchanges
+    most = np.isfinite(level.residual).mean(axis=1) > 0.5
+    zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
+    return [
+        *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, seen.conditions),
+        *coarse_findings(statistics, first, teller.least, limit),
+        *loose_findings(statistics, first, level),
+        *backlash_findings(seen.hidden, float(statistics.start[0])),
+        *program_findings(statistics, first, most),
+        *product_findings(statistics, seen.conditions.regime, seen.products, most),
+        *override_findings(statistics, seen.conditions.features[..., 0], seen.regime, first, most),
+        *reading_findings(statistics, first, shift),
+        *zero_finding(statistics, zero),
+        *odd_motion_findings(statistics, seen.regime, shift, first, seen.events),
+        *driving_findings(statistics, seen.series["friction"].driving, shift),
+    ]
+
+
+def _normal_states(
+    statistics: WindowStatistics, seen: Observed, known: dict[str, list[AxisNormal | None]], recall: Recall | None
+) -> dict[str, list[AxisNormal | None]]:
+    """Return the normal states of the axes by name of the series; those that are not `known` are learnt and kept."""
+    levels = ("coulomb", "friction")
+    told = np.array([not reason for reason in seen.hidden])
+    quiet = before_events(seen.baseline, seen.events, statistics.axes)
+    for name, candidates in (
+        ("level", [seen.series[n] for n in levels]),
+        ("scale", [seen.scale]),
+        ("viscous", [seen.series["viscous"]]),
+        ("backlash", [backlash_series(statistics, told)]),
+    ):
+        if name not in known:
+            known[name] = learn_axes(candidates, levels[: len(candidates)], seen.conditions, quiet, seen.shift, recall)
+    return known
+
+
+def _watched(
+    normal: list[AxisNormal | None],
+    seen: Observed,
+    allowed: float,
+    found: Sequence[Sequence[int]],
+    recall: Recall | None,
+    **more: Any,
+) -> Watch:
+    """Watch one quantity, at `allowed` false alarms a window; `found` are the windows from which it is learnt anew."""
+    where = (seen.events, found, seen.kept)
+    return watch(normal, seen.conditions, seen.baseline, seen.shift, allowed, *where, recall=recall, **more)
+
+
+@dataclass(frozen=True)
+class _Level:
+    """The watched level of friction: changes of `steps` of the torque's scale and `exchanges` of robots, for each axis
+    the windows from which these make it learnt anew, `found`, and the normal states by name that all is held against.
+    """
+
+    watch: Watch
+    steps: list[ScaleStep]
+    exchanges: list[Exchange]
+    found: list[list[int]]
+    normal: Mapping[str, list[AxisNormal | None]]
+
+
+def _watch_level(
+    normal: Mapping[str, list[AxisNormal | None]], seen: Observed, stated: float, recall: Recall | None
+) -> _Level:
+    """Watch the level of friction at the `stated` rate [false alarms per 1,000 h], learnt anew where the scale of the
+    torque changed or the logs of another robot begin."""
+    steps: list[ScaleStep] = []
+    exchanges: list[Exchange] = []
+    found: list[list[int]] = [[] for _ in normal["level"]]
+    scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
+    allowed = LEVEL_SHARE * scale_rate
+    alone = {"services": False, "common": False}
+    by_itself = np.array([axis is not None and axis.source == "coulomb" for axis in normal["level"]])
+    unit = units_of_levels(seen.series["friction"].share, by_itself)
+    for _ in range(MOST_STEPS):
+        level = _watched(normal["level"], seen, allowed, found, recall, unit=unit)
+        scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
+        plain = _watched(normal["level"], seen, allowed, found, recall, **alone)
+        one = first_exchange(plain, seen.shift, seen.baseline)
+        if one is not None and one not in exchanges:
+            exchanges.append(one)
+            if one.end is not None:
+                normal = {name: without_exchange(axes, one) for name, axes in normal.items()}
+        else:
+            changed = gain_of_all(plain, scaled, seen.shift, seen.baseline)
+            changed = changed or scale_steps(level, plain, scaled, seen.shift, seen.baseline)
+            told = {(s.axis, s.window) for s in steps} | {(j, e.window) for e in exchanges for j in e.axes}
+            fresh = [s for s in changed if (s.axis, s.window) not in told]
+            if not fresh:
+                settled = True
+                break
+            steps += fresh
+        begins = [(s.axis, s.window) for s in steps if s.window > 0]
+        begins += [(j, e.window) for e in exchanges if e.end is None for j in e.axes]
+        found = [sorted({window for axis, window in begins if axis == j}) for j in range(len(found))]
+    if not settled or stated != SCALE_RATE:
+        rate = stated / 1000 * seen.conditions.hours
+        level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall, unit=unit)
+    return _Level(level, steps, exchanges, found, normal)
+
+
+def _estimates(
+    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray, shift: np.ndarray, end: np.ndarray
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Return estimates and their standard deviations (w, n), and those of their means over the last day (n,)."""
+    w, n = level.residual.shape
+    names = ("coulomb", "coulomb_percent", "viscous", "viscous_percent")
+    values, std = ({name: np.full((w, n), np.nan) for name in names} for _ in range(2))
+    now = {name: np.full(n, np.nan) for name in names}
+
+    def tell(j: int, growth: np.ndarray, error: np.ndarray, of_now: float, scales: dict[str, float]) -> None:
+        for name, scale in scales.items():
+            values[name][:, j], std[name][:, j], now[name][j] = scale * growth, scale * error, scale * of_now
+
+    for j in range(n):
+        axis, share = level.axes[j], float(series["friction"].share[j])
+        error = 0.0 if viscous.axes[j] is None else error_now(viscous, j, shift, end)
+        if axis is not None:
+            part, spread = viscous_part(level, viscous, j, shift, share)
+            growth = np.expm1(level.residual[:, j]) - part
+            of_now = np.hypot(error_now(level, j, shift, end), error if spread[-1] > 0 else 0.0)
+            scales = {"coulomb": axis.unit, "coulomb_percent": 100 * axis.to_coulomb}
+            tell(j, growth, np.hypot(level.std[:, j], spread), of_now, scales)
+        if viscous.axes[j] is not None and speed[j] > 0:
+            scales = {"viscous": series["viscous"].unit[j] / speed[j], "viscous_percent": 100 * viscous_scale(share)}
+            tell(j, viscous.residual[:, j], viscous.std[:, j], error, scales)
+    for name in names:
+        std[name] = np.where(np.isfinite(values[name]), std[name], np.nan)
+    return values, std, now

@@ -1,0 +1,227 @@
+"""Results of monitoring as files: the state of every axis in every window, and the alarms."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files import provenance
+from jointwear.files.json_documents import parse_json
+from jointwear.files.json_values import as_json
+from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
+from jointwear.files.text_files import replace_text
+from jointwear.measurement.timestamps import stamp
+from jointwear.monitor.judging.judge import Judgement
+from jointwear.monitor.normal.friction import window_friction
+from jointwear.monitor.reading.assembly import History
+from jointwear.monitor.watching.records import Reason
+from jointwear.robots.robot import Robot
+
+ALARM_COLUMNS = (
+    "time", "axis", "quantity", "change", "change_low", "change_high", "unit", "probability_axis", "hours_to_limit",
+    "hours_to_limit_low", "hours_to_limit_high", "detector",
+)  # fmt: skip
+
+
+#: Begin of the names of the errors of now in a state file.
+NOW_ERROR = "error_now_"
+
+
+def write_alarms(path: str | Path, alarms: Iterable[Mapping[str, Any]], dated: bool) -> None:
+    """Write alarms (`time` in seconds) as CSV, in order of time; unknown values stay empty."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(ALARM_COLUMNS)
+    for alarm in sorted(alarms, key=lambda a: (a["time"], a["axis"] or 0, a["detector"])):
+        row = {name: _cell(alarm[name]) for name in ALARM_COLUMNS}
+        writer.writerow([*({**row, "time": stamp(float(alarm["time"]), dated)}).values()])
+    replace_text(path, buffer.getvalue())
+
+
+def _cell(value: Any) -> str:
+    if value is None or (isinstance(value, (float, np.floating)) and math.isnan(value)):
+        return ""
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.6g}"
+    return str(value)
+
+
+def write_state(
+    path: str | Path,
+    judgement: Judgement,
+    history: History,
+    baseline: int,
+    robot: Robot,
+    entry: Mapping[str, Any],
+    name: str,
+) -> None:
+    """Write the state of every axis in every window: status, estimates, what they rest on, and the logs."""
+    s, pair = history.statistics, ("window", "axis")
+    clock = "seconds since 1970-01-01T00:00:00Z" if s.dated else "s"
+    variables = {
+        "axis": Variable(("axis",), np.arange(1, s.axes + 1), "axis of the robot", "1"),
+        "joint": Variable(("axis",), np.array(robot.joint_names), "name of the joint"),
+        "start": Variable(("window",), s.start, "start of the window", clock),
+        "end": Variable(("window",), s.end, "end of the window", clock),
+        "status": Variable(pair, np.array(judgement.status), "state of the axis"),
+        "temperature": Variable(pair, s.temperature, "mean temperature, NaN where unknown", "degC"),
+        "share_used": Variable(pair, s.share_used, "share of the samples that show friction", "1"),
+        "count": Variable(pair, s.count, "samples that show friction", "1", kind="i4"),
+        "travel": Variable(pair, s.travel, "path of the joint", "rad"),
+        "torque_peak": Variable(pair, s.torque_peak, "largest absolute torque", "N m"),
+        "flags": Variable(pair, s.flags, "what was found in reading, a bit field", "1", kind="i4"),
+    }
+    friction = window_friction(s, robot, baseline)
+    estimates = estimates_of(judgement) | {"friction": (friction.value, friction.std, "N m")}
+    variables["friction_speed"] = Variable(("axis",), friction.speed, "speed that `friction` is for", "rad/s")
+    for key, (values, std, unit) in estimates.items():
+        words = key.replace("_", " ")
+        variables[key] = Variable(pair, values, words, unit)
+        variables[f"{key}_std"] = Variable(pair, std, f"standard deviation of {words}", unit)
+    for k, end in enumerate(("", "_low", "_high")):
+        words = "hours to the limit at the last judged window; infinite where it may never be reached"
+        variables[f"hours_to_limit{end}"] = Variable(("axis",), judgement.hours_to_limit[:, k], words, "h")
+    for key, errors in judgement.now_error.items():
+        unit = judgement.units[key]
+        words = f"standard deviation of the mean of {key.replace('_', ' ')} over the last day"
+        variables[f"{NOW_ERROR}{key}"] = Variable(("axis",), errors, words, unit)
+    back = np.zeros(s.axes, dtype=bool) if judgement.back is None else judgement.back
+    variables["back"] = Variable(("axis",), back.astype(np.int32), "1 where what alarmed is as before", "1", kind="i4")
+    quantities = np.array(judgement.limited_by or [""] * s.axes, dtype=object)
+    variables["limited_by"] = Variable(("axis",), quantities, "quantity whose limit the hours are to")
+    variables["unjudged_reason"] = Variable(pair, judgement.reason, "why an axis is not judged", "1", kind="i4")
+    variables["unjudged_reason"].attributes.update(
+        flag_values=np.array([int(r) for r in Reason], dtype=np.int32),
+        flag_meanings=" ".join(r.name.lower() for r in Reason),
+    )
+    pieces = history.pieces
+    text = {
+        "log": ([p.log for p in pieces], "log"),
+        "log_refused": (["; ".join(p.refused) for p in pieces], "what was refused in the log, empty if nothing"),
+        "log_copy_of": ([p.copy_of for p in pieces], "log with the same samples, which count once; empty if none"),
+    }
+    for key, (values, meaning) in text.items():
+        variables[key] = Variable(("log",), np.array(values, dtype=object), meaning)
+    variables["log_first"] = Variable(("log",), np.array([p.first for p in pieces]), "first sample", clock)
+    variables["log_last"] = Variable(("log",), np.array([p.last for p in pieces]), "last sample", clock)
+    attributes = provenance.attributes("state of every axis", dict(entry))
+    attributes |= {
+        "monitored": name,
+        "robot": robot.name,
+        "baseline_windows": baseline,
+        "dated": int(s.dated),
+        "laid_end_to_end": int(history.shifted),
+        "alarms": json.dumps(as_json(judgement.alarms)),
+        "findings": json.dumps(as_json(judgement.findings)),
+    }
+    write_dataset(path, variables, attributes)
+
+
+def estimates_of(judgement: Judgement) -> dict[str, tuple[np.ndarray, np.ndarray, str]]:
+    """Return name -> (values, standard deviations, unit) of the estimates, each (window, axis)."""
+    return {
+        name: (judgement.estimates[name], judgement.std[name], judgement.units[name]) for name in judgement.estimates
+    }
+
+
+@dataclass(frozen=True)
+class RobotState:
+    """What :func:`write_state` wrote. Arrays (window, axis) unless stated; `estimates`: name -> (values, std, unit).
+
+    `findings`: what is no alarm but must be told; `reason`: of :class:`~jointwear.monitor.watching.records.Reason`;
+    `hours_to_limit` (axis, 3): median, low and high; `limited_by` (axis): the quantity whose limit that is;
+    `now_error`: name of an estimate -> (axis,) standard deviation of its mean over the last day; `back`
+    (axis) bool: what alarmed since the last event is as it was before.
+    """
+
+    name: str
+    robot: str
+    joints: tuple[str, ...]
+    dated: bool
+    baseline: int
+    laid_end_to_end: bool
+    start: np.ndarray
+    end: np.ndarray
+    status: np.ndarray
+    temperature: np.ndarray
+    share_used: np.ndarray
+    flags: np.ndarray
+    count: np.ndarray
+    friction_speed: np.ndarray
+    estimates: dict[str, tuple[np.ndarray, np.ndarray, str]]
+    alarms: list[dict[str, Any]]
+    findings: list[dict[str, Any]]
+    reason: np.ndarray
+    hours_to_limit: np.ndarray
+    limited_by: tuple[str, ...]
+    now_error: dict[str, np.ndarray]
+    back: np.ndarray
+    logs: tuple[str, ...]
+    refused: tuple[str, ...]
+    copy_of: tuple[str, ...]
+    first: np.ndarray
+    last: np.ndarray
+    entry: dict[str, Any]
+
+    @property
+    def axes(self) -> int:
+        """Number of axes."""
+        return len(self.joints)
+
+    @property
+    def short(self) -> bool:
+        """Whether the logs have no date and span less than two hours, so that seconds say more than hours."""
+        return not self.dated and float(self.end[-1] - self.start[0]) < 7200
+
+
+def read_state(path: str | Path) -> RobotState:
+    """Read a state file."""
+    with open_dataset(path) as dataset:
+
+        def get(name: str) -> np.ndarray:
+            return read_variable(dataset, path, name)
+
+        estimates = {}
+        for name in dataset.variables:
+            if f"{name}_std" in dataset.variables:
+                estimates[name] = (get(name), get(f"{name}_std"), str(dataset.variables[name].units))
+        return RobotState(
+            name=str(read_attribute(dataset, path, "monitored")),
+            robot=str(read_attribute(dataset, path, "robot")),
+            joints=tuple(str(j) for j in get("joint")),
+            dated=bool(read_attribute(dataset, path, "dated")),
+            baseline=int(read_attribute(dataset, path, "baseline_windows")),
+            laid_end_to_end=bool(read_attribute(dataset, path, "laid_end_to_end")),
+            start=get("start"),
+            end=get("end"),
+            status=get("status"),
+            temperature=get("temperature"),
+            share_used=get("share_used"),
+            flags=get("flags"),
+            count=get("count"),
+            friction_speed=get("friction_speed"),
+            estimates=estimates,
+            alarms=parse_json(read_attribute(dataset, path, "alarms"), path, list),
+            findings=parse_json(read_attribute(dataset, path, "findings"), path, list),
+            reason=get("unjudged_reason"),
+            hours_to_limit=np.stack([get(f"hours_to_limit{end}") for end in ("", "_low", "_high")], axis=1),
+            limited_by=tuple(str(x) for x in get("limited_by")),
+            now_error={
+                name.removeprefix(NOW_ERROR): get(name) for name in dataset.variables if name.startswith(NOW_ERROR)
+            },
+            back=get("back").astype(bool),
+            logs=tuple(str(x) for x in get("log")),
+            refused=tuple(str(x) for x in get("log_refused")),
+            copy_of=tuple(str(x) for x in get("log_copy_of")),
+            first=get("log_first"),
+            last=get("log_last"),
+            entry=parse_json(read_attribute(dataset, path, "config"), path),
+        )

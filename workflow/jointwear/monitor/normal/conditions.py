@@ -1,0 +1,249 @@
+"""Conditions of operation, window by window, and the design matrix that the normal state is regressed on.
+
+Columns, with the standard deviation of their coefficients a priori. Friction as a log, so that a coefficient of an
+operating feature that is itself a log is an elasticity:
+
+- 1: a constant, as good as free;
+- temperature less that of the baseline [K], and its square: :data:`SLOPE`, :data:`CURVE`;
+- the warm-up state (:mod:`.warm_up`) and a wave of one day, for the hall, where no temperature of the axis itself is
+  logged: :data:`WARM`, :data:`DAY`; two warm-up states for the delay of the thermometer where one is: :data:`BEHIND`;
+- operating features (:func:`operating_features`): :data:`FEATURES`;
+- the load at the flange (:mod:`.payload`): :data:`LOAD`;
+- a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`; its products with the load, since
+  a part that is carried on some moves of a program weighs on an axis there and not elsewhere, and with the speed, at
+  which programs that use other parts of the friction curve differ: :data:`LOAD_PROGRAM`, :data:`SPEED_PROGRAM`;
+- by how much all axes together are faster or slower than any window of the baseline in the same program
+  (:mod:`.override`): :data:`OVERRIDE`;
+- products of the features with temperature, or with the warm-up state: :data:`PRODUCT` times that of the feature.
+
+The sizes are those that friction of joints shows (see Bittencourt and Gunnarsson 2012 for speed, load and temperature;
+Simoni et al. 2015 for warming): wide enough to learn any joint, narrow enough that little is learnt from nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.monitor.normal.normal_state import Posterior
+from jointwear.monitor.normal.override import unseen_speed
+from jointwear.monitor.normal.payload import GravityTorque
+from jointwear.monitor.normal.warm_up import warm_up_state
+from jointwear.monitor.reading.windows import WindowStatistics
+
+CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
+#: A thermometer on a housing follows the oil with a delay, so that a cold morning does not tell of a cold day: times
+#: [h] of warming whose states stand for it beside a temperature of the axis itself, short and long as joints have,
+#: and the standard deviation of their coefficients.
+BEHIND_TIMES, BEHIND = (0.7, 2.0), 0.1
+LOAD, PROGRAM = 0.2, 0.05
+LOAD_PROGRAM, SPEED_PROGRAM = 0.5, 0.2
+#: The same of programs that the log names, as much as friction may differ between any two motions; and of programs that
+#: the motion shows and the baseline did not have, where speed and load are told from what the others showed.
+NAMED_PROGRAM, LATE_PROGRAM = 0.3, 0.15
+#: Of the features: speed (log of its mean, log of the ratio of root mean square and mean), gravity and inertial torque
+#: (root mean square over the friction), gravity against the motion (mean over the friction).
+FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
+#: Per log of the speed beyond those of the baseline: 25 to 40 % of the friction were seen at 0.85.
+OVERRIDE = 1.5
+#: Change of a feature's coefficient per K, as a share of its own prior; per unit of the warm-up state.
+PRODUCT, PRODUCT_WARM = 0.02, 0.4
+#: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond.
+BEYOND = 0.004
+#: A thermometer on a housing and the oil inside are out of step while the temperature changes: hours [h] of the mean
+#: that the temperature is held against, and standard deviation per K that it is off that mean by more than it was in
+#: the baseline.
+LAG, TRANSIT = 8.0, 0.007
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """`start`, `end` (w,) [s]; `temperature` (w, n) [degC], NaN unknown; `features` (w, n, f), NaN at rest; `speed`
+    (w, n) root mean square of the moving axis [rad/s]; `load` (w,) share of :mod:`.payload`; `regime` (w,) of
+    :mod:`.regimes`, or None; `named`: by the log."""
+
+    start: np.ndarray
+    end: np.ndarray
+    temperature: np.ndarray
+    features: np.ndarray
+    speed: np.ndarray
+    load: np.ndarray
+    regime: np.ndarray | None
+    named: bool = False
+
+    @property
+    def hours(self) -> float:
+        """Length of a window [h], 1 where there is none."""
+        return float(self.end[0] - self.start[0]) / 3600 if len(self.start) else 1.0
+
+    @property
+    def shared(self) -> bool:
+        """Whether all axes that have a temperature have the same one."""
+        known = np.isfinite(self.temperature).any(axis=0)
+        if known.sum() < 2:
+            return False
+        some = self.temperature[:, known]
+        with np.errstate(invalid="ignore"):
+            return bool(np.all(np.abs(some - some[:, :1])[np.isfinite(some).all(axis=1)] < 1e-6))
+
+    def until(self, window: int) -> Conditions:
+        """Return those of the windows before `window`."""
+        names = ("start", "end", "temperature", "features", "speed", "load")
+        regime = None if self.regime is None else self.regime[:window]
+        return replace(self, **{name: getattr(self, name)[:window] for name in names}, regime=regime)
+
+
+def operating_features(
+    statistics: WindowStatistics, friction: np.ndarray, static: GravityTorque
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the operating features (w, n, 5) and the root mean square speed (w, n); `friction` (n,) [N m] scales,
+    `static` tells what the gravity torque differs by from the model's."""
+    gram = statistics.gram
+    with np.errstate(invalid="ignore", divide="ignore"):
+        count = np.where(statistics.count > 0, statistics.count, np.nan).astype(float)
+        speed = np.sqrt(gram[..., 2, 2] / count)
+        mean = (gram[..., 0, 2] + gram[..., 1, 2]) / count
+        gravity, against = _gravity(gram / count[..., None, None], static)
+        features = np.stack(
+            [
+                np.log(mean),
+                np.log(speed / mean),
+                gravity / friction,
+                np.sqrt(gram[..., 4, 4] / count) / friction,
+                against / friction,
+            ],
+            axis=-1,
+        )
+    return features, speed
+
+
+def _gravity(mean: np.ndarray, static: GravityTorque) -> tuple[np.ndarray, np.ndarray]:
+    """Return the root mean square of the gravity torque, and its mean against the motion, (w, n) [N m].
+
+    Parameters
+    ----------
+    mean : (w, n, p, p) products of the regressors, mean over the samples.
+    """
+    factor, constant = 1 + static.share, static.constant
+    forward, backward = mean[..., 0, 3], -mean[..., 1, 3]
+    middle = factor * (forward + backward) + constant
+    varying = np.maximum(mean[..., 3, 3] - (forward + backward) ** 2, 0.0)
+    against = factor * (forward - backward) + constant * (mean[..., 0, 0] - mean[..., 1, 1])
+    return np.hypot(middle, factor * np.sqrt(varying)), against
+
+
+@dataclass(frozen=True)
+class Design:
+    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range, of
+    temperatures and of how fast they change; `programs`: columns of programs that the log names or the baseline lacks,
+    and of speeds that it lacks; their normal is learnt when they first run. `thermal`: columns of temperature, warming
+    and hour, with products."""
+
+    matrix: np.ndarray
+    prior: Posterior
+    beyond: np.ndarray
+    programs: tuple[int, ...] = ()
+    thermal: tuple[int, ...] = ()
+
+
+def _lagged(temperature: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return the exponential mean (w,) over :data:`LAG` of temperatures (w,) up to each window; NaN as they are.
+
+    Parameters
+    ----------
+    start : (w,) begin of the windows [s].
+    """
+    result = np.full(len(temperature), np.nan)
+    known = np.flatnonzero(np.isfinite(temperature))
+    kept = np.exp(-np.diff(start[known]) / 3600 / LAG)
+    means = list(temperature[known[:1]])
+    for value, share in zip(temperature[known[1:]].tolist(), kept.tolist(), strict=True):
+        means.append(value + share * (means[-1] - value))
+    result[known] = means
+    return result
+
+
+def _outside(values: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+    """Return by how much values (w,) leave the range of those of the `baseline` (w,); NaN as they are."""
+    low, high = np.nanmin(values[baseline]), np.nanmax(values[baseline])
+    return np.maximum(np.maximum(low - values, values - high), 0.0)
+
+
+def _behind(conditions: Conditions) -> np.ndarray:
+    """Return the warm-up states (w, k) of :data:`BEHIND_TIMES`, of an operation that is always the usual one."""
+    usual = np.ones((len(conditions.start), 1))
+    states = [warm_up_state(conditions.start, conditions.end, usual, tau) for tau in BEHIND_TIMES]
+    return np.concatenate(states, axis=1)
+
+
+def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.ndarray | None) -> Design:
+    """Return the design of one axis.
+
+    Parameters
+    ----------
+    axis : 0-based. baseline : (w,) bool, windows that set the middle. warm : (w,) warm-up state, or None.
+    """
+    w = len(conditions.start)
+    columns, scales, beyond = [np.ones(w)], [CONSTANT], np.zeros(w)
+    temperature = conditions.temperature[:, axis]
+    known = bool(np.isfinite(temperature[baseline]).any())
+    changing = np.zeros(w)
+    if known:
+        middle = float(np.nanmedian(temperature[baseline]))
+        changing = temperature - middle
+        columns += [changing, changing**2]
+        scales += [SLOPE, CURVE]
+        outside = _outside(temperature, baseline)
+        hurried = _outside(temperature - _lagged(temperature, conditions.start), baseline)
+        beyond = (BEYOND * outside) ** 2 + (TRANSIT * hurried) ** 2
+    if known and warm is None:
+        for behind in _behind(conditions).T:
+            columns.append(behind - float(np.mean(behind[baseline])))
+            scales.append(BEHIND)
+    if warm is not None:
+        columns.append(warm - float(np.mean(warm[baseline])))
+        turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)
+        columns += [np.cos(turn), np.sin(turn)]
+        scales += [WARM, DAY, DAY]
+    thermal = list(range(1, len(columns)))
+    features = conditions.features[:, axis]
+    usual = np.nanmedian(features[baseline], axis=0) if np.isfinite(features[baseline]).any() else np.zeros(5)
+    centred = features - usual
+    columns += list(centred.T)
+    scales += list(FEATURES)
+    before = len(columns)
+    if known:
+        columns += list((centred * changing[:, None]).T)
+        scales += list(FEATURES * PRODUCT)
+    elif warm is not None:
+        columns += list((centred * columns[1][:, None]).T)
+        scales += list(FEATURES * PRODUCT_WARM)
+    thermal += range(before, len(columns))
+    programs: list[int] = []
+    override = unseen_speed(conditions.features[..., 0], conditions.regime, baseline)
+    if override.any():
+        programs.append(len(columns))
+        columns.append(override)
+        scales.append(OVERRIDE)
+    load = conditions.load - float(np.median(conditions.load[baseline]))
+    columns.append(load)
+    scales.append(LOAD)
+    if conditions.regime is not None:
+        names, counts = np.unique(conditions.regime[baseline & (conditions.regime >= 0)], return_counts=True)
+        usual_one = names[np.argmax(counts)] if len(names) else -1
+        for name in np.unique(conditions.regime[conditions.regime >= 0]):
+            if name != usual_one:
+                columns.append((conditions.regime == name).astype(float))
+                late = name not in names
+                scales.append(NAMED_PROGRAM if conditions.named else LATE_PROGRAM if late else PROGRAM)
+                if conditions.named or late:
+                    programs.append(len(columns) - 1)
+                inside = columns[-1]
+                columns += [load * inside, np.where(inside > 0, centred[:, 0], 0.0)]
+                scales += [LOAD_PROGRAM, SPEED_PROGRAM]
+        columns.append(np.where(conditions.regime >= 0, 0.0, np.nan))
+        scales.append(PROGRAM)
+    scale = np.array(scales)
+    prior = Posterior(np.zeros(len(scale)), np.diag(scale**2))
+    return Design(np.stack(columns, axis=1), prior, beyond, tuple(programs), tuple(thermal))

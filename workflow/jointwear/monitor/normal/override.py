@@ -1,0 +1,81 @@
+"""Speeds that the baseline did not have: an operator turns the override of a program down, or up.
+
+A torque that the model lacks (a part that is carried on some moves) follows the path, so that what of it looks like
+viscous friction changes with the speed. At a speed that the normal state was not learnt at, the level is off by as much
+as that torque is large, on each axis by its own share, from the first window to the last of that speed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import significant
+from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.statistics.known import known_median
+
+#: Log of the speed by which a window leaves the range of the baseline before it counts: windows that hold parts of a
+#: cycle scatter by less.
+BEYOND = 0.05
+#: Kind of the finding, and windows from which on it is told: fewer are an arm that waited for something.
+OVERRIDE, FEWEST_TOLD = "override", 3
+
+
+def unseen_speed(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) -> np.ndarray:
+    """Return by how much (w,) the log of the speed of all axes together leaves the range that the baseline has in the
+    same program; 0 within it, and where the baseline has no such program.
+
+    Parameters
+    ----------
+    speed : (w, n) log of the mean speed of the axes, NaN at rest. regime : (w,) program, -1 unknown, or None for one.
+    baseline : (w,) bool.
+    """
+    return _speeds(speed, regime, baseline)[1]
+
+
+def _speeds(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the log (w,) of the speed of all axes over the usual one of the same program, NaN unknown, and by how much
+    (w,) it leaves the range of the baseline."""
+    program = programs_or_one(regime, len(baseline))
+    # Axes that rest have no say; nor have windows of which no axis moves.
+    change, unseen = known_median(beyond_usual(speed, program, baseline), axis=1), np.zeros(len(baseline))
+    for name in np.unique(program[baseline]):
+        inside = program == name
+        known = change[inside & baseline]
+        known = known[np.isfinite(known)]
+        if len(known):
+            below, above = change[inside] - known.min() + BEYOND, change[inside] - known.max() - BEYOND
+            unseen[inside] = np.nan_to_num(np.minimum(below, 0.0) + np.maximum(above, 0.0))
+    return change, unseen
+
+
+def override_findings(
+    statistics: WindowStatistics,
+    speed: np.ndarray,
+    regime: np.ndarray | None,
+    baseline: np.ndarray,
+    judged: np.ndarray,
+) -> list[dict[str, Any]]:
+    """Return the finding on speeds that the baseline lacks, as of :func:`unseen_speed`; none where there is none.
+
+    Parameters
+    ----------
+    judged : (w,) bool, whether most axes are.
+    """
+    change, unseen = _speeds(speed, regime, baseline)
+    rows = np.flatnonzero((unseen != 0) & ~baseline)
+    if len(rows) < FEWEST_TOLD:
+        return []
+    factors = np.exp(change[rows])
+    low, high = (significant(float(x), 2) for x in (factors.min(), factors.max()))
+    times = low if low == high else f"{low} to {high}"
+    hours = statistics.length / 3600
+    known = f"{judged[rows].sum() * hours:.3g} h of them judged" if judged[rows].any() else "none of them judged yet"
+    words = (
+        f"The robot ran {len(rows) * hours:.3g} h at {times} times its usual speed, which the "
+        f"normal period did not have, {known}: what the speed changes is learnt first. If it runs so often, "
+        "name the override under 'program', or let the normal period hold it."
+    )
+    return [{"time": float(statistics.start[rows[0]]), "axes": [], "kind": OVERRIDE, "words": words}]

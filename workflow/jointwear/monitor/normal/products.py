@@ -1,0 +1,140 @@
+"""Products, as what the regression of a window leaves shows them.
+
+A part that is carried on some moves, and that no load at the flange stands for (:mod:`.carried`), is left over by the
+regression of a window, and moves the friction of the axes that lift it, those of neighbours opposite ways. What is left
+grows or falls with it on several axes at once, from one shift to the next, where wear is of one axis. A program with
+such a product is another program (:mod:`.regimes`): with one that the baseline has it is told by the likest of the
+baseline's shifts, with one that it lacks its normal is learnt first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import name_axes
+from jointwear.monitor.normal.programs import learnt_in_words
+from jointwear.monitor.reading.regimes import programs_or_one
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.statistics.known import known_median
+
+#: Differences of the median noise of shifts, as logs: those of the baseline are of other products that differ by the
+#: larger on some axis or by the smaller on so many; a later one that leaves the range of all by both has a product that
+#: the baseline lacks. Parts of 0.9 to 3.1 kg that no load stands for changed it by 1.2 to 1.6 times on the axes that
+#: lift them (two robots of the twenty-fifth fleet).
+FAR, APART, AXES = np.log(1.25), np.log(1.15), 2
+#: Shifts of the baseline that tell its products, and windows of a later one that shows another.
+SHIFTS, WINDOWS = 3, 2
+#: Most products of the baseline, and fewest shifts with each: more, or single ones, are what shifts scatter by.
+MOST, FEWEST = 3, 2
+
+
+@dataclass(frozen=True)
+class Product:
+    """A product that the baseline lacks: its `program` label, and the 1-based `axes` that are louder or quieter."""
+
+    program: int
+    axes: tuple[int, ...]
+
+
+def with_products(
+    statistics: WindowStatistics, regime: np.ndarray | None, shift: np.ndarray, baseline: np.ndarray
+) -> tuple[np.ndarray | None, tuple[Product, ...]]:
+    """Return the programs (w,), -1 unknown, told apart by products too, and the products that the baseline lacks; None
+    where there is one program and one product.
+
+    Parameters
+    ----------
+    regime : (w,) of :mod:`.regimes`, or None for one program. shift : (w,) labels. baseline : (w,) bool.
+    """
+    program = programs_or_one(regime, statistics.windows)
+    seen = statistics.judgeable & (statistics.count > 0) & (statistics.noise_variance > 0)
+    noise = np.where(seen, 0.5 * np.log(np.where(seen, statistics.noise_variance, 1.0)), np.nan)
+    result, products = program.copy(), []
+    for name in np.unique(program[baseline & (program >= 0)]):
+        own = program == name
+        early, late = (_by_shift(own & rows, shift, noise) for rows in (baseline, ~baseline))
+        if len(early) < SHIFTS:
+            continue
+        known = [middle for _, middle in early]
+        low, high = np.fmin.reduce(known), np.fmax.reduce(known)
+        group = _groups(known)
+        labels = [int(name), *(int(result.max()) + 1 + k for k in range(max(group)))]
+        centres = [_middle(known, group, k) for k in range(len(labels))]
+        for (rows, _), k in zip(early, group, strict=True):
+            result[rows] = labels[k]
+        lacking: list[tuple[np.ndarray, int]] = []
+        for rows, middle in late:
+            beyond = np.nan_to_num(np.maximum(low - middle, middle - high))
+            if len(rows) < WINDOWS or not _differ(beyond) or beyond.max() <= FAR:
+                distance = [np.nanmax(np.abs(centre - middle), initial=0.0) for centre in centres]
+                result[rows] = labels[int(np.argmin(distance))]
+                continue
+            label = next((n for other, n in lacking if np.nanmax(np.abs(other - middle)) <= FAR), None)
+            if label is None:
+                label = int(result.max()) + 1
+                lacking.append((middle, label))
+                products.append(Product(label, tuple((np.flatnonzero(beyond > APART) + 1).tolist())))
+            result[rows] = label
+    return (None if regime is None and np.array_equal(result, program) else result), tuple(products)
+
+
+def product_findings(
+    statistics: WindowStatistics, program: np.ndarray | None, products: Sequence[Product], judged: np.ndarray
+) -> list[dict[str, Any]]:
+    """Return a finding for every product that the baseline lacks.
+
+    Parameters
+    ----------
+    program : (w,) as :func:`with_products` returns it. judged : (w,) bool, in which most axes are judged.
+    """
+    result = []
+    for product in products:
+        rows = np.flatnonzero(program == product.program)
+        words = (
+            f"What the model leaves of the torque of {name_axes(list(product.axes))} changed at once, as with a part "
+            "that the normal period does not have and that is carried on some moves: "
+        )
+        words += learnt_in_words(judged[rows], statistics.length)
+        result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words})
+    return result
+
+
+def _differ(step: np.ndarray) -> bool:
+    """Return whether shifts whose noise differs by `step` (n,), as logs, may be of other products."""
+    return int((np.abs(step) > APART).sum()) >= AXES
+
+
+def _groups(medians: Sequence[np.ndarray]) -> list[int]:
+    """Return for each shift of the baseline, by the noise (n,) of its axes, which product it is of, 0 the most frequent
+    one; all of one where they do not fall into a few groups."""
+    members: list[list[int]] = []
+    for k, middle in enumerate(medians):
+        for own in members:
+            step = np.nan_to_num(known_median(np.array([medians[m] for m in own]), axis=0) - middle)
+            if np.abs(step).max() <= FAR and not _differ(step):
+                own.append(k)
+                break
+        else:
+            members.append([k])
+    if len(members) > MOST or min(len(own) for own in members) < FEWEST:
+        return [0] * len(medians)
+    result = [0] * len(medians)
+    for k, own in enumerate(sorted(members, key=len, reverse=True)):
+        for m in own:
+            result[m] = k
+    return result
+
+
+def _middle(medians: Sequence[np.ndarray], group: Sequence[int], k: int) -> np.ndarray:
+    """Return the middle (n,) of the shifts of group `k`."""
+    return known_median(np.array([m for m, g in zip(medians, group, strict=True) if g == k]), axis=0)
+
+
+def _by_shift(rows: np.ndarray, shift: np.ndarray, noise: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the windows of each shift among `rows` (w,) bool, with the median of their `noise` (w, n)."""
+    shifts = [np.flatnonzero(rows & (shift == name)) for name in np.unique(shift[rows])]
+    return [(own, known_median(noise[own], axis=0)) for own in shifts]

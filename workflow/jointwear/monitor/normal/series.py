@@ -1,0 +1,163 @@
+"""Friction of every axis, window by window, as the series that the normal state is regressed on.
+
+`coulomb`: log of the Coulomb level over the nominal one. `friction`: log of Coulomb and viscous friction at the usual
+speed of the axis, which a short window shows far better than either part; `viscous`: the viscous part at that speed,
+over the friction of the baseline. Nuisances (offset, gravity, inertia) are estimated along as :mod:`.estimate` says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.monitor.normal.estimate import (
+    COLUMNS,
+    Sums,
+    change_columns,
+    choose_free,
+    column_estimate,
+    pool_windows,
+    prior_scale,
+)
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.statistics.known import known_median
+
+#: A level below this share of the nominal one is no estimate.
+LOWEST = 0.02
+#: Noise (standard deviation over the median of the baseline) above which a window is no ordinary one: samples that do
+#: not belong together, another robot, another unit.
+LOUDEST = 4.0
+#: Standard deviation of a log level above which a window shows nothing.
+COARSEST = 0.25
+#: Standard errors by which friction that is not known must lie nearer to none than to that of the baseline.
+DRIVES = 5.0
+_VISCOUS = COLUMNS.index("viscous")
+
+
+@dataclass(frozen=True)
+class Series:
+    """Arrays (w, n): `value`, NaN where a window shows nothing, and `variance`, what the window's noise explains.
+
+    `unit` (n,): torque [N m] of one unit of the level; `share` (n,): of Coulomb friction in it, in the baseline.
+    `driving` (w, n) bool, or None: nothing is left of the level, or it lies below zero, as friction never does.
+    """
+
+    value: np.ndarray
+    variance: np.ndarray
+    unit: np.ndarray
+    share: np.ndarray
+    driving: np.ndarray | None = None
+
+
+def friction_series(
+    statistics: WindowStatistics, coulomb: np.ndarray, viscous: np.ndarray, baseline: np.ndarray
+) -> dict[str, Series]:
+    """Return the series by name.
+
+    Parameters
+    ----------
+    coulomb : (n, 2) nominal levels [N m], both positive. viscous : (n,) [N m s/rad]. baseline : (w,) bool.
+    """
+    sums, _ = sums_of(statistics, coulomb, baseline)
+    scale = prior_scale(coulomb, viscous)
+    speed = usual_speed(statistics, baseline)
+    known = coulomb.sum(axis=1) > 0
+    level = np.where(known, coulomb.mean(axis=1), 1.0)
+    nominal = np.where(known, 1.0, 0.0)
+    first = _part(sums, baseline)
+    plain = pool_windows(first, scale)
+    value, variance = column_estimate(sums, plain.held, plain.free, plain.variance)
+    found = {"coulomb": _logs(nominal + value, variance, level, np.ones(len(level)))}
+    # Friction at the usual speed: the viscous column less the Coulomb column that it is like at that speed.
+    turned = _turned(sums, speed / level)
+    turned_scale = scale.copy()
+    turned_scale[:, 0] = np.hypot(scale[:, 0], scale[:, _VISCOUS] * speed / level)
+    usual = pool_windows(_part(turned, baseline), turned_scale)
+    free = usual.free.copy()
+    free[:, _VISCOUS] = True
+    seen = choose_free(np.where(first.usable[..., None, None], _part(turned, baseline).gram, 0.0).sum(axis=0))
+    free &= seen | (np.arange(len(COLUMNS)) == _VISCOUS)
+    value, variance = column_estimate(turned, usual.held, free, usual.variance)
+    at_speed = nominal + viscous * speed / level + value
+    with np.errstate(all="ignore"):
+        usual_level = known_median(np.where(baseline[:, None], at_speed, np.nan), axis=0)
+    middle = np.where(np.nan_to_num(usual_level) > 0, usual_level, 1.0)
+    slope, slope_variance = column_estimate(turned, usual.held, np.ones_like(free), usual.variance, _VISCOUS)
+    part = (viscous + slope) * speed / level / middle
+    with np.errstate(all="ignore"):
+        of_coulomb = 1 - known_median(np.where(baseline[:, None], part, np.nan), axis=0)
+        nominal_share = np.where(known, level / np.where(level > 0, level + viscous * speed, 1.0), of_coulomb)
+    of_coulomb = np.where(np.isfinite(of_coulomb), of_coulomb, nominal_share)
+    # A robot file without friction says nothing of its parts. Where the motion tells them no better, all of it counts.
+    share = np.clip(np.nan_to_num(0.5 * (of_coulomb + nominal_share), nan=1.0), 0.1, 1.0)
+    found["friction"] = _logs(at_speed, variance, level, share)
+    with np.errstate(invalid="ignore"):
+        none = at_speed + DRIVES * np.sqrt(variance) < 0.5 * usual_level
+    found["friction"] = replace(found["friction"], driving=none & ~np.isfinite(found["friction"].value))
+    size = np.where(speed > 0, speed / level / middle, np.nan)
+    found["viscous"] = Series(
+        _known(part, slope_variance * size**2),
+        _known(slope_variance * size**2, slope_variance * size**2),
+        level * middle,
+        share,
+    )
+    return found
+
+
+def sums_of(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndarray) -> tuple[Sums, np.ndarray]:
+    """Return the sums of all windows and the noise variance (n,) [N2 m2] of the baseline; `coulomb` (n, 2) [N m]."""
+    usable = statistics.judgeable & (statistics.count > 0) & ~loud_windows(statistics, baseline)
+    sums = change_columns(
+        statistics.gram, statistics.moment, statistics.residual_square, statistics.freedom, usable, coulomb
+    )
+    first = _part(sums, baseline)
+    square = np.where(first.usable, first.residual_square, 0.0).sum(axis=0)
+    freedom = np.where(first.usable, first.freedom, 0).sum(axis=0)
+    return sums, np.where(freedom > 0, square / np.maximum(freedom, 1), 1.0)
+
+
+def loud_windows(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
+    """Return where (w, n) the noise of an axis is :data:`LOUDEST` times the usual one of the baseline or more."""
+    noise = np.sqrt(statistics.noise_variance)
+    usual = known_median(np.where(baseline[:, None], noise, np.nan), axis=0)
+    with np.errstate(invalid="ignore"):
+        return noise > LOUDEST * usual
+
+
+def usual_speed(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
+    """Return the root mean square speed (n,) [rad/s] of the moving axes in the baseline, of all windows where none."""
+
+    def of(rows: np.ndarray) -> np.ndarray:
+        square, count = statistics.gram[rows, :, 2, 2].sum(axis=0), statistics.count[rows].sum(axis=0)
+        return np.sqrt(square / np.maximum(count, 1))
+
+    first = of(baseline)
+    return np.where(first > 0, first, of(np.ones(len(baseline), dtype=bool)))
+
+
+def _part(sums: Sums, rows: np.ndarray) -> Sums:
+    return Sums(**{name: getattr(sums, name)[rows] for name in Sums.__dataclass_fields__})
+
+
+def _turned(sums: Sums, at: np.ndarray) -> Sums:
+    """Return sums whose first coefficient is friction at a speed: column viscous becomes x_v - at x_coulomb."""
+    n = len(at)
+    change = np.broadcast_to(np.eye(5), (n, 5, 5)).copy()
+    change[:, 0, _VISCOUS] = -at
+    gram = np.einsum("nji,wnjk,nkl->wnil", change, sums.gram, change)
+    moment = np.einsum("nji,wnj->wni", change, sums.moment)
+    return Sums(gram, moment, sums.residual_square, sums.freedom, sums.usable)
+
+
+def _logs(level: np.ndarray, variance: np.ndarray, unit: np.ndarray, share: np.ndarray) -> Series:
+    with np.errstate(all="ignore"):
+        positive = level > LOWEST
+        value = np.where(positive, np.log(np.where(positive, level, 1.0)), np.nan)
+        relative = np.where(positive, variance / level**2, np.nan)
+    return Series(_known(value, relative), _known(relative, relative), unit, share)
+
+
+def _known(values: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    with np.errstate(invalid="ignore"):
+        return np.where((variance > 0) & (variance < COARSEST**2), values, np.nan)

@@ -1,0 +1,1 @@
+"""How a robot stands, in words and on its page."""

@@ -1,0 +1,261 @@
+"""The condition of a robot now, axis by axis: what a page, a fleet, a message and a metric say alike."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from jointwear.monitor.events import events_of
+from jointwear.monitor.findings.loud import LOUD
+from jointwear.monitor.judging.judge_settings import DEFAULT_LIMIT
+from jointwear.monitor.judging.state import RobotState
+from jointwear.monitor.presentation.advice import advice
+from jointwear.monitor.presentation.episodes import Episode, episodes_of
+from jointwear.monitor.reading.zeros import ZERO
+from jointwear.monitor.watching.backlash import BACKLASH
+from jointwear.monitor.watching.limits import COULOMB, VISCOUS
+from jointwear.monitor.watching.present import FEWEST_NOW, NOW, now_windows
+from jointwear.monitor.watching.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Reason
+
+#: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
+UNRESOLVED = "unresolved alarm"
+#: Quantity of an alarm other than Coulomb friction -> the estimate that shows it.
+SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
+#: Probability of an axis below which it is no likelier than all others together.
+EVEN_ODDS = 0.5
+#: Standard deviations of a growth that is more than chance.
+CLEAR = 2.0
+#: An axis not judged for longer than this [s] and than this many times its longest pause before is healthy no more.
+UNSEEN, PAUSES = 3 * NOW, 2.0
+#: Why an axis that moves is not judged, where that is no pause: it waits for what is normal to be learnt, or for its
+#: logs to be mended. A program that never shows its friction is one.
+WAITS = (Reason.LEARNING, Reason.CONDITIONS, Reason.LOUD, Reason.DRIVES)
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """Hours from the newest window until the limit of `quantity`: median and 80 % interval; infinite where it may stay
+    below."""
+
+    hours: float
+    low: float
+    high: float
+    quantity: str = ""
+
+
+@dataclass(frozen=True)
+class AxisCondition:
+    """What is known of an axis now.
+
+    `axis` 1-based. `level`: CHANGED, UNRESOLVED, UNJUDGED or HEALTHY. `growth`, `growth_std` of the Coulomb friction
+    now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `episodes`:
+    unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
+    unknown. `seen`: it has been judged after the baseline. `rescaled`: time [s] of a changed scale of its torque.
+    `fell`: time [s] of a fall of its friction that nobody has explained. `loud`: its torque has grown uneven.
+    `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered.
+    """
+
+    axis: int
+    joint: str
+    level: str
+    growth: float
+    growth_std: float
+    limit: float
+    outlook: Outlook | None
+    episodes: tuple[Episode, ...]
+    past: tuple[Episode, ...]
+    estimates: Mapping[str, float] = field(default_factory=dict)
+    viscous: float = math.nan
+    viscous_std: float = math.nan
+    seen: bool = True
+    rescaled: float = math.inf
+    fell: float = math.inf
+    loud: bool = False
+    turned: float = math.inf
+
+    @property
+    def change(self) -> float | None:
+        """What the quantity to act on has changed by: now where an estimate shows it, else at its newest alarm."""
+        if self.main is None:
+            return None
+        now = self.estimates.get(self.main.quantity, math.nan)
+        return now if math.isfinite(now) else self.main.newest["change"]
+
+    @property
+    def main(self) -> Episode | None:
+        """The episode to act on: of the model-based detector before the paper's, the newest first."""
+        ordered = sorted(self.episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
+        return ordered[0] if ordered else None
+
+    @property
+    def check(self) -> str:
+        """What to check, one line; empty where nothing calls for it."""
+        if self.main is None:
+            return "known from an event of the config; keep watching it" if self.level == CHANGED else ""
+        if self.turned <= self.main.last:
+            return "first settle from which zero the joints count, as told below: another zero looks like friction"
+        if self.level != CHANGED and self.main.detector == DETECTORS[0]:
+            what = "play" if self.main.quantity == BACKLASH else "friction"
+            state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
+            return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
+        if self.main.detector != DETECTORS[0] and self.rescaled <= self.main.last:
+            # What the histograms saw is explained.
+            return advice("scale", None)
+        if self.main.detector != DETECTORS[0] and self.fell <= self.main.last:
+            return "its friction fell before, as after a service: enter it under 'events', or look for another cause"
+        told = advice(self.main.quantity, self.main.newest["change"])
+        if self.probability is not None and self.probability < EVEN_ODDS:
+            return f"compare the other axes before opening anything, as it may well be another; then {told}"
+        return told
+
+    @property
+    def probability(self) -> float | None:
+        """How likely it is that this is the axis, by the newest alarm to act on; None where none says so."""
+        value = self.main.newest.get("probability_axis") if self.main else None
+        return value if value is not None and math.isfinite(value) else None
+
+    @property
+    def viscous_alarm(self) -> bool:
+        """Whether an unresolved alarm is of viscous friction."""
+        return any(e.quantity == VISCOUS for e in self.episodes)
+
+    @property
+    def reached(self) -> bool:
+        """Whether the growth that is told has reached the limit while the axis counts as changed."""
+        viscous = self.viscous_alarm and self.viscous >= self.limit
+        return self.level == CHANGED and bool(self.growth >= self.limit or viscous)
+
+    @property
+    def over(self) -> str:
+        """The friction of an axis without an alarm that has clearly grown over the limit, empty where none has.
+
+        What alarms is the friction as a whole, or one kind of it alone: of an axis whose one kind grew while the other
+        one fell neither may.
+        """
+        if self.level != HEALTHY:
+            return ""
+        kinds = ((VISCOUS, self.viscous, self.viscous_std), (COULOMB, self.growth, self.growth_std))
+        return next((kind for kind, grown, std in kinds if grown >= max(self.limit, CLEAR * std)), "")
+
+
+def axis_conditions(state: RobotState) -> list[AxisCondition]:
+    """Return the condition of every axis."""
+    found = episodes_of(state.alarms, events_of(state.entry))
+    return [_condition(state, j, found) for j in range(state.axes)]
+
+
+def robot_episodes(state: RobotState) -> list[Episode]:
+    """Return the episodes that concern the robot as a whole."""
+    return [e for e in episodes_of(state.alarms, events_of(state.entry)) if e.axis is None]
+
+
+def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition:
+    own = [e for e in found if e.axis == j + 1]
+    open_ones = tuple(e for e in own if e.resolved is None)
+    judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
+    after = judged[judged >= state.baseline]
+    level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
+    loud = any(j + 1 in f["axes"] for f in _unanswered(state, LOUD))
+    if level == HEALTHY and (loud or _long_unseen(state, j, int(judged[-1]))):
+        level = UNJUDGED
+    if level == CHANGED and state.back[j] and open_ones:
+        level = UNRESOLVED
+    if level == CHANGED and not open_ones and _mended(own):
+        level = UNJUDGED
+    if level != CHANGED and open_ones:
+        level = UNRESOLVED
+    growth, std = latest(state, "coulomb_percent", j)
+    viscous, viscous_std = latest(state, "viscous_percent", j)
+    return AxisCondition(
+        axis=j + 1,
+        joint=state.joints[j],
+        level=level,
+        growth=growth,
+        growth_std=std,
+        limit=float(state.entry.get("limits", {}).get("coulomb_increase_percent", DEFAULT_LIMIT)),
+        outlook=_outlook(state, j) if level == CHANGED else None,
+        episodes=open_ones,
+        past=tuple(e for e in own if e.resolved is not None),
+        estimates={quantity: latest(state, name, j)[0] for quantity, name in SHOWN_BY.items()},
+        viscous=viscous,
+        viscous_std=viscous_std,
+        seen=len(after) > 0,
+        rescaled=_first(state, "scale", j),
+        fell=_first(state, "proposed_service", j),
+        loud=loud,
+        turned=min((f["time"] for f in _unanswered(state, ZERO)), default=math.inf),
+    )
+
+
+def _mended(resolved: list[Episode]) -> bool:
+    """Whether the newest event that closed alarms of an axis did something to it, so that its growth until then tells
+    nothing of it now; somebody who looked at an alarm has changed nothing, nor has another program."""
+    events = [e.resolved for e in resolved if e.resolved is not None and e.resolved.mends]
+    return bool(events) and max(events, key=lambda e: e.time).kind != "acknowledged"
+
+
+def _first(state: RobotState, kind: str, j: int) -> float:
+    """Return the time [s] of the first finding of a kind on a 0-based axis, infinite where there is none."""
+    return min((f["time"] for f in state.findings if f["kind"] == kind and j + 1 in f["axes"]), default=math.inf)
+
+
+def _unanswered(state: RobotState, kind: str) -> list[Mapping[str, Any]]:
+    """Return the findings of a kind that no event of the config has answered."""
+    return [f for f in state.findings if f["kind"] == kind and not f.get("answered")]
+
+
+def _long_unseen(state: RobotState, j: int, last: int) -> bool:
+    """Whether a 0-based axis has gone on unjudged since its `last` judged window for longer than it ever paused."""
+    told = (state.status[:, j] != UNJUDGED) | np.isin(state.reason[:, j], WAITS)
+    pauses = np.diff(state.end[: last + 1][told[: last + 1]])
+    since = float(state.end[-1] - state.end[last])
+    return since > max(UNSEEN, PAUSES * float(pauses.max(initial=0.0)))
+
+
+def latest(state: RobotState, name: str, j: int) -> tuple[float, float]:
+    """Return an estimate of a 0-based axis over the windows of now, weighted, and its standard deviation.
+
+    That of the judgement, where it tells: windows share a part of their error.
+    """
+    if name not in state.estimates:
+        return math.nan, math.nan
+    values, std, _ = state.estimates[name]
+    recent = now_windows(state.end)
+    value, error = values[recent, j], std[recent, j]
+    good = np.isfinite(value) & (error > 0)
+    if not good.any():
+        return math.nan, math.nan
+    weight = 1 / error[good] ** 2
+    told = float(state.now_error[name][j]) if name in state.now_error else math.nan
+    return (
+        float(np.average(value[good], weights=weight)),
+        told if math.isfinite(told) else float(1 / np.sqrt(weight.sum())),
+    )
+
+
+def _outlook(state: RobotState, j: int) -> Outlook | None:
+    """The forecast as of the newest judged window, None where none is due."""
+    stored = state.hours_to_limit[j]
+    return None if np.isnan(stored).all() else Outlook(*(float(h) for h in stored), state.limited_by[j])
+
+
+def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:
+    """Return the axes that need attention, the most urgent first: limit reached, soonest limit, largest growth."""
+
+    def order(c: AxisCondition) -> tuple[Any, ...]:
+        rank = 0 if c.reached else 1 if c.level == CHANGED else 2
+        hours = c.outlook.hours if c.outlook else math.inf
+        low = c.outlook.low if c.outlook else math.inf
+        return rank, hours, low, -c.growth if math.isfinite(c.growth) else 0.0, c.axis
+
+    return sorted((c for c in conditions if c.level in (CHANGED, UNRESOLVED)), key=order)
+
+
+__all__ = [
+    "CHANGED", "FEWEST_NOW", "HEALTHY", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook", "axis_conditions",
+    "latest", "robot_episodes", "urgency",
+]  # fmt: skip

@@ -1,0 +1,76 @@
+"""Alarms as episodes: what is one story to who keeps the robot running, and whether somebody has closed it.
+
+An axis that has changed alarms again every day. All alarms of one quantity, axis and detector between two events of
+that axis are one episode. Only an event of the config (service, sensor, acknowledged) resolves it: friction that comes
+back by itself is no explanation. Another program resolves what the paper's detector saw, which is torque and begins
+anew with it; wear goes on under another program.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from jointwear.monitor.events import Event
+from jointwear.monitor.watching.records import DETECTORS
+
+
+@dataclass(frozen=True)
+class Episode:
+    """Alarms of one quantity, axis and detector between two events.
+
+    `axis` 1-based, None for the whole robot; `alarms` in order of time, records as in alarms.csv with `time` in
+    seconds; `resolved` by the event that followed, or None; `before`: the event that it began after, or None.
+    """
+
+    axis: int | None
+    quantity: str
+    detector: str
+    alarms: tuple[Mapping[str, Any], ...]
+    resolved: Event | None
+    before: Event | None = None
+
+    @property
+    def first(self) -> float:
+        """Time of the first alarm [s]."""
+        return float(self.alarms[0]["time"])
+
+    @property
+    def last(self) -> float:
+        """Time of the newest alarm [s]."""
+        return float(self.alarms[-1]["time"])
+
+    @property
+    def newest(self) -> Mapping[str, Any]:
+        """The newest alarm."""
+        return self.alarms[-1]
+
+    @property
+    def key(self) -> str:
+        """A name that stays the same as long as the episode lasts, whatever the times of its alarms become."""
+        began = "" if self.before is None else f"{self.before.time:.0f}"
+        return f"{self.axis or 'all'}|{self.quantity}|{self.detector}|{began}"
+
+
+def _resolves(event: Event, axis: int | None, detector: str) -> bool:
+    """Whether an event may explain what a detector saw of a 1-based axis; one about some axes does not explain a
+    finding on the whole robot."""
+    about = not event.axes if axis is None else event.concerns(axis - 1)
+    return about and (event.mends or detector != DETECTORS[0])
+
+
+def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) -> list[Episode]:
+    """Return the episodes, unresolved ones first, of these the newest first."""
+    stories: dict[tuple, list[Mapping[str, Any]]] = {}
+    around: dict[tuple, tuple[Event | None, Event | None]] = {}
+    for alarm in sorted(alarms, key=lambda a: a["time"]):
+        axis = alarm["axis"] or None
+        own = [e for e in events if _resolves(e, axis, alarm["detector"])]
+        end = next((e for e in own if e.time >= alarm["time"]), None)
+        begin = next((e for e in reversed(own) if e.time < alarm["time"]), None)
+        key = (axis, alarm["quantity"], alarm["detector"], None if end is None else end.time)
+        stories.setdefault(key, []).append(alarm)
+        around[key] = (end, begin)
+    found = [Episode(*key[:3], tuple(rows), *around[key]) for key, rows in stories.items()]
+    return sorted(found, key=lambda e: (e.resolved is not None, -e.last, e.axis or 0))

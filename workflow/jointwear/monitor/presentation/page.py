@@ -1,0 +1,205 @@
+"""The page of a monitored robot, for who keeps the robot running; what to check first."""
+
+from __future__ import annotations
+
+from datetime import tzinfo
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.text_files import replace_text
+from jointwear.files.wording import name_axes
+from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.monitor.findings.told_together import before_words, told_together
+from jointwear.monitor.judging.state import RobotState
+from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.presentation.advice import advice
+from jointwear.monitor.presentation.condition import (
+    SHOWN_BY,
+    UNRESOLVED,
+    AxisCondition,
+    axis_conditions,
+    robot_episodes,
+)
+from jointwear.monitor.presentation.drawing import draw_temperature, draw_timeline
+from jointwear.monitor.presentation.episodes import Episode
+from jointwear.monitor.presentation.standing import standing
+from jointwear.monitor.presentation.summaries import axis_summary, headline, told_flags, when, why_unjudged
+from jointwear.monitor.presentation.temperature import temperature_share
+from jointwear.monitor.presentation.words import sure_percent, sure_words, todo
+from jointwear.monitor.to_answer import ASKING
+from jointwear.monitor.watching.records import DETECTORS
+from jointwear.publishing.report.inline import inline_svg
+from jointwear.publishing.report.numbers import span as span_of
+from jointwear.publishing.report.rendering import render_page
+
+#: Findings that are not folded away, beside those that ask for an answer.
+SHOWN = 5
+#: Estimates that are drawn over time.
+TIMELINES = {
+    "coulomb": "Change of the Coulomb friction since the normal period",
+    "viscous": "Change of the viscous friction since the normal period",
+    "backlash": "Change of play since the normal period",
+    "friction": "Friction at the usual speed",
+}
+#: Alarms of an episode that the page lists; alarms.csv has all.
+LISTED = 30
+
+
+def alarm_rows(state: RobotState, episode: Episode, zone: tzinfo) -> list[dict[str, Any]]:
+    """Return the alarms of an episode, the newest first, with their times in words and how sure the axis is."""
+    return [
+        {**alarm, "sure": sure_percent(alarm["probability_axis"]), "when": when(state, alarm["time"], zone)}
+        for alarm in reversed(episode.alarms[-LISTED:])
+    ]
+
+
+def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") -> dict[str, Any]:
+    """Return what the page says of an episode; `check`: of its axis, where that is back to normal."""
+    event = episode.resolved
+    resolved = "" if event is None else f"{event.kind} {when(state, event.time, zone)}"
+    if event is not None and event.note:
+        resolved += f": {event.note}"
+    return {
+        "axis": episode.axis,
+        "quantity": episode.quantity,
+        "detector": episode.detector,
+        "first": when(state, episode.first, zone),
+        "last": when(state, episode.last, zone),
+        "count": len(episode.alarms),
+        "resolved": resolved,
+        "advice": check or advice(episode.quantity, episode.newest["change"]),
+        "sure": sure_words(episode.newest["probability_axis"]),
+        "alarms": alarm_rows(state, episode, zone),
+        "sized": any(a["change"] is not None for a in episode.alarms),
+    }
+
+
+def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
+    """Return what else was found, the newest first; of what is over and came again in the same words the newest alone,
+    with how often it was so before. `asks`: somebody has to answer it."""
+    alike: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for found in sorted(told_together(row["findings"]), key=lambda f: -(f.get("time") or 0.0)):
+        key = (found["kind"], found["words"]) if found.get("end") is not None else (id(found),)
+        alike.setdefault(key, []).append(found)
+    return [
+        {
+            "when": " to ".join(when(state, f[key], zone) for key in ("time", "end") if f.get(key) is not None),
+            "axes": name_axes(f.get("axes") or ()),
+            "words": f"{f['words']}{before_words(len(before))}",
+            "asks": f["kind"] in ASKING and not f.get("answered"),
+        }
+        for f, *before in alike.values()
+    ]
+
+
+def temperature_rows(state: RobotState) -> list[dict[str, Any]]:
+    """Return for every axis how much of the change of its friction goes with temperature, where that is known."""
+    values, std, _ = state.estimates["friction"]
+    shares = [temperature_share(values[:, j], std[:, j], state.temperature[:, j]) for j in range(state.axes)]
+    return [{"axis": j + 1, "share": share} for j, share in enumerate(shares) if share is not None]
+
+
+def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
+    """Return every log with its first and last sample in words, why it was refused, and whose copy it is."""
+    return [
+        {
+            "name": log,
+            "first": when(state, a, zone) if np.isfinite(a) else None,
+            "last": when(state, b, zone) if np.isfinite(a) else None,
+            "refused": told.replace(f"{log}: ", ""),
+            "copy_of": other,
+        }
+        for log, a, b, told, other in zip(
+            state.logs, state.first, state.last, state.refused, state.copy_of, strict=True
+        )
+    ]
+
+
+def _check_of(episode: Episode, conditions: list[AxisCondition]) -> str:
+    """Return what is to check of the axis of an episode, where no part of it is; empty elsewhere."""
+    if episode.axis is None or episode.detector != DETECTORS[0]:
+        return ""
+    condition = conditions[episode.axis - 1]
+    return condition.check if condition.level == UNRESOLVED else ""
+
+
+def _newest(episodes: list[Episode]) -> list[Episode]:
+    """Return episodes of the model-based detector before the paper's, the newest first."""
+    return sorted(episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
+
+
+def write_page(
+    state: RobotState,
+    output: str | Path,
+    figures: str | Path,
+    time_zone: str | None = None,
+    example: bool = False,
+) -> None:
+    """Write the page of a monitored robot.
+
+    Parameters
+    ----------
+    state : what is kept of the robot, with its alarms. output : the HTML file.
+    figures : folder for the SVG files. time_zone : IANA name of the zone that times are shown in; None is UTC.
+    example : whether the robot is a shipped example that the configuration does not name.
+
+    Raises
+    ------
+    InputError : if there is no such zone.
+    """
+    folder, zone = Path(figures), zone_of(time_zone)
+    # The workflow waits for it, though nothing may be drawn of a robot of which nothing can be judged.
+    folder.mkdir(parents=True, exist_ok=True)
+    alarmed = {SHOWN_BY.get(alarm["quantity"]) for alarm in state.alarms}
+    shown = {
+        name: words
+        for name, words in TIMELINES.items()
+        if (name not in SHOWN_BY.values() or name in alarmed) and np.isfinite(state.estimates[name][0]).any()
+    }
+    files = {f"timeline_{name}": folder / f"timeline_{name}.svg" for name in shown}
+    for name in shown:
+        draw_timeline(state, name, files[f"timeline_{name}"], zone)
+    warm = temperature_rows(state)
+    if warm:
+        files["temperature"] = folder / "temperature.svg"
+        draw_temperature(state, "friction", [row["axis"] - 1 for row in warm], files["temperature"])
+    conditions, row = axis_conditions(state), standing(state)
+    summaries = [axis_summary(state, c.axis - 1, zone, c) for c in conditions]
+    whole = robot_episodes(state)
+    since = "" if row["last_judged"] is None else when(state, row["last_judged"], zone)
+    heading, sentences = headline(summaries, any(e.resolved is None for e in whole), row["refused_newest"], since)
+    found = told_flags(state)
+    flags = [
+        {"words": FLAG_WORDS[f], "windows": [int(np.sum(found[:, j] & int(f) != 0)) for j in range(state.axes)]}
+        for f in Flag
+    ]
+    unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]
+    past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
+    told = finding_rows(row, state, zone)
+    context = {
+        "state": state,
+        "example": example,
+        "heading": heading,
+        "lead": sentences,
+        "todo": [todo(row, axis, zone) for axis in row["axes"] if axis["check"]],
+        "whole": [story(state, e, zone) for e in whole if e.resolved is None],
+        "findings": [f for k, f in enumerate(told) if k < SHOWN or f["asks"]],
+        "older": [f for k, f in enumerate(told) if k >= SHOWN and not f["asks"]],
+        "summaries": summaries,
+        "unresolved": [story(state, e, zone, _check_of(e, conditions)) for e in _newest(unresolved)],
+        "past": [story(state, e, zone) for e in _newest(past)],
+        "warm": warm,
+        "timelines": shown,
+        "span_of": span_of,
+        "reasons": [why_unjudged(state, j) for j in range(state.axes)],
+        "span": (when(state, state.start[0], zone), when(state, state.end[-1], zone)),
+        "baseline_end": when(state, state.end[state.baseline - 1], zone),
+        "flags": [f for f in flags if any(f["windows"])],
+        "logs": log_rows(state, zone),
+        "counts": row,
+        "figures": {name: inline_svg(path, name.replace("_", "-")) for name, path in files.items()},
+        "files": {name: path.relative_to(Path(output).parent).as_posix() for name, path in files.items()},
+    }
+    replace_text(output, render_page("monitor.html.j2", context))

@@ -1,0 +1,222 @@
+"""What the page of a robot says of every axis, and above all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import UTC, tzinfo
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.json_values import finite
+from jointwear.files.wording import listed, name_axes
+from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.monitor.findings.seen_growth import COARSE, coarse_words
+from jointwear.monitor.judging.state import RobotState
+from jointwear.monitor.local_time import log_time
+from jointwear.monitor.presentation.condition import (
+    CHANGED,
+    FEWEST_NOW,
+    HEALTHY,
+    UNJUDGED,
+    UNRESOLVED,
+    AxisCondition,
+    axis_conditions,
+    latest,
+)
+from jointwear.monitor.presentation.words import BADGES, OVER, over_words
+from jointwear.monitor.watching.backlash import BACKLASH
+from jointwear.monitor.watching.present import now_windows
+from jointwear.monitor.watching.records import Reason
+
+#: Columns of the table of axes: estimate -> its words, and the estimate that stands below it in another unit.
+COLUMNS = {
+    "coulomb_percent": ("change of Coulomb friction", "coulomb"),
+    "viscous_percent": ("change of viscous friction", "viscous"),
+    "backlash": ("change of play", ""),
+    "friction": ("friction at usual speed", ""),
+}
+#: Why an estimate of an axis that is judged is not known, in words.
+UNKNOWN = {
+    "coulomb_percent": "viscous friction grew, and what it adds to this value is not known",
+    "viscous_percent": "the motion of the last day does not tell it from Coulomb friction",
+    "friction": "the windows of the last day are too few, or too loud against it",
+}
+
+#: Why an axis is not judged, in words, where what was found in reading does not say it.
+REASONS = {
+    Reason.NONE: "its friction is too small against the noise, or the motion too one-sided, to be seen",
+    Reason.BASELINE: "it moves in too few windows or shifts of the normal period to know what is normal",
+    Reason.LEARNING: "what is normal is being learnt anew since an event or a step",
+    Reason.CONDITIONS: "a program, speed, load or temperature that the normal period did not have",
+    Reason.DRIVES: "its friction came out at zero or below: a turned sign, or a torque without friction",
+    Reason.LOUD: "the model leaves several times as much of its torque as in the normal period (a unit, a load?)",
+}
+
+
+def axis_summary(
+    state: RobotState, j: int, zone: tzinfo = UTC, condition: AxisCondition | None = None
+) -> dict[str, Any]:
+    """Return what the page says at a glance about a 0-based axis."""
+    condition = condition or axis_conditions(state)[j]
+    judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
+    after = judged[judged >= state.baseline]
+    remark = ""
+    # Of an axis that was never judged the reason stands in the table of what cannot be judged.
+    if len(after) and after[-1] < len(state.start) - FEWEST_NOW:
+        last = int(after[-1])
+        remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
+    elif condition.loud:
+        remark = "its torque has grown uneven; what is judged of it says nothing of these hours"
+    elif condition.level == UNJUDGED and len(after):
+        remark = "an event closed its alarm, and no shift since tells what is normal now"
+    elif condition.over:
+        remark = over_words(condition)
+    coarse = next((f["least"] for f in state.findings if f["kind"] == COARSE and j + 1 in f["axes"]), None)
+    if len(after) and coarse is not None:
+        remark = "; ".join(filter(None, (coarse_words(coarse), remark)))
+    return {
+        "axis": j + 1,
+        "joint": state.joints[j],
+        "status": condition.level,
+        "quantity": _quantity(condition),
+        "label": OVER if condition.over else condition.level,
+        "badge": "close" if condition.over else BADGES[condition.level],
+        "remark": remark,
+        "estimates": [_latest(state, name, j) for name in shown_estimates(state)],
+        "unknown": _unknown(state, j),
+        "windows": len(judged),
+        "coarse": coarse is not None,
+    }
+
+
+def _quantity(condition: AxisCondition) -> str:
+    """Return what an axis alarmed for: of the episode to act on, else of the newest that an event explains."""
+    past = max(condition.past, key=lambda e: e.last, default=None)
+    episode = condition.main or past
+    return episode.quantity if episode else ""
+
+
+def shown_estimates(state: RobotState) -> list[str]:
+    """Return the estimates that the table of axes has a column for: those that are known of any axis."""
+    return [name for name in COLUMNS if name in state.estimates and np.isfinite(state.estimates[name][0]).any()]
+
+
+def _latest(state: RobotState, name: str, j: int) -> dict[str, Any]:
+    words, other = COLUMNS[name]
+    value, std = latest(state, name, j)
+    found = {
+        "name": words,
+        "unit": state.estimates[name][2],
+        "change": name != "friction",
+        "value": finite(value),
+        "std": finite(std),
+        "below": None,
+    }
+    if other in state.estimates and found["value"] is not None:
+        value, std = latest(state, other, j)
+        found["below"] = {"value": finite(value), "std": finite(std), "unit": state.estimates[other][2]}
+    return found
+
+
+def _unknown(state: RobotState, j: int) -> list[str]:
+    """Return why estimates of a 0-based axis that have a column are not known now, in words; those of play stand among
+    what else was found."""
+    lacking = [
+        name for name in shown_estimates(state) if name != BACKLASH and not np.isfinite(latest(state, name, j)[0])
+    ]
+    now = now_windows(state.end)
+    if lacking and (state.status[now, j] == UNJUDGED).all():
+        names = listed(COLUMNS[name][0].removeprefix("change of ") for name in lacking)
+        return [f"{names}: not judged in the last day: {why_unjudged(state, j, int(now[0]))}"]
+    return [f"{COLUMNS[name][0].removeprefix('change of ')}: {UNKNOWN[name]}" for name in lacking]
+
+
+def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
+    """Return in words why an axis could not be judged from window `start` on."""
+    here = state.status[start:, j] == UNJUDGED
+    if not here.any():
+        return ""
+    flags = told_flags(state)[start:, j][here]
+    found = [
+        (int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f])
+        for f in Flag
+        if f not in (Flag.GAP, Flag.UNEXPLAINED, Flag.SATURATED, Flag.LATER)
+    ]
+    count, words = max(found, key=lambda pair: pair[0])
+    if count == len(flags):
+        return words
+    reasons, counts = np.unique(state.reason[start:, j][here], return_counts=True)
+    main = int(reasons[np.argmax(counts)])
+    if main not in REASONS or (main == Reason.NONE and count >= 0.5 * len(flags)):
+        # A state of another version may hold a reason that this one does not know.
+        return words if count else REASONS[Reason.NONE]
+    return REASONS[Reason(main)]
+
+
+def told_flags(state: RobotState) -> np.ndarray:
+    """Return the flags (w, n) without what follows from others: samples that were refused do not rest."""
+    refused = state.flags & int(Flag.REFUSED) != 0
+    return np.where(refused, state.flags & ~int(Flag.AT_REST), state.flags)
+
+
+def when(state: RobotState, seconds: float, zone: tzinfo = UTC) -> str:
+    """Return a time of the logs as people read it."""
+    return log_time(float(seconds), zone, state.dated, state.short)
+
+
+def headline(
+    summaries: Sequence[dict[str, Any]], whole_robot: bool = False, refused: int = 0, since: str = ""
+) -> tuple[str, list[str]]:
+    """Return the heading of the page and the sentences below it.
+
+    Parameters
+    ----------
+    whole_robot : an alarm concerns all axes. refused : logs that are refused since any axis was judged last, `since`.
+    """
+
+    def named(status: str) -> str:
+        return name_axes([s["axis"] for s in summaries if s["status"] == status])
+
+    changed, unresolved, unjudged = map(named, (CHANGED, UNRESOLVED, UNJUDGED))
+    over = name_axes([s["axis"] for s in summaries if s["label"] == OVER])
+    healthy = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["label"] != OVER])
+    coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
+    if changed:
+        play = [s["axis"] for s in summaries if s["status"] == CHANGED and s["quantity"] == BACKLASH]
+        rubs = [s["axis"] for s in summaries if s["status"] == CHANGED and s["axis"] not in play]
+        parts = (("Friction has changed", rubs), ("backlash has grown", play))
+        heading = "; ".join(f"{words}: {name_axes(axes)}" for words, axes in parts if axes)
+        heading = heading[0].upper() + heading[1:]
+    elif unresolved:
+        heading = f"Alarms that nobody has explained: {unresolved}"
+    elif whole_robot:
+        heading = "The whole robot has changed"
+    elif refused:
+        heading = "The newest logs are refused"
+    elif over:
+        heading = f"Over the limit without an alarm: {over}"
+    elif healthy:
+        heading = "No change of friction found" + (" where it can be judged" if unjudged or coarse else "")
+    else:
+        heading = "No axis can be judged"
+    sentences = []
+    if refused:
+        sentences.append(
+            f"{refused} {'log is' if refused == 1 else 'logs are'} refused since any axis was judged last"
+            f"{f', {since}' if since else ''}; what is below is as of then. The reasons are under Logs."
+        )
+    if unresolved:
+        sentences.append(
+            f"Alarms without an explanation: {unresolved}. An axis is called healthy again when an event of the "
+            "config says what was done."
+        )
+    if over:
+        sentences.append(f"Over the limit without an alarm: {over}; what to check stands below the table.")
+    if healthy:
+        sentences.append(f"No change{' until then' if refused else ''}: {healthy}.")
+    if coarse:
+        sentences.append(f"Only changes beyond the limit can be seen: {coarse}.")
+    if unjudged:
+        sentences.append(f"Cannot be judged: {unjudged}. That is no sign of health; the reasons are below.")
+    return heading, sentences

@@ -1,0 +1,138 @@
+"""The condition of an axis in the words of a page, a table or a message."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from datetime import tzinfo
+from typing import Any
+
+from jointwear.monitor.local_time import duration, local_day, log_time
+from jointwear.monitor.presentation.advice import advice
+from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED, AxisCondition
+from jointwear.monitor.watching.limits import COULOMB, VISCOUS
+from jointwear.publishing.report.numbers import fixed, number
+
+#: What is said in place of the level of an axis without an alarm whose friction is over the limit all the same.
+OVER = "over the limit, no alarm"
+BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNRESOLVED: "close", UNJUDGED: "other"}
+#: A space at which no line ends.
+NO_BREAK = "\u00a0"
+#: Probability of an axis above which no digit is told.
+SURE = 0.99
+#: What a forecast of no hours says: half of all courses that agree with the logs are at the limit, the mean is not.
+MAY_BE_REACHED = "may be reached by now"
+#: Growth of viscous friction [%] above which no value is told: there was too little of it before to measure it by.
+MOST_TOLD = 100.0
+#: Share of the limit below which growth has no bar: it would not be seen.
+LEAST_BAR = 0.02
+
+
+def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[str, Any]:
+    """Return what a page says of an axis that needs attention; rows as :mod:`.standing` makes them."""
+    dated = row["dated"]
+    return {
+        "axis": axis["axis"],
+        "title": f"Axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else ""),
+        "level": axis["level"],
+        "badge": BADGES[axis["level"]],
+        "sure": sure_words(axis.get("probability")),
+        "change": change_words(axis).replace(" %", NO_BREAK + "%"),
+        "bar": bar(axis),
+        "outlook": outlook_words(row, axis, zone),
+        "since": "" if axis["since"] is None else log_time(axis["since"], zone, dated),
+        "alarms": axis["alarms"],
+        "check": axis["check"][:1].upper() + axis["check"][1:],
+    }
+
+
+def over_words(condition: AxisCondition) -> str:
+    """Return what is said of an axis whose friction is over the limit though nothing has alarmed, empty elsewhere."""
+    kind = condition.over
+    if not kind:
+        return ""
+    grown = {VISCOUS: condition.viscous, COULOMB: condition.growth}
+    (other,) = set(grown) - {kind}
+    beside = "" if math.isnan(grown[other]) else f", {other} {fixed(grown[other], 1, True)} %"
+    # An axis that was greased: the judgement knows it, and gives no alarm.
+    greased = kind == VISCOUS and grown[other] < 0
+    why = (
+        "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, "
+        if greased
+        else ""
+    )
+    limit = f"over the limit of {number(condition.limit, 2)} % without an alarm"
+    told = f"{kind} {fixed(grown[kind], 1, True)} % now{beside}, {limit}; {why}{advice(kind, None)}"
+    return f"{told[:1].upper()}{told[1:]}.".replace("coulomb", "Coulomb").replace(" %", f"{NO_BREAK}%")
+
+
+def sure_words(probability: float | None) -> str:
+    """Return in words how likely it is that an alarm names the right axis, empty where nothing says so."""
+    percent = sure_percent(probability)
+    return f"{percent.replace(' ', NO_BREAK)} likely to be this axis" if percent else ""
+
+
+def sure_percent(probability: float | None) -> str:
+    """Return a probability of an axis in percent, empty where there is none."""
+    return "" if probability is None else "> 99 %" if probability > SURE else f"{100 * probability:.0f} %"
+
+
+def bar(axis: Mapping[str, Any]) -> float | None:
+    """Return the growth as a share of the limit in percent, at most 100; None where it is unknown or hardly any.
+
+    Of Coulomb or viscous friction, whichever has used up more of its limit.
+    """
+    known = [g for g in (axis["growth"], axis.get("viscous_growth")) if g is not None]
+    growth = max(known, default=0.0)
+    return None if growth < LEAST_BAR * axis["limit"] or not known else min(100.0, 100 * growth / axis["limit"])
+
+
+def change_words(axis: Mapping[str, Any]) -> str:
+    """Return how much the friction of an axis has grown, beside its limit, and any other quantity that alarmed."""
+    words, limit = [], f"limit {number(axis['limit'], 2)} %"
+    if axis["growth"] is not None:
+        words.append(f"Coulomb friction {fixed(axis['growth'], 1, True)} % now, {limit}")
+    quantity = axis["quantity"]
+    size = "" if axis["change"] is None else f"{number(axis['change'], 2, True)} {axis['unit']}".rstrip()
+    viscous = axis.get("viscous_growth")
+    if viscous is not None:
+        grown = f"more than {MOST_TOLD:+.0f}" if viscous > MOST_TOLD else fixed(viscous, 1, True)
+        own = f" ({size})" if "viscous" in quantity and size else ""
+        words.insert(0 if own else 1, f"viscous friction {grown} % now{own}, {limit}")
+    elif quantity and "coulomb" not in quantity:
+        words.append(f"{quantity} {size or 'changed'}")
+    elif size and not words:
+        words.append(f"Coulomb friction {size} at its newest alarm, not judged now; {limit}")
+    told = "; ".join(words)
+    return told[:1].upper() + told[1:] if viscous is not None else told
+
+
+def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:
+    """Return the forecast of an axis in words: days for logs with dates, else the time since the last sample."""
+    if axis["reached"]:
+        return "limit reached"
+    hours = axis.get("hours")
+    if hours is None:
+        return ""
+    middle, low, high = hours
+    limit, quantity = "limit", axis.get("quantity", "")
+    kind = axis.get("limited_by") or quantity
+    # Of two quantities it is told whose limit it is.
+    if "viscous" in kind or ("coulomb" in kind and "viscous" in quantity):
+        limit = f"limit of {'viscous' if 'viscous' in kind else 'Coulomb'} friction (+{number(axis['limit'], 2)} %)"
+    if limit != "limit" and high == 0:
+        return f"{limit} reached"
+    if limit == "limit" and (axis.get("growth") or 0.0) < 0.0:
+        # It grew from where it was learnt anew: beside the growth since the baseline that date would mislead.
+        return ""
+    if middle == 0:
+        return f"{limit} {MAY_BE_REACHED}"
+
+    def at(value: float) -> str:
+        return local_day(row["last_sample"] + 3600 * value, zone) if row["dated"] else duration(value)
+
+    if low is None:
+        return f"no {limit} in sight"
+    if middle is None or high is None:
+        return f"{limit} not before {at(low)}" if row["dated"] else f"{limit} not within {at(low)}"
+    return f"{limit} {'around' if row['dated'] else 'in'} {at(middle)} ({at(low)} to {at(high)})"

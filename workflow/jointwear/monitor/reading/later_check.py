@@ -1,0 +1,321 @@
+"""Does a later piece of a log belong to the robot as its first log did.
+
+Where the model leaves far more of the torque than in the first log, and as little as there once an axis is turned
+around, two are exchanged or the torque is divided by a factor, the piece is refused. Where nothing of that kind
+explains it, the piece is only marked: another load at the flange does the same. An axis whose torque the model hardly
+explains at all, whatever the load, is not judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from jointwear.files.wording import significant
+from jointwear.measurement.checks.axes_check import explained, explained_otherwise, favours
+from jointwear.measurement.checks.axis_readings import Likelihood, Reading
+from jointwear.measurement.checks.derivative_checks import check_derivatives
+from jointwear.measurement.checks.held_rows import check_rows_are_new
+from jointwear.measurement.checks.torque_scale import (
+    FACTOR,
+    LIKELIER,
+    OF_ONE,
+    gained_by,
+    off_scale,
+    shared_scale,
+    thinned,
+)
+from jointwear.measurement.derived.motion import Measured
+from jointwear.measurement.flags import Flag
+from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.monitor.reading.derivation import Motion
+from jointwear.monitor.reading.misreadings import without_load
+from jointwear.monitor.reading.plausibility import busiest_piece, check_units, in_motion, measured_in
+from jointwear.robots.dynamics import Dynamics
+
+#: Share of the squared torque of an axis below which the model counts as right.
+RIGHT = 0.02
+#: Growth of the log of that share, summed over axes, that is no longer chance; and what may be left of it once a
+#: wrong reading is mended.
+WORSE, MENDED = 2.0, 1.0
+#: Growth of each axis up to which two pieces count as alike.
+ALIKE = 0.7
+#: Share of the squared torque of an axis that the model leaves where it no longer explains it, and growth of its log
+#: since the first log: friction may be any size in that share, and twice the torque leaves a tenth of it.
+HARDLY, FAR_WORSE = 0.3, 1.5
+#: Share of the axes that move from which on none is judged.
+MOST_LOST = 0.5
+
+
+class LaterCheck:
+    """Compares pieces of one log with the first log.
+
+    Parameters
+    ----------
+    dynamics : of the robot. dead_band : (n,) [rad/s].
+    usual : (n,) what :func:`.plausibility.check_first` returned. name : of the log.
+    """
+
+    def __init__(self, dynamics: Dynamics, dead_band: np.ndarray, usual: list[float | None], name: str) -> None:
+        self._dynamics, self._dead_band, self._name = dynamics, dead_band, name
+        self._usual = np.maximum([np.nan if u is None else u for u in usual], RIGHT)
+        self._known: np.ndarray | None = None
+        self._last: np.ndarray | None = None
+        self._scale = np.ones(dynamics.robot.joints)
+        self._refusal: Refused | None = None
+        self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
+
+    def begin(self) -> None:
+        """Begin another block: another scale of the torque that was found is looked for in its parts alone."""
+        self._refusal = None
+
+    def accept(self) -> None:
+        """Take what the last piece left for granted, so that pieces like it are not examined again."""
+        self._known = self._last
+
+    def __call__(
+        self,
+        chunk: Chunk,
+        stretch: np.ndarray,
+        motion: Motion,
+        whole: bool,
+        relieved: Callable[[], np.ndarray | None] = lambda: None,
+    ) -> np.ndarray:
+        """Return flags (n,): where the model explains much less of the torque than in the first log, and of which axes
+        next to nothing.
+
+        Parameters
+        ----------
+        whole : it is a block and no part of one: parts are too short to tell a scale that all torques share.
+        relieved : gives the torque (m, n) [N m] without the load that the whole block shows, None where it shows none:
+            a part of a few seconds need not show what is carried in it. Asked only of what nothing else explains.
+
+        Raises
+        ------
+        Refused : where turning an axis around, exchanging two, another scale of the torque or reading degrees mends it.
+        """
+        nothing = np.zeros(self._dynamics.robot.joints, dtype=np.int64)
+        measured = busiest_piece(chunk, stretch, motion, self._dead_band)
+        if len(measured.time) < FEWEST:
+            return nothing
+        check_units(measured, self._dynamics.robot, self._name, chunk.units)
+        check_derivatives(chunk, stretch, self._name)
+        check_rows_are_new(chunk, stretch, self._name)
+        samples = thinned(measured)
+        parts, usable = samples.parts, samples.usable
+
+        @cache
+        def lightened() -> Measured | None:
+            torque = relieved()
+            if torque is None:
+                return None
+            return busiest_piece(replace(chunk, torque=torque), stretch, motion, self._dead_band)
+
+        self._last = self._growth(parts, usable)
+        plain = float(np.nansum(self._last))
+        if self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
+            raise self._refusal
+        # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
+        if float(np.nansum(np.maximum(self._last, 0.0))) < WORSE:
+            return nothing
+        if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
+            return self._marks()
+        reading = self._read_otherwise(parts, usable, plain)
+        if reading is not None and self._is_likelier(reading, parts, usable):
+            raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
+        self._check_scale(measured, samples, plain, lightened)
+        if whole:
+            self._check_shared_scale(measured, parts, usable, plain)
+        self._lost = self._hardly(self._last, parts, usable)
+        if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
+            self._lost &= self._lost_in(lighter)
+        if self._lost.any() and (lighter := lightened()) is not None:
+            self._lost &= self._lost_in(lighter)
+        # What befell most torques befell the others too, though they may resemble what they were.
+        self._lost |= self._lost.sum() > MOST_LOST * np.isfinite(self._last).sum()
+        return self._marks()
+
+    def relieve(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> np.ndarray | None:
+        """Return the torque (m, n) [N m] of a block without the load at the flange that it shows; None where it shows
+        none."""
+        usable = in_motion(chunk, stretch, motion, self._dead_band)
+        lighter = without_load(measured_in(chunk, stretch, motion, usable, self._dead_band), self._dynamics.robot)
+        return None if lighter is None else lighter.torque
+
+    def _lost_in(self, measured: Measured) -> np.ndarray:
+        """Return the axes (n,) of which the model explains next to nothing in a piece without a load."""
+        thin = thinned(measured)
+        return self._hardly(self._growth(thin.parts, thin.usable), thin.parts, thin.usable)
+
+    def _marks(self) -> np.ndarray:
+        return np.where(self._lost, int(Flag.UNEXPLAINED | Flag.CONTRADICTED), int(Flag.UNEXPLAINED))
+
+    def _hardly(self, growth: np.ndarray, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+        """Return the axes (n,) whose torque the model hardly explains any more."""
+        return (growth > FAR_WORSE) & (explained(self._dynamics, parts, usable) > HARDLY)
+
+    def _check_scale(
+        self, measured: Measured, samples: Measured, plain: float, lightened: Callable[[], Measured | None]
+    ) -> None:
+        """Check that no other scale of the torque explains a piece as well as the first log.
+
+        Parameters
+        ----------
+        samples : of `measured`, thinned. plain : growth of what the model leaves of them, summed over axes.
+        lightened : gives the samples without the load that the whole block shows, None where it shows none.
+
+        Raises
+        ------
+        Refused : with the factors.
+        """
+        robot, parts, usable = self._dynamics.robot, samples.parts, samples.usable
+        scale, free = off_scale(samples, robot), off_scale(samples, robot, load_free=True)
+        # Another load at the flange multiplies the bodies of the axes too, and leaves the factors beside it at one.
+        if scale is None or free is None:
+            return
+        beyond = beyond_loads(free, scale, int(np.isfinite(self._last).sum()))
+        if not self._explains(parts, usable, scale, plain):
+            if not (beyond or self._explains_loaded(measured, free, plain)):
+                return
+            scale = free
+        left = self._left_over(parts, usable, scale)
+        if self._load_explains(measured, left, lambda thin: off_scale(thin, robot) is not None):
+            return
+        # One move with a part is as well explained by factors; the part shows in the moves beside it. Its load has to
+        # answer for the joints that are off: in so short a piece that of a wrist of light links may be anything.
+        accused = (scale < 0) | (np.abs(np.log(np.abs(scale))) > np.log(FACTOR))
+        if self._is_as_good(lightened(), left, lambda thin: off_scale(thin, robot, asked=accused) is not None):
+            return
+        # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
+        if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
+            return
+        known, self._scale = np.flatnonzero(scale != 1.0), scale
+        factors = ", ".join(f"{significant(scale[j])} on joint {j + 1}" for j in known)
+        mended = ", ".join(f"{significant(1 / scale[j])} for joint {j + 1}" for j in known)
+        self._refusal = Refused(
+            f"{self._name}: the torque is another multiple of the model's than in the first log ({factors}); it looks "
+            "like another unit, a current, a share of a rating or a torque that counts the other way round; it would "
+            f"fit times about {mended}",
+            "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
+            "logs of a robot",
+        )
+        raise self._refusal
+
+    def _check_shared_scale(self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
+        """Check that the torques of all joints together are no other multiple of the model's.
+
+        Raises
+        ------
+        Refused : with the factor.
+        """
+        factor = shared_scale(self._dynamics, parts, usable)
+        if factor is None or not self._explains(parts, usable, np.full_like(self._scale, factor), plain):
+            return
+        scale = np.full_like(self._scale, factor)
+        # A part that is carried on some moves is like a factor too: the likelihood has a load that is carried on all.
+        left = self._left_over(parts, usable, scale)
+        if self._load_explains(
+            measured, left, lambda thin: shared_scale(self._dynamics, thin.parts, thin.usable) is not None
+        ):
+            return
+        self._scale = scale
+        self._refusal = Refused(
+            f"{self._name}: the torques of all joints, friction included, are about {significant(factor, 2)} times "
+            "those of the model, unlike in the first log; it looks like another unit, another torque constant or a "
+            f"share of a rating; it would fit times about {significant(1 / factor, 2)}",
+            "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
+            "logs of a robot",
+        )
+        raise self._refusal
+
+    def _load_explains(self, measured: Measured, left: float, off: Callable[[Measured], bool]) -> bool:
+        """Return whether a load at the flange, carried on any moves, is as good a cause as a scale that leaves a growth
+        `left`; `off`: whether thinned samples without the load are still of another scale.
+
+        It is where the torque without it is explained as well: one of tons takes the bodies' part of a torque in mN m,
+        and leaves that of friction.
+        """
+        return self._is_as_good(without_load(measured, self._dynamics.robot), left, off)
+
+    def _is_as_good(self, lighter: Measured | None, left: float, off: Callable[[Measured], bool]) -> bool:
+        """Return whether samples without a load, None where none shows, are explained as :meth:`_load_explains`
+        asks."""
+        if lighter is None:
+            return False
+        thin = thinned(lighter)
+        if off(thin):
+            return False
+        return self._left_over(thin.parts, thin.usable, np.ones_like(self._scale)) - left < WORSE
+
+    def _explains_loaded(self, measured: Measured, scale: np.ndarray, plain: float) -> bool:
+        """Return :meth:`_explains` of a scale (n,) with the load taken off that then shows."""
+        lighter = without_load(replace(measured, torque=measured.torque / scale), self._dynamics.robot)
+        if lighter is None:
+            return False
+        thin = thinned(lighter)
+        return self._explains(thin.parts, thin.usable, np.ones_like(scale), plain)
+
+    def _explains(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray, plain: float) -> bool:
+        """Return whether the torque over a scale (n,) is explained as in the first log, unlike as it is."""
+        left = self._left_over(parts, usable, scale)
+        return left < MENDED and plain - left > WORSE - MENDED
+
+    def _left_over(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray) -> float:
+        """Return the growth, summed over axes, once the torque is divided by a scale (n,)."""
+        scaled = parts.copy()
+        scaled[:, 3] /= scale
+        return float(np.nansum(self._growth(scaled, usable)))
+
+    def _is_likelier(self, reading: Reading, parts: np.ndarray, usable: np.ndarray) -> bool:
+        """Return whether another reading is likelier than the plain one whatever the arm carries.
+
+        A few seconds with a load that the robot file does not have may look like another zero of a joint.
+        """
+        likelihood = Likelihood(self._dynamics, FEWEST)
+        turned = reading.read(parts, usable, self._dynamics.robot)
+        return likelihood(*turned) - likelihood(parts, usable) > favours(reading, self._dynamics.robot)
+
+    def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+        """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
+        return self._grown(explained(self._dynamics, parts, usable))
+
+    def _grown(self, left: np.ndarray) -> np.ndarray:
+        return np.log(np.maximum(left, RIGHT) / self._usual)
+
+    def _read_otherwise(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> Reading | None:
+        """Return the other reading of the axes that leaves least, None where none mends a growth of `plain`."""
+
+        def growth(left: np.ndarray) -> float:
+            grown = self._grown(left)
+            # An axis that another reading leaves without motion is not explained by it.
+            return float(np.nansum(np.where(np.isfinite(grown), grown, self._last)))
+
+        def mends(grown: float) -> bool:
+            return grown < MENDED and plain - grown > WORSE
+
+        # A reading that does not mend a part of the samples mends no more of all.
+        others = explained_otherwise(self._dynamics, parts, usable, lambda _, left: not mends(growth(left)))
+        grown, reading = min(
+            ((growth(left), reading) for reading, left in others), key=lambda x: x[0], default=(np.inf, None)
+        )
+        return reading if mends(grown) else None
+
+
+def beyond_loads(scale: np.ndarray, alone: np.ndarray, axes: int) -> bool:
+    """Return whether a scale, found beside a load, is off by more than its errors can be on most axes.
+
+    Beside a load that is left free the bodies of a few seconds of a slow arm may have any factor: it is none where that
+    without a load is clearly about one.
+
+    Parameters
+    ----------
+    scale, alone : (n,) factors beside a load and without one; exactly one where a factor is not clear.
+    axes : number of axes that are known.
+    """
+    right = (alone != 1.0) & (alone > 1 / FACTOR) & (alone < FACTOR)
+    off = ~right & (np.abs(np.log(np.abs(scale))) > np.log(OF_ONE))
+    return bool(off.sum() > MOST_LOST * axes)

@@ -1,0 +1,166 @@
+"""Backlash: growth of the torque pulses at reversals of the load, beside the torque of the rest of the motion.
+
+The pulses (:mod:`.reversals`) are judged as friction is: the log of their ratio, window by window, is
+held against its normal state under the conditions of the window, and growth over the last shifts is decided on. It
+alarms where that growth also exceeds :data:`LEAST`: a pulse follows the cube root of the gap, so that what is worth a
+look at the gear shows at least so much. The change that is told is that of the pulses [%]; how large the gap is would
+take a second encoder.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import name_axes
+from jointwear.monitor.normal.dispersion import Q80
+from jointwear.monitor.normal.series import Series
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.records import DETECTORS, UNJUDGED, record
+from jointwear.monitor.watching.shift_forecast import Forecast
+from jointwear.monitor.watching.watching import Watch
+
+BACKLASH = "backlash"
+#: Growth of the log of the pulses that is worth an alarm: by a quarter.
+LEAST = float(np.log(1.25))
+#: Hours after which an alarm that lasts is told again.
+REPEAT_HOURS = 168.0
+#: Samples near and far of a window that suffice; samples that count as one, because the quick part is smooth.
+FEWEST, ALIKE = 30, 4.0
+#: Reversals in motion of a window that suffice, and share of the baseline's windows that must show them.
+FEWEST_TURNS, MOST_WINDOWS = 3, 0.5
+#: Body torque over friction (root mean square) below which the load of the gear turns round with the motion.
+LIGHT = 1.5
+#: Share of the noise of the regression that the quick part of the residual must stand out of: below, quantised or
+#: filtered torque hides it, or so does what the model misses.
+QUICKEST = 0.02
+#: Noise of the regression (standard deviation) over nominal Coulomb friction from which on it is what the model misses:
+#: on axes that carry a load which the robot file lacks it is 0.13 to 0.7, and its quick part 0.05 or less.
+MISSED = 0.2
+
+
+def backlash_series(statistics: WindowStatistics, usable: np.ndarray) -> Series:
+    """Return the log of the pulses near reversals of the load over those far from them.
+
+    Parameters
+    ----------
+    usable : (n,) bool, :func:`hidden_because` gives no reason.
+    """
+    near, far = statistics.near_count.astype(float), statistics.far_count.astype(float)
+    known = (near >= FEWEST) & (far >= FEWEST) & (statistics.turns >= FEWEST_TURNS) & statistics.judgeable & usable
+    known &= (statistics.pulse_near > 0) & (statistics.pulse_far > 0)
+    with np.errstate(all="ignore"):
+        ratio = (statistics.pulse_near / near) / (statistics.pulse_far / far)
+        value = np.where(known, 0.5 * np.log(ratio), np.nan)
+        variance = np.where(known, 0.5 * ALIKE * (1 / near + 1 / far), np.nan)
+    n = statistics.axes
+    return Series(value, variance, np.ones(n), np.ones(n))
+
+
+def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndarray) -> list[str]:
+    """Return for each axis why its backlash cannot be judged; empty where it can.
+
+    Parameters
+    ----------
+    coulomb : (n, 2) nominal levels [N m]. baseline : (w,) bool.
+    """
+    reasons = []
+    moved = baseline[:, None] & (statistics.count > 0)
+    for j in range(statistics.axes):
+        rows = moved[:, j]
+        count = max(int(statistics.count[rows, j].sum()), 1)
+        gathered = statistics.near_count[:, j].sum() + statistics.far_count[:, j].sum()
+        load = np.sqrt(np.trace(statistics.gram[rows, j, 3:, 3:].sum(axis=0)) / count)
+        turns = statistics.turns[rows, j] >= FEWEST_TURNS
+        short = (statistics.near_count[rows, j] < FEWEST) | (statistics.far_count[rows, j] < FEWEST)
+        quick = statistics.pulse_far[rows, j].sum() / max(int(statistics.far_count[rows, j].sum()), 1)
+        noise = statistics.residual_square[rows, j].sum() / max(int(statistics.freedom[rows, j].sum()), 1)
+        if not rows.any():
+            reasons.append("it rests in the baseline")
+        elif not gathered:
+            reasons.append("its samples lie too far apart, or its moves are too short, for pulses of 0.1 s")
+        elif turns.mean() < MOST_WINDOWS:
+            reasons.append("its load keeps one direction, so that the gear stays on one flank")
+        elif load < LIGHT * coulomb[j].mean():
+            reasons.append("its load is friction more than anything else and turns round with the motion")
+        elif short.mean() > MOST_WINDOWS:
+            reasons.append("too little of its motion is clear of rests and turns")
+        elif quick < QUICKEST * noise and np.sqrt(noise) > MISSED * coulomb[j].mean() > 0:
+            reasons.append("the model misses too much of its torque (a payload?)")
+        elif quick < QUICKEST * noise:
+            reasons.append("the torque in the log is filtered too much to show pulses of a tenth of a second")
+        else:
+            reasons.append("")
+    return reasons
+
+
+def backlash_alarms(watched: Watch) -> np.ndarray:
+    """Return where (w, n) backlash is alarming."""
+    with np.errstate(invalid="ignore"):
+        return watched.alarm & (watched.mean > LEAST)
+
+
+def backlash_records(statistics: WindowStatistics, watched: Watch) -> list[dict[str, Any]]:
+    """Return the rows of alarms.csv; an alarm that lasts is told again after :data:`REPEAT_HOURS`."""
+    result = []
+    alarm = backlash_alarms(watched)
+    for j in range(statistics.axes):
+        last = -np.inf
+        for k in np.flatnonzero(alarm[:, j]):
+            hour = statistics.end[k] / 3600
+            if hour - last < REPEAT_HOURS:
+                continue
+            last = hour
+            mean, error = watched.mean[k, j], watched.mean_std[k, j]
+            change = [100 * float(np.expm1(v)) for v in (mean, mean - Q80 * error, mean + Q80 * error)]
+            nothing = Forecast(np.nan, np.nan, np.nan)
+            result.append(record(statistics.end[k], j + 1, BACKLASH, change, "%", np.nan, nothing, DETECTORS[0]))
+    return result
+
+
+def raised_status(status: np.ndarray, watched: Watch, changed: str) -> np.ndarray:
+    """Return the status (w, n) with `changed` from the first alarm of backlash until an event of the config."""
+    result, alarm = status.copy(), backlash_alarms(watched)
+    for j in range(status.shape[1]):
+        edges = [0, *[s.window for s in watched.starts[j] if s.closes], len(status)]
+        for a, b in itertools.pairwise(edges):
+            hits = np.flatnonzero(alarm[a:b, j])
+            if len(hits):
+                after = slice(a + int(hits[0]), b)
+                result[after, j] = np.where(status[after, j] == UNJUDGED, UNJUDGED, changed)
+    return result
+
+
+def backlash_findings(reasons: list[str], time: float) -> list[dict[str, Any]]:
+    """Return one finding on all axes whose backlash cannot be judged, with each reason, or none.
+
+    Parameters
+    ----------
+    reasons : of :func:`hidden_because`, (n,). time : of the finding [s].
+    """
+    told, all_axes = [], []
+    for reason in dict.fromkeys(r for r in reasons if r):
+        axes = [j + 1 for j, r in enumerate(reasons) if r == reason]
+        all_axes += axes
+        told.append(f"of {name_axes(axes)}: {_plural(reason, len(axes) > 1)}")
+    if not told:
+        return []
+    words = f"Backlash cannot be judged {'; '.join(told)}."
+    return [{"time": time, "axes": sorted(all_axes), "kind": BACKLASH, "words": words}]
+
+
+def _plural(reason: str, many: bool) -> str:
+    if not many:
+        return reason
+    words = {"it rests": "they rest", "its load keeps": "their loads keep", "its load is": "their load is"}
+    for one, more in {
+        **words,
+        "its samples": "their samples",
+        "its moves": "their moves",
+        "its motion": "their motion",
+        "its torque": "their torque",
+    }.items():
+        reason = reason.replace(one, more)
+    return reason

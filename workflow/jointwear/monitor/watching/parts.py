@@ -1,0 +1,151 @@
+"""What of the growth of an axis is viscous: named once for an episode, from all of its shifts.
+
+An episode is what follows the first alarm of the level up to the next start (an event, a proposed service). Of each of
+its shifts the growth t of the level and the viscous part p of the same windows are known, both over the friction of
+the baseline. The viscous share of the growth is the slope of p over t through the origin. How far p of a shift is to
+be trusted is told by what it did in the shifts before the episode, when nothing wore.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointwear.monitor.normal.dispersion import inflated
+from jointwear.monitor.watching.watching import Watch
+
+#: Viscous friction is named where it makes up at least this share of the growth, this many standard deviations clear.
+VISCOUS_PART, VISCOUS_CLEAR = 0.5, 2.0
+#: Fewest shifts before an episode that tell how far the viscous part wanders by itself.
+FEWEST_BEFORE = 3
+#: Smallest share of viscous friction in the baseline that its growth is told against: of less, percents say nothing.
+LEAST_VISCOUS = 0.05
+
+
+@dataclass(frozen=True)
+class ShiftMeans:
+    """Means of shifts of one axis, arrays (s,): `shift` label, `time` [s] middle of their ends, `value` and `variance`
+    of the residual, the latter without the error of the normal state, which all shifts share."""
+
+    shift: np.ndarray
+    time: np.ndarray
+    value: np.ndarray
+    variance: np.ndarray
+
+
+def shift_means(watched: Watch, j: int, rows: np.ndarray, shift: np.ndarray, end: np.ndarray) -> ShiftMeans:
+    """Return the means of the shifts of axis `j` over windows `rows` (w,) bool; `end` (w,) [s] of the windows."""
+    axis = watched.axes[j]
+    rows = rows & np.isfinite(watched.residual[:, j])
+    names = np.unique(shift[rows])
+    found = np.full((len(names), 3), np.nan)
+    for k, s in enumerate(names):
+        own = rows & (shift == s)
+        weight = 1.0 / watched.noise[own, j]
+        noise = float(inflated(own.sum(), axis.dispersion.memory)) / weight.sum()
+        mean = float(weight @ watched.residual[own, j] / weight.sum())
+        found[k] = np.mean(end[own]), mean, noise + axis.dispersion.between**2
+    return ShiftMeans(names, *found.T)
+
+
+def normal_error(watched: Watch, j: int) -> float:
+    """Return the standard deviation of the normal state of axis `j`, which all of its shifts share."""
+    left = watched.axes[j].fit.left_out_variance
+    return float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else 0.0
+
+
+def episode_parts(level: Watch, j: int, shift: np.ndarray) -> list[tuple[slice, slice]]:
+    """Return the episodes of the 0-based axis `j`, each with the windows since the start before it.
+
+    An episode begins with the first shift that its first alarm rests on. `shift` (w,) labels.
+    """
+    result = []
+    for a, b in itertools.pairwise([0, *sorted({s.window for s in level.starts[j] if s.grown is None}), len(shift)]):
+        hits = a + np.flatnonzero(level.alarm[a:b, j])
+        if len(hits):
+            names = np.unique(shift[a : hits[0] + 1])
+            first = names[max(len(names) - max(int(level.shifts[hits[0], j]), 1), 0)]
+            begin = a + int(np.argmax(shift[a:b] == first))
+            result.append((slice(begin, b), slice(a, begin)))
+    return result
+
+
+def viscous_scale(share: float) -> float:
+    """Return the growth of viscous friction over its baseline for one unit over all friction of the baseline.
+
+    `share` : of Coulomb friction in that. At least :data:`LEAST_VISCOUS` counts as viscous.
+    """
+    return 1.0 / max(1.0 - share, LEAST_VISCOUS)
+
+
+def wander(before: ShiftMeans) -> float:
+    """Return the variance of the viscous part of a shift of an axis that is not worn, 0 where few shifts tell."""
+    return float(np.mean(before.value**2)) if len(before.value) >= FEWEST_BEFORE else 0.0
+
+
+def viscous_share(growth: ShiftMeans, part: ShiftMeans, before: ShiftMeans, shared: float) -> tuple[float, float]:
+    """Return the viscous share of the growth over the shifts of an episode, and its standard error; NaN where unknown.
+
+    Parameters
+    ----------
+    growth : of the level, over the friction of the baseline. part : viscous, of the episode; before : ahead of it.
+    shared : standard deviation of the error that the viscous part has in all shifts.
+    """
+    _, a, b = np.intersect1d(growth.shift, part.shift, return_indices=True)
+    t, p, variance = growth.value[a], part.value[b], np.maximum(part.variance[b], wander(before))
+    size = float(np.sum(t**2 / variance))
+    if not size > 0:
+        return np.nan, np.nan
+    common = float(np.sum(t / variance)) / size * shared
+    return float(np.sum(t * p / variance)) / size, float(np.hypot(1.0 / np.sqrt(size), common))
+
+
+def viscous_episodes(level: Watch, viscous: Watch, j: int, shift: np.ndarray, share: float) -> np.ndarray:
+    """Return the windows (w,) of the episodes of axis `j` in which it is viscous friction that grew.
+
+    Parameters
+    ----------
+    share : of Coulomb friction in the friction of the baseline.
+    """
+    named = np.zeros(len(shift), dtype=bool)
+    if level.axes[j] is None or viscous.axes[j] is None:
+        return named
+    scale = 1.0 if level.axes[j].source == "friction" else share
+    place = np.arange(len(shift))
+    for episode, before in episode_parts(level, j, shift):
+        inside, ahead = ((place >= s.start) & (place < s.stop) & ~level.baseline for s in (episode, before))
+        means = shift_means(level, j, inside, shift, place)
+        growth = ShiftMeans(means.shift, means.time, scale * np.expm1(means.value), means.variance)
+        parts = [shift_means(viscous, j, rows, shift, place) for rows in (inside, ahead)]
+        found, error = viscous_share(growth, *parts, normal_error(viscous, j))
+        named[episode] = found > max(VISCOUS_PART, VISCOUS_CLEAR * error)
+    return named
+
+
+def viscous_part(
+    level: Watch, viscous: Watch, j: int, shift: np.ndarray, share: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the part (w,) of the growth of the level of axis `j` that is viscous, and its error, both 0 without any.
+
+    Where the level holds viscous friction too, its growth is not that of Coulomb friction: in episodes of viscous
+    friction what the same window shows of it is told apart (its shift, where the window shows none; else the shift
+    before). A level that leaves viscous friction out as it was takes a share of its growth that is not known: NaN.
+    """
+    named = viscous_episodes(level, viscous, j, shift, share)
+    if not named.any():
+        return np.zeros(len(shift)), np.zeros(len(shift))
+    if level.axes[j].source != "friction":
+        return np.where(named, np.nan, 0.0), np.zeros(len(shift))
+    part, spread = (np.array(x[:, j], dtype=float) for x in (viscous.residual, viscous.std))
+    known = np.isfinite(part) & np.isfinite(spread)
+    last = (np.nan, np.nan)
+    for s in np.unique(shift[named]):
+        rows = named & (shift == s)
+        own = rows & known
+        if own.any():
+            weight = 1.0 / spread[own] ** 2
+            last = float(weight @ part[own] / weight.sum()), float(np.mean(spread[own]))
+        part[rows & ~known], spread[rows & ~known] = last
+    return np.where(named, part, 0.0), np.where(named, spread, 0.0)

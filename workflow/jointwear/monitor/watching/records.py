@@ -1,0 +1,312 @@
+"""Alarms and states told from what was watched: which quantity, how much, when the limit, what stays open."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from jointwear.monitor.events import Event
+from jointwear.monitor.normal.dispersion import Q80
+from jointwear.monitor.normal.series import Series, loud_windows
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.decision import TOLERATED
+from jointwear.monitor.watching.limits import COULOMB, NOTHING, VISCOUS, Limits
+from jointwear.monitor.watching.locate import honest_probability
+from jointwear.monitor.watching.paper_detector import paper_alarms
+from jointwear.monitor.watching.parts import viscous_episodes
+from jointwear.monitor.watching.shared_error import FINDING
+from jointwear.monitor.watching.shift_forecast import Forecast
+from jointwear.monitor.watching.watching import Watch
+
+HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
+DETECTORS = ("model", "paper")
+#: An alarm that lasts is told again, with a new forecast, after this many hours where growth has gone on since by this
+#: many of its standard errors; after that when it has risen by this much more; or after a week. What is no wear does
+#: not go on (docs/decisions/when_to_alarm.md).
+REPEAT_HOURS, REPEAT_CLEAR, REPEAT_GROWTH, REPEAT_LATEST = 24.0, 1.0, 0.02, 168.0
+#: Standard errors by which the level lies below normal where a rise of viscous friction is that of new grease.
+GREASED = 2.0
+
+
+class Reason(IntEnum):
+    """Why an axis is not judged in a window; 0 where it is, or where what was read says why (`flags`)."""
+
+    NONE = 0
+    BASELINE = 1
+    LEARNING = 2
+    CONDITIONS = 3
+    LOUD = 4
+    DRIVES = 5
+
+
+@dataclass(frozen=True)
+class _Told:
+    """An alarm that was told: at `hour`, in which `segment` between starts, of the level or of viscous friction alone
+    (`by_level`), with the `mean` of its shifts; `again`: it had been told before in that segment."""
+
+    hour: float
+    segment: int
+    by_level: bool
+    mean: float
+    again: bool = False
+
+
+def _is_news(last: _Told, now: _Told, error: float) -> bool:
+    """Return whether an alarm that was told as `last` is told again as `now`; `error`: standard error of its mean."""
+    since = now.hour - last.hour
+    if since < REPEAT_HOURS:
+        return False
+    least = max(REPEAT_CLEAR * error, REPEAT_GROWTH if last.again else 0.0)
+    # Level and viscous part have different units. Where the level has joined in, growth has gone on.
+    risen = now.mean - last.mean > least if now.by_level == last.by_level else now.by_level
+    return risen or since >= REPEAT_LATEST
+
+
+class Teller:
+    """Alarms and states of the axes of one robot; `least` (n,): smallest growth of Coulomb friction that is seen;
+    `viscous_alarm` (w, n): alarms of viscous friction by charts of its own."""
+
+    def __init__(
+        self,
+        statistics: WindowStatistics,
+        shift: np.ndarray,
+        baseline: np.ndarray,
+        level: Watch,
+        viscous: Watch,
+        series: Mapping[str, Series],
+        speed: np.ndarray,
+        limit: float,
+        events: Sequence[Event],
+    ) -> None:
+        self._s, self._baseline = statistics, baseline
+        self._level, self._viscous, self._series, self._speed = level, viscous, series, speed
+        self._events = events
+        self.viscous_alarm = self._viscous_alarm()
+        self._alarm = level.alarm | self.viscous_alarm
+        share = series["friction"].share
+        self._named = np.stack(
+            [viscous_episodes(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))], axis=1
+        )
+        self._limits = Limits(level, viscous, share, self._named, shift, statistics.end, limit)
+        self.least = self._least_seen()
+        self._told = self._spaced()
+        self.status = self._states()
+
+    def _viscous_alarm(self) -> np.ndarray:
+        """Alarms (w, n) of viscous friction.
+
+        Also of axes whose judged level holds viscous friction: there it may drown in what Coulomb friction does from
+        shift to shift. None where all axes have moved together: another gain or colder oil raises what grows with
+        speed as well. None where the level has fallen: new grease is thicker, and what wears does not fall.
+        """
+        alone = np.array([a is not None for a in self._level.axes])
+        together = np.abs(self._level.shared.common) > FINDING
+        with np.errstate(invalid="ignore"):
+            greased = self._level.mean < -GREASED * self._level.mean_std
+        return self._viscous.alarm & alone & ~together[:, None] & ~greased
+
+    def _least_seen(self) -> np.ndarray:
+        """Return the growth (n,) of Coulomb friction from which on two shifts alarm, NaN where no normal is known."""
+        level, result = self._level, np.full(len(self._level.axes), np.nan)
+        for j, axis in enumerate(level.axes):
+            if axis is None:
+                continue
+            between = axis.dispersion.between**2
+            judged = np.isfinite(level.residual[:, j]) & ~self._baseline
+            # What is not known of the normal state under the conditions that the axis is judged in.
+            unknown = (level.std[:, j] ** 2 - level.noise[:, j] - between)[judged]
+            normal = float(np.median(unknown) if len(unknown) else np.nanmedian(axis.fit.left_out_variance))
+            least = level.threshold[j] * np.sqrt(between / 2 + max(normal, 0.0)) + TOLERATED
+            result[j] = axis.to_coulomb * np.expm1(least)
+        return result
+
+    def _spaced(self) -> np.ndarray:
+        """Return which alarms (w, n) are told."""
+        told, hour = np.zeros_like(self._alarm), self._s.end / 3600
+        for j in range(told.shape[1]):
+            starts = [0, *[s.window for s in self._level.starts[j] if not s.kept], len(hour)]
+            last: _Told | None = None
+            for k in np.flatnonzero(self._alarm[:, j]):
+                segment = int(np.searchsorted(starts, k, side="right"))
+                by_level = bool(self._level.alarm[k, j])
+                watched = self._level if by_level else self._viscous
+                now = _Told(float(hour[k]), segment, by_level, float(watched.mean[k, j]))
+                if last is not None and last.segment == segment:
+                    if not _is_news(last, now, float(watched.mean_std[k, j])):
+                        continue
+                    now = replace(now, again=True)
+                told[k, j], last = True, now
+        return told
+
+    def _states(self) -> np.ndarray:
+        """Return the status (w, n); an axis that has alarmed stays changed until an event of the config closes it."""
+        residual = self._level.residual
+        status = np.full(residual.shape, HEALTHY, dtype=object)
+        status[~np.isfinite(residual)] = UNJUDGED
+        for j in range(residual.shape[1]):
+            closed = [s.window for s in self._level.starts[j] if s.closes]
+            edges = [0, *closed, len(residual)]
+            for a, b in itertools.pairwise(edges):
+                hits = np.flatnonzero(self._alarm[a:b, j])
+                if len(hits):
+                    after = slice(a + hits[0], b)
+                    open_ = np.isfinite(residual[after, j]) | self._level.learning[after, j]
+                    status[after, j] = np.where(open_, CHANGED, UNJUDGED)
+        return status
+
+    def _parts(self, k: int, j: int) -> tuple[str, float, float]:
+        """Return the name of the quantity that grew by window `k`, and mean and error of the level."""
+        level, viscous = self._level, self._viscous
+        part = VISCOUS, float(viscous.mean[k, j]), float(viscous.mean_std[k, j])
+        if not level.alarm[k, j]:
+            return part
+        named = self._named[k, j]
+        if named and level.axes[j].source == "coulomb":
+            return part
+        return (VISCOUS if named else COULOMB), float(level.mean[k, j]), float(level.mean_std[k, j])
+
+    def reasons(self) -> np.ndarray:
+        """Return why each window (w, n) is not judged, of :class:`Reason`."""
+        result = np.zeros(self.status.shape, dtype=np.int32)
+        moved = self._s.count > 0
+        loud = loud_windows(self._s, self._baseline)
+        for j, axis in enumerate(self._level.axes):
+            hidden = ~np.isfinite(self._level.residual[:, j]) & moved[:, j]
+            if axis is None:
+                result[hidden, j] = Reason.BASELINE
+                continue
+            driving = self._series["friction"].driving
+            result[hidden & loud[:, j], j] = Reason.LOUD
+            if driving is not None:
+                result[hidden & driving[:, j], j] = Reason.DRIVES
+            result[hidden & self._level.unseen[:, j], j] = Reason.CONDITIONS
+            result[hidden & self._level.learning[:, j], j] = Reason.LEARNING
+        return result
+
+    def records(self) -> list[dict[str, Any]]:
+        """Return the rows of alarms.csv."""
+        result = []
+        level = self._level
+        statistic, threshold = evidence(level)
+        for k, j in np.argwhere(self._told):
+            name, mean, error = self._parts(k, j)
+            values = [mean, mean - Q80 * error, mean + Q80 * error]
+            by_level = self._level.alarm[k, j] and (name == COULOMB or self._level.axes[j].source == "friction")
+            if by_level:
+                changes = [self._level.axes[j].unit * float(np.expm1(v)) for v in values]
+            else:
+                changes = [float(self._series["viscous"].unit[j]) * v for v in values]
+            unit = "N m"
+            if name == VISCOUS and self._speed[j] > 0:
+                changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
+            together = bool(abs(level.shared.common[k]) > FINDING)
+            sure = honest_probability(statistic[k], threshold[k], together)[j] if level.alarm[k, j] else np.nan
+            expected = self._limits.forecast(k, j, name)[1]
+            result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
+        return result
+
+    def hours_to_limit(self) -> tuple[np.ndarray, list[str]]:
+        """Return the forecasts (n, 3) of the changed axes at their last judged window, and the quantity of each limit.
+
+        None where growth cannot be told from zero by now: a date would be one of chance.
+        """
+        n = self.status.shape[1]
+        result, quantities = np.full((n, 3), np.nan), [""] * n
+        for j in range(n):
+            known = np.flatnonzero(np.isfinite(self._level.residual[:, j]))
+            if len(known) and self.status[known[-1], j] == CHANGED:
+                told = np.flatnonzero(self._told[: known[-1] + 1, j])
+                name = self._parts(told[-1], j)[0] if len(told) else COULOMB
+                quantity, found = self._limits.forecast(int(known[-1]), j, name, now=True)
+                result[j], quantities[j] = (found.hours, found.low, found.high), quantity
+        return result, quantities
+
+
+def evidence(level: Watch) -> tuple[np.ndarray, np.ndarray]:
+    """Return the statistic of every axis for any change, and its threshold, (w, n), NaN where not judged.
+
+    Which axis it is depends on the evidence for any change; the decision asks for more than what is tolerated. A step
+    is as sure as its own chart is beyond its threshold: the level says little of it where friction fell before or the
+    weather is unsure.
+    """
+    statistic = np.where(np.isfinite(level.residual), np.maximum(level.mean / level.mean_std, 0.0), np.nan)
+    threshold = level.threshold + TOLERATED / level.mean_std
+    beyond = np.maximum(level.step, 0.0) ** 2 - level.step_threshold**2
+    by_step = level.alarm & (beyond > 0)
+    reached = np.sqrt(threshold**2 + np.where(by_step, beyond, 0.0))
+    return np.where(by_step, np.fmax(statistic, reached), statistic), threshold
+
+
+def paper_records(
+    statistics: WindowStatistics,
+    baseline: int,
+    rate: float,
+    programs: np.ndarray | None,
+    events: Sequence[Sequence[int]] = (),
+) -> list[dict[str, Any]]:
+    """Return the alarms of the paper's detector.
+
+    Parameters
+    ----------
+    baseline : windows of the normal period, the first ones. rate : false alarms a window that are allowed.
+    programs : (w,) program of each window, or None. events : of each axis the windows at which it begins anew, whether
+        the config says so or a step of its scale or a fall of its friction was found.
+
+    Notes
+    -----
+    Its components are of all axes together, so that an event of one is one of all: what is normal is learnt anew over
+    as many windows as at first, in which it says nothing.
+    """
+    later = {k for own in events for k in own if baseline <= k < statistics.windows}
+    edges = [0, *sorted(later), statistics.windows]
+    result = []
+    for a, b in itertools.pairwise(edges):
+        own = None if programs is None else programs[a:b]
+        result += _paper_records(statistics.part(slice(a, b)), min(baseline, b - a), rate, own)
+    return result
+
+
+def _paper_records(
+    statistics: WindowStatistics, baseline: int, rate: float, programs: np.ndarray | None
+) -> list[dict[str, Any]]:
+    verdict = paper_alarms(statistics, baseline, rate, programs)
+    unknown = [np.nan] * 3
+    return [
+        record(
+            statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, "", np.nan, NOTHING, DETECTORS[1]
+        )
+        for k in np.flatnonzero(verdict.alarm)
+    ]  # fmt: skip
+
+
+def record(
+    time: float,
+    axis: int,
+    quantity: str,
+    change: list[float],
+    unit: str,
+    probability: float,
+    expected: Forecast,
+    detector: str,
+) -> dict[str, Any]:
+    """Return one row of alarms.csv. An end that may never be reached stays empty."""
+    hours = [v if np.isfinite(v) else np.nan for v in (expected.hours, expected.low, expected.high)]
+    return {
+        "time": float(time),
+        "axis": axis,
+        "quantity": quantity,
+        "change": float(change[0]),
+        "change_low": float(change[1]),
+        "change_high": float(change[2]),
+        "unit": unit,
+        "probability_axis": probability,
+        "hours_to_limit": hours[0],
+        "hours_to_limit_low": hours[1],
+        "hours_to_limit_high": hours[2],
+        "detector": detector,
+    }

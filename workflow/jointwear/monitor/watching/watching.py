@@ -1,0 +1,355 @@
+"""Watch one quantity of all axes: normal state, shared error, evidence, alarms, services that a fall proposes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from jointwear.monitor.normal.conditions import Conditions
+from jointwear.monitor.normal.dispersion import inflated
+from jointwear.monitor.normal.learning import AxisNormal
+from jointwear.monitor.normal.recall import Recall, key_of
+from jointwear.monitor.normal.shift_scale import shift_scale
+from jointwear.monitor.normal.shifts import running_sums, shift_starts
+from jointwear.monitor.watching.decision import Evidence
+from jointwear.monitor.watching.null_runs import Axis, null_thresholds
+from jointwear.monitor.watching.shared_error import ALIKE, FINDING, SharedError, shared_error
+from jointwear.monitor.watching.watched_axis import Start, WatchedAxis
+
+#: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
+FALL_RATE = 0.5
+#: Most rounds in which services are looked for.
+_MOST_TURNS = 8
+#: Windows of a shift, and standard deviation of the normal state [log], where the baseline does not say.
+_USUAL_WINDOWS, _USUAL_NORMAL = 8.0, 0.01
+
+
+@dataclass(frozen=True)
+class Watch:
+    """What became of one quantity, arrays (w, n).
+
+    `residual`: log level less normal state and shared error, NaN where not judged; `std` of a window; `noise`: the
+    part of its variance that windows do not share; `growth`, `fall`, `mean`, `mean_std`, `shifts` of
+    :class:`~.decision.Evidence`; `alarm`: bool; `learning`, `unseen`: why a window is not judged.
+    `threshold`, `step_threshold` (n,), of `growth` and of `step`, the last shifts less those before;
+    `starts`: per axis; `axes`: normal states, None where the `baseline` (w,) shows too little.
+    """
+
+    residual: np.ndarray
+    std: np.ndarray
+    noise: np.ndarray
+    growth: np.ndarray
+    fall: np.ndarray
+    mean: np.ndarray
+    mean_std: np.ndarray
+    shifts: np.ndarray
+    alarm: np.ndarray
+    learning: np.ndarray
+    unseen: np.ndarray
+    threshold: np.ndarray
+    step: np.ndarray
+    step_threshold: np.ndarray
+    shared: SharedError
+    axes: list[AxisNormal | None]
+    baseline: np.ndarray
+    starts: list[list[Start]] = field(default_factory=list)
+
+
+def watch(
+    axes: list[AxisNormal | None],
+    conditions: Conditions,
+    baseline: np.ndarray,
+    shift: np.ndarray,
+    rate: float,
+    events: Sequence[Sequence[int]] = (),
+    proposed: Sequence[Sequence[int]] = (),
+    kept: Sequence[Sequence[int]] = (),
+    services: bool = True,
+    common: bool = True,
+    unit: np.ndarray | float = 1.0,
+    recall: Recall | None = None,
+) -> Watch:
+    """Watch one quantity.
+
+    Parameters
+    ----------
+    axes : normal states, :func:`.learning.learn_axes`. baseline : (w,) bool. shift : (w,) labels.
+    rate : false alarms a window that all axes together may have.
+    events : per axis, windows at which the config says that something was done to it.
+    proposed : the same, found in the logs themselves. kept : those of `events` that leave alarms open, over which what
+        such an alarm tells of goes on.
+    services : whether falls propose services. common : whether what all axes have in common is taken out.
+    unit : (n,) what the axes have in common comes to each in these units, such as its share of viscous friction.
+    recall : of thresholds that were simulated before.
+    """
+    none: list[list[int]] = [[]] * len(axes)
+    starts = _told_starts(events or none, proposed or none, kept or none)
+    fall_rate = FALL_RATE / 1000 * conditions.hours
+    limits = _limits(axes, shift, baseline, rate, fall_rate, recall or Recall())
+    if not services:
+        limits = replace(limits, fall=np.full(len(axes), np.inf))
+    states, beside, evidence = _settled(axes, starts, limits, baseline, shift, common, unit)
+    shape = (len(shift), len(axes))
+    nothing = {"growth": -np.inf, "fall": -np.inf, "step": -np.inf, "mean": np.nan, "std": np.nan, "shifts": 0}
+    told = {
+        name: _columns({j: getattr(e, name) for j, e in evidence.items()}, shape, value)
+        for name, value in nothing.items()
+    }
+    seen = {
+        name: _columns({j: getattr(state, name) for j, state in states.items()}, shape, False)
+        for name in ("learning", "unseen")
+    }
+    return Watch(
+        residual=beside.raw - beside.shared.value,
+        std=np.sqrt(beside.variance),
+        noise=beside.noise,
+        mean_std=told.pop("std"),
+        alarm=_alarms(told["growth"], told["step"], limits.level, limits.step) & ~baseline[:, None],
+        threshold=limits.level,
+        step_threshold=limits.step,
+        shared=beside.shared,
+        axes=axes,
+        baseline=baseline,
+        starts=starts,
+        **told,
+        **seen,
+    )
+
+
+def _settled(
+    axes: Sequence[AxisNormal | None],
+    starts: list[list[Start]],
+    limits: _Limits,
+    baseline: np.ndarray,
+    shift: np.ndarray,
+    common: bool,
+    unit: np.ndarray | float,
+) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence]]:
+    """Return the axes that are judged, what they tell of each other and their evidence, once no more falls propose a
+    service; those that are found are added to `starts`, and what has grown goes on over those that are kept.
+
+    Parameters
+    ----------
+    limits : of the evidence, that of falls infinite where none proposes a service. baseline, shift, common, unit : as
+    of :func:`watch`.
+    """
+    states: dict[int, WatchedAxis] = {}
+    again = [j for j, axis in enumerate(axes) if axis is not None]
+    # Services change what comes after them: found one after the other, until none is left.
+    for _ in range(_MOST_TURNS):
+        states |= {j: WatchedAxis(axes[j], baseline, shift, starts[j]) for j in again}
+        beside = _beside(states, len(axes), baseline, shift, common, unit)
+        evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
+        again = []
+        for j in states:
+            service = _service(evidence[j], limits.fall[j], shift, baseline)
+            if service is not None and (later := _with_service(starts[j], *service)) is not None:
+                starts[j] = later
+                again.append(j)
+                continue
+            alarm = _alarms(evidence[j].growth, evidence[j].step, limits.level[j], limits.step[j]) & ~baseline
+            if (grown := _with_growth(starts[j], states[j], alarm, *beside.of(j)[:2])) is not None:
+                starts[j] = grown
+                again.append(j)
+        if not again:
+            break
+    return states, beside, evidence
+
+
+def _told_starts(
+    events: Sequence[Sequence[int]], proposed: Sequence[Sequence[int]], kept: Sequence[Sequence[int]]
+) -> list[list[Start]]:
+    """Return where each axis is learnt anew by events of the config and by those that the logs themselves show."""
+    told = (
+        # No growth goes on over what the logs show in the same window, such as another scale.
+        [Start(k, k in g and k in p, k in g and k not in p) for k in e] + [Start(k, True) for k in set(p) - set(e)]
+        for e, p, g in zip(events, proposed, kept, strict=True)
+    )
+    return [sorted(one, key=lambda start: start.window) for one in told]
+
+
+def _columns(of_axes: dict[int, np.ndarray], shape: tuple[int, int], nothing: float) -> np.ndarray:
+    """Return series (w,) of axes as columns of one array of `shape`; `nothing` where an axis has none."""
+    result = np.full(shape, nothing)
+    for axis, series in of_axes.items():
+        result[:, axis] = series
+    return result
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Thresholds (n,) of the evidence of each axis; infinite where it is not judged."""
+
+    level: np.ndarray
+    step: np.ndarray
+    fall: np.ndarray
+
+
+def _limits(
+    axes: Sequence[AxisNormal | None],
+    shift: np.ndarray,
+    baseline: np.ndarray,
+    rate: float,
+    fall_rate: float,
+    recall: Recall,
+) -> _Limits:
+    """Return the thresholds for a rate of false alarms and one of falls, a window and all axes together."""
+    limits = _Limits(*(np.full(len(axes), np.inf) for _ in range(3)))
+    judged = {j: axis for j, axis in enumerate(axes) if axis is not None}
+    for j, axis in judged.items():
+        null = _null_of(axis, shift, baseline)
+        limits.level[j], limits.step[j] = _thresholds(null, rate / len(judged), recall)
+        limits.fall[j] = _thresholds(null, fall_rate / len(judged), recall)[0]
+    return limits
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """What the axes tell of each other, (w, n) unless told.
+
+    `raw`: residual before the shared error is taken out; `noise`: variance that windows do not share; `variance` of the
+    residual without the shared error; `extra`: variance that all windows of a shift share; `loud`: factor of the
+    variance of a shift but for the noise of its windows; `calm` (w,): bool, whether the axes do not move together.
+    """
+
+    shared: SharedError
+    raw: np.ndarray
+    noise: np.ndarray
+    variance: np.ndarray
+    extra: np.ndarray
+    loud: np.ndarray
+    calm: np.ndarray
+
+    def of(self, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return what :meth:`.WatchedAxis.judge` asks of one axis, (w,) each."""
+        return self.shared.value[:, axis], self.extra[:, axis], self.loud[:, axis], self.calm
+
+
+def _beside(
+    states: dict[int, WatchedAxis],
+    n: int,
+    baseline: np.ndarray,
+    shift: np.ndarray,
+    common: bool,
+    unit: np.ndarray | float,
+) -> _Beside:
+    """Return what the axes tell of each other; `common` and `unit` are those of :func:`watch`."""
+    shape = (len(shift), n)
+    raw = _columns({j: state.residual for j, state in states.items()}, shape, np.nan)
+    spread = _columns({j: state.total_variance for j, state in states.items()}, shape, np.nan)
+    noise = _columns({j: state.normal.noise for j, state in states.items()}, shape, np.nan)
+    beyond = _columns({j: state.normal.design.beyond for j, state in states.items()}, shape, 0.0)
+    memory = np.zeros(n)
+    for j, state in states.items():
+        memory[j] = state.normal.dispersion.memory
+    if common:
+        alike, shared = ALIKE, shared_error(raw, spread, baseline, shift, beyond, unit)
+    else:
+        alike, shared = 0.0, SharedError(np.zeros(shape), np.zeros(shape), np.zeros(len(shift)))
+    variance = spread - alike * beyond + shared.variance
+    outside = outside_baseline(beyond, shared.common, shift)
+    loud = shift_scale(raw - shared.value, variance, noise, memory, shift, outside)
+    extra = shared.variance + (1.0 - alike) * beyond
+    return _Beside(shared, raw, noise, variance, extra, loud, _calm(shared.common, shift))
+
+
+def _service(evidence: Evidence, least: float, shift: np.ndarray, baseline: np.ndarray) -> tuple[int, int] | None:
+    """Return the first window after the baseline whose fall exceeds `least`, and the one at which it begins."""
+    hits = np.flatnonzero((evidence.fall > least) & ~baseline)
+    if not len(hits):
+        return None
+    first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
+    return int(hits[0]), max(_begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift), first_judged)
+
+
+def _with_service(starts: Sequence[Start], hit: int, begin: int) -> list[Start] | None:
+    """Return the starts of an axis with a service from the window `begin` that shows at `hit`; None if it has one."""
+    kept = [s for s in starts if s.window <= hit]
+    if kept and kept[-1].window >= begin:
+        return None
+    return [*kept, Start(begin, True), *(replace(s, grown=None) for s in starts if s.window > hit)]
+
+
+def _alarms(growth: np.ndarray, step: np.ndarray, level: np.ndarray | float, least: np.ndarray | float) -> np.ndarray:
+    """Return where the evidence of growth or of a step exceeds its threshold, `level` or `least`."""
+    return (growth > level) | (step > least)
+
+
+def _with_growth(
+    starts: Sequence[Start], state: WatchedAxis, alarm: np.ndarray, shared: np.ndarray, extra: np.ndarray
+) -> list[Start] | None:
+    """Return the starts of an axis, the first kept one that follows on an alarm with the growth until then; None if
+    all such have it.
+
+    Without an alarm an axis may have grown by nothing: what it is off by then would become wear of the new program.
+
+    Parameters
+    ----------
+    alarm : (w,) bool. shared, extra : of :meth:`.WatchedAxis.judge`.
+    """
+    since = 0
+    for k, start in enumerate(starts):
+        if start.grown is not None:
+            continue
+        if start.kept and alarm[since : start.window].any():
+            grown = state.grown_between(since, start.window, shared, extra)
+            if grown is not None:
+                return [*starts[:k], replace(start, grown=grown), *starts[k + 1 :]]
+        since = start.window
+    return None
+
+
+def outside_baseline(beyond: np.ndarray, common: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Return the windows (w, n) that lie beyond what the baseline saw.
+
+    Those beyond its range, and those of shifts in which, so far, all axes together have risen by more than is a
+    finding: oil that is colder than the thermometers of motors tell.
+
+    Parameters
+    ----------
+    beyond : (w, n) variance of leaving the baseline's range. common : (w,) what the axes have in common, log levels.
+    shift : (w,) labels.
+    """
+    return (beyond > 0) | ~_calm(np.maximum(common, 0.0), shift)[:, None]
+
+
+def _calm(common: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Return the windows (w,) of shifts in which, so far, all axes together stay below what is a finding.
+
+    Parameters
+    ----------
+    common : (w,) what the axes have in common, log levels. shift : (w,) labels.
+    """
+    starts = shift_starts(shift)
+    return np.abs(running_sums(common, starts)) <= FINDING * running_sums(np.ones(len(common)), starts)
+
+
+def before_events(baseline: np.ndarray, events: Sequence[Sequence[int]], n: int) -> np.ndarray:
+    """Return the windows (w, n) of the baseline before the first event of each axis."""
+    place = np.arange(len(baseline))
+    return np.stack([baseline & (place < min(events[j], default=len(baseline))) for j in range(n)], axis=1)
+
+
+def _null_of(axis: AxisNormal, shift: np.ndarray, baseline: np.ndarray) -> Axis:
+    """Return what the null runs of one axis depend on."""
+    rows = np.isfinite(axis.series_value) & baseline
+    usual = float(np.median(np.bincount(shift[rows])[np.unique(shift[rows])])) if rows.any() else _USUAL_WINDOWS
+    noise = float(np.nanmedian(axis.noise))
+    within = np.sqrt(noise * float(inflated(usual, axis.dispersion.memory)) / usual)
+    left = axis.fit.left_out_variance
+    normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else _USUAL_NORMAL
+    return Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual)).rounded()
+
+
+def _thresholds(null: Axis, rate: float, recall: Recall) -> list[float]:
+    """Return the thresholds of one axis, of level and steps, for a rate of false alarms a window."""
+    return recall(key_of("thresholds", null, rate), lambda: [list(null_thresholds(null, rate))])[0]
+
+
+def _begin_of_change(window: int, shifts: int, shift: np.ndarray) -> int:
+    """Return the first window of the shifts that the evidence at `window` rests on."""
+    names = np.unique(shift)
+    place = int(np.searchsorted(names, shift[window]))
+    return int(np.argmax(shift == names[max(place - max(shifts, 1) + 1, 0)]))
