@@ -98,14 +98,15 @@ def _of_a_load(plain: Watch, scale: Watch, rows: slice, own: int, shift: np.ndar
     """Return whether what moves the bodies of the 0-based axis `own` is another load: it moves those of others too.
 
     Of at least :data:`FEWEST_TOGETHER` axes, with `own`, the scale steps then, and the friction of others does not step
-    with it, as it would if their torque had another scale.
+    with it, as it would if their torque had another scale. Bodies of others that move the opposite way speak for the
+    scale of `own`: a load is estimated from all axes, and takes some of a gain of one of them for a lighter one.
     """
-    others = 0
+    others, mine = 0, mean_residual(scale, rows, own, shift)[0]
     for j, axis in enumerate(plain.axes):
         if j == own or axis is None or scale.axes[j] is None:
             continue
         (moved, error), (rubbed, spread) = (mean_residual(w, rows, j, shift) for w in (scale, plain))
-        clear = abs(moved) > max(LEAST, AGAINST * error)
+        clear = mine * moved > 0 and abs(moved) > max(LEAST, AGAINST * error)
         others += bool(clear and abs(moved - rubbed) > AGAINST * np.hypot(error, spread))
     return others + 1 >= FEWEST_TOGETHER
 
