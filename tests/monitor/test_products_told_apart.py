@@ -5,6 +5,7 @@ import pytest
 from monitor_windows import residuals, statistics_of
 
 from jointwear.monitor.normal.products import product_findings, with_products
+from jointwear.monitor.normal.series import Series
 
 #: Windows, and those of a shift; the first four shifts are the baseline.
 WINDOWS, SHIFT = 64, 8
@@ -19,8 +20,16 @@ def month(axes=(), factor=1.0, since=48):
     return s
 
 
-def asked(s, regime=None):
-    return with_products(s, regime, SHIFTS, BASELINE)
+def bodies(*steps, error=0.02):
+    """Log of the size of the bodies of three axes, window by window; `steps` as (shifts, what they are there)."""
+    value = np.random.default_rng(5).normal(0.0, error, (WINDOWS, 3))
+    for shifts, step in steps:
+        value[np.isin(SHIFTS, shifts)] += step
+    return Series(value, np.full(value.shape, error**2), np.ones(3), np.ones(3))
+
+
+def asked(s, regime=None, scale=None):
+    return with_products(s, bodies() if scale is None else scale, regime, SHIFTS, BASELINE)
 
 
 @pytest.mark.parametrize("factor", [0.6, 1.5])
@@ -70,3 +79,33 @@ def test_products_that_come_again_are_one_and_others_another():
     program, products = asked(s)
     assert [p.program for p in products] == [1, 2]
     assert [int(program[shift * SHIFT]) for shift in range(8)] == [0, 0, 0, 0, 1, 2, 1, 0]
+
+
+def test_bodies_of_two_axes_that_differ_tell_a_product():
+    program, (product,) = asked(month(), scale=bodies(([6, 7], (0.05, 0.2, 0.4))))
+    np.testing.assert_array_equal(program == product.program, SHIFTS >= 6)
+    assert product.axes == (2, 3)
+
+
+@pytest.mark.parametrize("step", [(0.0, 0.0, 0.4), (0.3, 0.3, 0.3), (0.3, 0.3, 0.0), (0.1, 0.16, 0.2)])
+def test_a_gain_of_one_axis_or_of_most_is_no_product(step):
+    """Nor is what no axis shows by a quarter."""
+    assert asked(month(), scale=bodies(([6, 7], step))) == (None, ())
+
+
+def test_bodies_that_are_hardly_known_tell_nothing():
+    assert asked(month(), scale=bodies(([6, 7], (0.05, 0.2, 0.4)), error=0.3)) == (None, ())
+
+
+def test_a_single_day_of_the_baseline_with_another_load_is_known_again():
+    """As of a robot whose first day of ten had a light part (fleet 25): its friction was that of the heavy one."""
+    program, products = asked(month(), scale=bodies(([0, 5], (0.05, 0.2, 0.4))))
+    assert products == ()
+    assert [int(program[shift * SHIFT]) for shift in range(8)] == [1, 0, 0, 0, 0, 1, 0, 0]
+
+
+def test_a_program_that_the_baseline_lacks_has_products_of_its_own():
+    """By the load alone: what is usual of its noise one shift does not tell."""
+    regime = np.where(SHIFTS >= 5, 1, 0)
+    program, (product,) = asked(month((0, 2), 1.5, 56), regime, bodies(([6], (0.05, 0.2, 0.4))))
+    assert [int(program[shift * SHIFT]) for shift in range(8)] == [0] * 5 + [1, product.program, 1]

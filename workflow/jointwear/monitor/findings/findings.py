@@ -13,7 +13,6 @@ from jointwear.files.wording import name_axes
 from jointwear.monitor.findings.loud import loud_findings
 from jointwear.monitor.findings.thermometers import broken, other_unit
 from jointwear.monitor.local_time import duration
-from jointwear.monitor.normal.conditions import Conditions
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.another_robot import FEWEST_RISEN, MOST_AXES, Exchange
 from jointwear.monitor.watching.decision import NORMAL
@@ -45,20 +44,20 @@ def findings_of(
     steps: Sequence[ScaleStep],
     exchanges: Sequence[Exchange],
     changed: np.ndarray,
-    conditions: Conditions,
+    shown: np.ndarray | None,
 ) -> list[dict[str, Any]]:
     """Return the findings, each with `time` [s], `axes` (1-based), `kind` and `words` for the page.
 
     Parameters
     ----------
     steps : changed scales. exchanges : of robots or drives. changed : (w, n) bool, axes with an open alarm of friction.
-    conditions : of all windows.
+    shown : (w,) programs that the motion shows, None where the log names them or there is one.
     """
     explained = {(s.axis, s.window) for s in steps} | {(j, one.window) for one in exchanges for j in one.axes}
     found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained)
     found += [_exchanged(statistics, level, one) for one in exchanges]
     found += _at_once(statistics, shift, level, explained)
-    found += _programs(statistics, conditions, baseline, level)
+    found += _programs(statistics, shown, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline) + broken(statistics, baseline)
     events = [[s.window for s in starts if not s.proposed] for starts in level.starts]
@@ -181,14 +180,14 @@ def _judged_words(ran: float, judged_after: float | None) -> str:
 
 
 def _programs(
-    statistics: WindowStatistics, conditions: Conditions, baseline: np.ndarray, level: Watch
+    statistics: WindowStatistics, shown: np.ndarray | None, baseline: np.ndarray, level: Watch
 ) -> list[dict[str, Any]]:
     """One finding for each program that the motion shows and the baseline did not have, and until when it is learnt."""
-    if conditions.regime is None or conditions.named:
+    if shown is None:
         return []
     result = []
-    for regime in np.setdiff1d(np.unique(conditions.regime[~baseline]), [*conditions.regime[baseline], -1]):
-        rows = np.flatnonzero(conditions.regime == regime)
+    for regime in np.setdiff1d(np.unique(shown[~baseline]), [*shown[baseline], -1]):
+        rows = np.flatnonzero(shown == regime)
         judged = np.isfinite(level.residual[rows]).mean(axis=1) > 0.5
         hours = statistics.length / 3600
         found = {"ran": len(rows) * hours, "judged_after": float(np.argmax(judged)) * hours if judged.any() else None}

@@ -154,9 +154,10 @@ def _findings(
     first, shift, level = seen.baseline, seen.shift, friction.watch
     changes = friction.steps, friction.exchanges
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
+    shown = None if seen.conditions.named else seen.regime
     zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
     return [
-        *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, seen.conditions),
+        *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, shown),
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),
         *backlash_findings(seen.hidden, float(statistics.start[0])),

@@ -64,14 +64,15 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     steady = regime is None or len(np.unique(regime[first & (regime >= 0)])) <= 1
     start, end = statistics.start, statistics.end
     shift = shift_labels(start, end, first, steady)
-    program, products = with_products(statistics, regime, shift, first)
+    scale = scale_series(sums, noise)
+    program, products = with_products(statistics, scale, regime, shift, first)
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
     events = event_windows(settings.events, start, statistics.axes)
     mended = event_windows([e for e in settings.events if e.mends], start, statistics.axes)
     return Observed(
         baseline=first,
         series=series,
-        scale=scale_series(sums, noise),
+        scale=scale,
         hidden=hidden_because(statistics, coulomb, first),
         conditions=Conditions(start, end, temperature, features, speed, load, program, named),
         shift=shift,

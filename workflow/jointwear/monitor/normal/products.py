@@ -1,10 +1,11 @@
-"""Products, as what the regression of a window leaves shows them.
+"""Products, as the regression of a window shows them: by what it leaves, and by the bodies that seem to move.
 
 A part that is carried on some moves, and that no load at the flange stands for (:mod:`.carried`), is left over by the
 regression of a window, and moves the friction of the axes that lift it, those of neighbours opposite ways. What is left
-grows or falls with it on several axes at once, from one shift to the next, where wear is of one axis. A program with
-such a product is another program (:mod:`.regimes`): with one that the baseline has it is told by the likest of the
-baseline's shifts, with one that it lacks its normal is learnt first.
+grows or falls with it on several axes at once, from one shift to the next, where wear is of one axis. A part that is
+carried all the time moves the bodies of the axes that lift it, each by its share, where a gain moves those of all by
+the same. A program with such a product is another program (:mod:`.regimes`): with one that the baseline has it is told
+by the likest of the baseline's shifts, with one that it lacks its normal is learnt first.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.monitor.normal.programs import learnt_in_words
+from jointwear.monitor.normal.series import Series
 from jointwear.monitor.reading.regimes import programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.statistics.known import known_median
@@ -24,8 +26,11 @@ from jointwear.statistics.known import known_median
 #: Differences of the median noise of shifts, as logs: those of the baseline are of other products that differ by the
 #: larger on some axis or by the smaller on so many; a later one that leaves the range of all by both has a product that
 #: the baseline lacks. Parts of 0.9 to 3.1 kg that no load stands for changed it by 1.2 to 1.6 times on the axes that
-#: lift them (two robots of the twenty-fifth fleet).
+#: lift them (two robots of the twenty-fifth fleet). Bodies of the arm that differ by both are another load at any time.
 FAR, APART, AXES = np.log(1.25), np.log(1.15), 2
+#: Standard error of the bodies of a shift above which they show nothing, as a share of APART; bodies are alike within
+#: this share of their median, and more than the other of the axes alike are one gain.
+KNOWN, ALIKE, MOST_ALIKE = 0.25, 0.5, 0.5
 #: Shifts of the baseline that tell its products, and windows of a later one that shows another.
 SHIFTS, WINDOWS = 3, 2
 #: Most products of the baseline, and fewest shifts with each: more, or single ones, are what shifts scatter by.
@@ -34,30 +39,35 @@ MOST, FEWEST = 3, 2
 
 @dataclass(frozen=True)
 class Product:
-    """A product that the baseline lacks: its `program` label, and the 1-based `axes` that are louder or quieter."""
+    """A product that the baseline lacks: its `program` label, and the 1-based `axes` whose noise or bodies differ."""
 
     program: int
     axes: tuple[int, ...]
 
 
 def with_products(
-    statistics: WindowStatistics, regime: np.ndarray | None, shift: np.ndarray, baseline: np.ndarray
+    statistics: WindowStatistics, scale: Series, regime: np.ndarray | None, shift: np.ndarray, baseline: np.ndarray
 ) -> tuple[np.ndarray | None, tuple[Product, ...]]:
     """Return the programs (w,), -1 unknown, told apart by products too, and the products that the baseline lacks; None
     where there is one program and one product.
 
     Parameters
     ----------
+    scale : log of the size of the bodies, :func:`.scale.scale_series`.
     regime : (w,) of :mod:`.regimes`, or None for one program. shift : (w,) labels. baseline : (w,) bool.
     """
     program = programs_or_one(regime, statistics.windows)
     seen = statistics.judgeable & (statistics.count > 0) & (statistics.noise_variance > 0)
     noise = np.where(seen, 0.5 * np.log(np.where(seen, statistics.noise_variance, 1.0)), np.nan)
     result, products = program.copy(), []
-    for name in np.unique(program[baseline & (program >= 0)]):
+    for name in np.unique(program[program >= 0]):
         own = program == name
-        early, late = (_by_shift(own & rows, shift, noise) for rows in (baseline, ~baseline))
-        if len(early) < SHIFTS:
+        early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, ~baseline))
+        later = not early
+        if later:
+            # Of a program that the baseline lacks the first shift stands for the usual product.
+            early, late = late[:1], late[1:]
+        elif len(early) < SHIFTS:
             continue
         known = [middle for _, middle in early]
         low, high = np.fmin.reduce(known), np.fmax.reduce(known)
@@ -68,8 +78,11 @@ def with_products(
             result[rows] = labels[k]
         lacking: list[tuple[np.ndarray, int]] = []
         for rows, middle in late:
-            beyond = np.nan_to_num(np.maximum(low - middle, middle - high))
-            if len(rows) < WINDOWS or not _differ(beyond) or beyond.max() <= FAR:
+            beyond = np.nan_to_num(np.where(middle > high, middle - high, np.minimum(middle - low, 0.0)))
+            louder = np.abs(beyond[0])
+            # The noise of one shift alone says little of what is usual.
+            new = not later and _differ(louder) and louder.max() > FAR
+            if len(rows) < WINDOWS or not (new or _other_load(beyond[1])):
                 distance = [np.nanmax(np.abs(centre - middle), initial=0.0) for centre in centres]
                 result[rows] = labels[int(np.argmin(distance))]
                 continue
@@ -77,7 +90,8 @@ def with_products(
             if label is None:
                 label = int(result.max()) + 1
                 lacking.append((middle, label))
-                products.append(Product(label, tuple((np.flatnonzero(beyond > APART) + 1).tolist())))
+                axes = np.flatnonzero((np.abs(beyond) > APART).any(axis=0)) + 1
+                products.append(Product(label, tuple(axes.tolist())))
             result[rows] = label
     return (None if regime is None and np.array_equal(result, program) else result), tuple(products)
 
@@ -95,8 +109,8 @@ def product_findings(
     for product in products:
         rows = np.flatnonzero(program == product.program)
         words = (
-            f"What the model leaves of the torque of {name_axes(list(product.axes))} changed at once, as with a part "
-            "that the normal period does not have and that is carried on some moves: "
+            f"The torque of {name_axes(list(product.axes))} changed at once, as with a part that this program did not "
+            "have before and that no load of the robot file stands for: "
         )
         words += learnt_in_words(judged[rows], statistics.length)
         result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words})
@@ -104,37 +118,64 @@ def product_findings(
 
 
 def _differ(step: np.ndarray) -> bool:
-    """Return whether shifts whose noise differs by `step` (n,), as logs, may be of other products."""
+    """Return whether shifts that differ by `step` (n,), as logs, may be of other products."""
     return int((np.abs(step) > APART).sum()) >= AXES
 
 
+def _other_load(step: np.ndarray) -> bool:
+    """Return whether bodies that differ by `step` (n,), as logs, NaN unknown, carry another load: a gain of most axes
+    makes them differ alike."""
+    middle = float(known_median(step, axis=0)) if np.isfinite(step).any() else 0.0
+    with np.errstate(invalid="ignore"):
+        alike = np.abs(step - middle) < ALIKE * abs(middle)
+    if alike.sum() > MOST_ALIKE * np.isfinite(step).sum():
+        step = np.where(alike, 0.0, step)
+    step = np.nan_to_num(step)
+    return _differ(step) and float(np.abs(step).max()) > FAR
+
+
 def _groups(medians: Sequence[np.ndarray]) -> list[int]:
-    """Return for each shift of the baseline, by the noise (n,) of its axes, which product it is of, 0 the most frequent
-    one; all of one where they do not fall into a few groups."""
+    """Return for each shift of the baseline, by noise and bodies (2, n) of its axes, which product it is of, 0 the most
+    frequent one; all of one where they do not fall into a few groups. A single shift is one if its load differs."""
     members: list[list[int]] = []
     for k, middle in enumerate(medians):
         for own in members:
-            step = np.nan_to_num(known_median(np.array([medians[m] for m in own]), axis=0) - middle)
-            if np.abs(step).max() <= FAR and not _differ(step):
+            step = known_median(np.array([medians[m] for m in own]), axis=0) - middle
+            noise = np.nan_to_num(step[0])
+            if np.abs(noise).max() <= FAR and not _differ(noise) and not _other_load(step[1]):
                 own.append(k)
                 break
         else:
             members.append([k])
-    if len(members) > MOST or min(len(own) for own in members) < FEWEST:
+    members.sort(key=len, reverse=True)
+    usual = known_median(np.array([medians[m] for m in members[0]]), axis=0)
+    single = [own for own in members if len(own) < FEWEST]
+    if len(members) > MOST or not all(_other_load((usual - medians[own[0]])[1]) for own in single):
         return [0] * len(medians)
     result = [0] * len(medians)
-    for k, own in enumerate(sorted(members, key=len, reverse=True)):
+    for k, own in enumerate(members):
         for m in own:
             result[m] = k
     return result
 
 
 def _middle(medians: Sequence[np.ndarray], group: Sequence[int], k: int) -> np.ndarray:
-    """Return the middle (n,) of the shifts of group `k`."""
+    """Return the middle (2, n) of the shifts of group `k`."""
     return known_median(np.array([m for m, g in zip(medians, group, strict=True) if g == k]), axis=0)
 
 
-def _by_shift(rows: np.ndarray, shift: np.ndarray, noise: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the windows of each shift among `rows` (w,) bool, with the median of their `noise` (w, n)."""
-    shifts = [np.flatnonzero(rows & (shift == name)) for name in np.unique(shift[rows])]
-    return [(own, known_median(noise[own], axis=0)) for own in shifts]
+def _by_shift(
+    rows: np.ndarray, shift: np.ndarray, noise: np.ndarray, scale: Series
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the windows of each shift among `rows` (w,) bool, with the medians (2, n) of their `noise` (w, n) and of
+    their bodies, NaN where these are not known."""
+    result = []
+    for name in np.unique(shift[rows]):
+        own = np.flatnonzero(rows & (shift == name))
+        value, variance = scale.value[own], scale.variance[own]
+        count = np.isfinite(value).sum(axis=0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            error = np.sqrt(np.nansum(variance, axis=0) + np.nansum((value - known_median(value, axis=0)) ** 2, axis=0))
+            bodies = np.where((count >= WINDOWS) & (error / count < KNOWN * APART), known_median(value, axis=0), np.nan)
+        result.append((own, np.array([known_median(noise[own], axis=0), bodies])))
+    return result
