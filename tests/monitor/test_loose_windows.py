@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from jointwear.monitor.findings.seen_growth import LOOSE, LOOSEST, loose_findings
-from jointwear.monitor.to_answer import ASKING
+from jointwear.monitor.presentation.to_answer import ASKING
 from jointwear.monitor.watching.backlash import backlash_findings
 
 HOURS = SimpleNamespace(end=3600.0 * np.arange(1, 9))

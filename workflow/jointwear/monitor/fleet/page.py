@@ -16,8 +16,8 @@ from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.presentation.to_answer import lasts, to_do
 from jointwear.monitor.presentation.words import todo
-from jointwear.monitor.to_answer import lasts, to_do
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.publishing.report.rendering import render_page
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.to_answer import ASKING, lasts
+from jointwear.monitor.presentation.to_answer import ASKING, lasts
 
 #: What a robot can be in, the most urgent first, and the words for it.
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"

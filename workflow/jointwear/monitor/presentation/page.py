@@ -27,8 +27,8 @@ from jointwear.monitor.presentation.episodes import Episode
 from jointwear.monitor.presentation.standing import standing
 from jointwear.monitor.presentation.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.presentation.temperature import temperature_share
+from jointwear.monitor.presentation.to_answer import ASKING
 from jointwear.monitor.presentation.words import sure_percent, sure_words, todo
-from jointwear.monitor.to_answer import ASKING
 from jointwear.monitor.watching.records import DETECTORS
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
