@@ -40,6 +40,21 @@ def test_a_later_torque_in_another_unit_is_refused(tmp_path, good, kind):
     assert (found.statistics.count == 0).all()
 
 
+def test_later_radians_where_degrees_are_stated_are_refused_and_an_arm_at_rest_is_not(tmp_path):
+    """Read as degrees nothing seems to move, and no torque contradicts the model."""
+    entry = {"units": {"position": "deg"}}
+    log, later, rng = make_log(48.0, seed=11), make_log(48.0, seed=12), np.random.default_rng(3)
+    first = write_parquet(tmp_path / "first.parquet", columns(replace(log, position=np.degrees(log.position))))
+    (refused,) = read(write_parquet(tmp_path / "rad.parquet", columns(later)), first, **entry).refused
+    assert "they look like rad" in refused
+    held = np.degrees(later.position[:1]) + 1e-3 * rng.standard_normal(later.position.shape)
+    torque = later.torque[:1] + 0.01 * rng.standard_normal(later.torque.shape)
+    rest = write_parquet(tmp_path / "rest.parquet", columns(replace(later, position=held, torque=torque)))
+    found = read(rest, first, **entry)
+    assert found.refused == ()
+    assert (found.statistics.count == 0).all()
+
+
 def test_a_flipped_axis_is_told_though_the_model_fits_the_others_better_than_in_the_first_log(tmp_path):
     first, rng = make_log(48.0, seed=11), np.random.default_rng(2)
     first.torque[:, [0, 2, 3, 4, 5]] *= 1 + 0.5 * rng.standard_normal((len(first.time), 5))

@@ -19,6 +19,7 @@ from jointwear.measurement.checks.axes_check import explained, explained_otherwi
 from jointwear.measurement.checks.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.checks.held_rows import check_rows_are_new
+from jointwear.measurement.checks.position_unit import check_position_unit
 from jointwear.measurement.checks.torque_scale import (
     FACTOR,
     LIKELIER,
@@ -32,6 +33,7 @@ from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.units import sizes_of
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misreadings import without_load
 from jointwear.monitor.reading.plausibility import busiest_piece, check_units, in_motion, measured_in
@@ -102,6 +104,8 @@ class LaterCheck:
         measured = busiest_piece(chunk, stretch, motion, self._dead_band)
         if len(measured.time) < FEWEST:
             return nothing
+        if not measured.usable.any():
+            self._check_slow(chunk, stretch, motion)
         check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
         check_rows_are_new(chunk, stretch, self._name)
@@ -138,6 +142,20 @@ class LaterCheck:
         # What befell most torques befell the others too, though they may resemble what they were.
         self._lost |= self._lost.sum() > MOST_LOST * np.isfinite(self._last).sum()
         return self._marks()
+
+    def _check_slow(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> None:
+        """Check that positions of a piece in which nothing seems to move are not radians, stated as a smaller
+        unit: radians read as degrees stay below every dead band.
+
+        Raises
+        ------
+        Refused : with the unit that they look like.
+        """
+        unit = chunk.units.get("position") or "rad"
+        slower = sizes_of("position").get(unit, 1.0)
+        if slower < 1.0:
+            slow = busiest_piece(chunk, stretch, motion, slower * self._dead_band)
+            check_position_unit(thinned(slow), self._dynamics.robot, self._name, unit)
 
     def relieve(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> np.ndarray | None:
         """Return the torque (m, n) [N m] of a block without the load at the flange that it shows; None where it shows
