@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.statistics.intervals import wilson_interval
 from jointwear.studies.challenge.judge import accepted_names, error_norm, judge
-from jointwear.studies.challenge.page import calibration_points, confusion_table, write_page
 from jointwear.studies.challenge.peer_scores import best_settings, judged_answers, write_peer_scores
 from jointwear.studies.challenge.peer_terms import AxisProblem
 from jointwear.studies.challenge.peers import effects_of, least_squares
@@ -26,8 +25,9 @@ from jointwear.studies.challenge.scores import (
 )
 from jointwear.studies.challenge.scoring import peak_covered, summarise
 from jointwear.studies.challenge.solve import at_samples
-from jointwear.studies.challenge.stored import write_stored, write_stored_page
 from jointwear.studies.challenge.tiers import DRAWINGS, EFFECTS, TARGETS, TIERS
+from jointwear.studies.hidden_effect_page.page import calibration_points, confusion_table, write_page
+from jointwear.studies.hidden_effect_page.stored import write_stored, write_stored_page
 
 
 def effect(name="stribeck_friction", axis=2, energy=1000.0, **more):

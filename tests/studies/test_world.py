@@ -8,8 +8,8 @@ import pytest
 from jointwear.files.errors import InputError
 from jointwear.studies.challenge.judge import gap_closed, worse_axes
 from jointwear.studies.challenge.reliability import reliability
-from jointwear.studies.challenge.stored import write_stored_page
 from jointwear.studies.challenge.tracking import ArmLost, follows
+from jointwear.studies.hidden_effect_page.stored import write_stored_page
 from jointwear.studies.tallies import QUESTIONS
 from jointwear.studies.world import answers, packages
 from jointwear.studies.world.control import CONTROLLERS, Controller, Reader, Reference

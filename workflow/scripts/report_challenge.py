@@ -1,7 +1,7 @@
 """Write the page of the hidden-effect test."""
 
 from jointwear.running.script import reported
-from jointwear.studies.challenge.page import write_page
+from jointwear.studies.hidden_effect_page.page import write_page
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

@@ -1,7 +1,7 @@
 """Write the page of the hidden-effect test from the summary kept with the project."""
 
 from jointwear.running.script import reported
-from jointwear.studies.challenge.stored import write_stored_page
+from jointwear.studies.hidden_effect_page.stored import write_stored_page
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

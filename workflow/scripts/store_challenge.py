@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 from jointwear.discovery.settings import Settings
 from jointwear.running.script import reported
-from jointwear.studies.challenge.stored import write_stored
+from jointwear.studies.hidden_effect_page.stored import write_stored
 
 if __name__ == "__main__":
     with reported(snakemake.log[0]):

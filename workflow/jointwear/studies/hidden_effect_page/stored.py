@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.json_documents import read_json, write_json
-from jointwear.studies.challenge.page import write_page
 from jointwear.studies.challenge.plan import part_batches
 from jointwear.studies.challenge.tiers import COUNTS, DRAWINGS, TIERS
+from jointwear.studies.hidden_effect_page.page import write_page
 
 
 def write_stored(scores: str | Path, output: str | Path, part: str, seed: int, settings: Mapping[str, Any]) -> None:
