@@ -49,6 +49,14 @@ def test_one_axis_or_a_small_change_is_no_product(axes, factor):
     assert asked(month(axes, factor)) == (None, ())
 
 
+def test_axes_within_a_wide_range_are_not_beyond_it():
+    s = month((1,), 1.6)
+    for shift, factor in ((0, 0.5), (1, 2.0), (2, 0.5), (3, 2.0)):  # products of the baseline, by axes 1 and 3
+        s.residual_square[shift * SHIFT : (shift + 1) * SHIFT, [0, 2]] *= factor**2
+    _, products = asked(s)
+    assert products == ()
+
+
 def test_a_product_of_the_baseline_is_known_again():
     s = month((0, 2), 1.5)
     for shift in (1, 2):
@@ -62,6 +70,20 @@ def test_one_loud_shift_of_the_baseline_is_scatter():
     s = month((0, 2), 1.5)
     s.residual_square[8:16, [0, 2]] *= 1.5**2
     assert asked(s) == (None, ())
+
+
+def test_parts_that_take_turns_within_a_shift_are_none_that_the_baseline_lacks():
+    s = month()
+    s.residual_square[::3, [0, 2]] *= 2.0**2  # one window in three with a heavy part, then a shift with it in most
+    s.residual_square[49:55:2, [0, 2]] *= 2.0**2
+    assert asked(s) == (None, ())
+
+
+def test_one_loud_window_of_the_baseline_hides_no_product():
+    s = month((0, 2), 1.5)
+    s.residual_square[11, [0, 2]] *= 3.0**2
+    _, products = asked(s)
+    assert len(products) == 1
 
 
 def test_each_program_has_products_of_its_own():
