@@ -51,6 +51,8 @@ ALIKE = 0.7
 HARDLY, FAR_WORSE = 0.3, 1.5
 #: Share of the axes that move from which on none is judged.
 MOST_LOST = 0.5
+#: Share of the axes up to which a piece counts as one in which hardly anything moves.
+SLOW = 0.5
 
 
 class LaterCheck:
@@ -104,7 +106,7 @@ class LaterCheck:
         measured = busiest_piece(chunk, stretch, motion, self._dead_band)
         if len(measured.time) < FEWEST:
             return nothing
-        if not measured.usable.any():
+        if np.mean(measured.usable.sum(axis=0) >= FEWEST) <= SLOW:
             self._check_slow(chunk, stretch, motion)
         check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
@@ -144,8 +146,8 @@ class LaterCheck:
         return self._marks()
 
     def _check_slow(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> None:
-        """Check that positions of a piece in which nothing seems to move are not radians, stated as a smaller
-        unit: radians read as degrees stay below every dead band.
+        """Check that positions of a piece in which hardly a joint moves are not radians, stated as a smaller unit: most
+        radians read as degrees stay below every dead band.
 
         Raises
         ------
