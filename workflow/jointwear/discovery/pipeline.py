@@ -22,6 +22,7 @@ from jointwear.discovery.problem.problem import Problem, build_problem
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.carried import search_beside
 from jointwear.discovery.search.leftovers import lasting, unexplained
+from jointwear.discovery.search.links_known_less import links_in_words
 from jointwear.discovery.search.outside_force import force_in_words
 from jointwear.discovery.search.recorded_in_time import coulomb_steps
 from jointwear.discovery.search.repeatability import repeat
@@ -187,6 +188,7 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Dis
         restrictions = [*restrictions, force_in_words(outcome.force)]
     elif outcome.unexplained and not outcome.named:
         restrictions = [*restrictions, *zero_in_words(problem.measured, problem.robot)]
+    restrictions = [*restrictions, *links_in_words(outcome)]
     final, files, torques = sound_files(problem, outcome)
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)
