@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from monitor_windows import residuals, statistics_of
 
-from jointwear.monitor.normal.products import product_findings, with_products
+from jointwear.monitor.normal.products import _other_load, product_findings, with_products
 from jointwear.monitor.normal.series import Series
 
 #: Windows, and those of a shift; the first four shifts are the baseline.
@@ -113,6 +113,19 @@ def test_bodies_of_two_axes_that_differ_tell_a_product():
 def test_a_gain_of_one_axis_or_of_most_is_no_product(step):
     """Nor is what no axis shows by a quarter."""
     assert asked(month(), scale=bodies(([6, 7], step))) == (None, ())
+
+
+@pytest.mark.parametrize(
+    ("step", "load"),
+    [
+        ((0.3, 0.3, np.nan, np.nan, np.nan), False),
+        ((0.3, 0.3, 0.0, 0.0, 0.0), True),
+        ((0.3, np.nan, np.nan, np.nan, np.nan), False),
+        ((np.nan,) * 5, False),
+    ],
+)
+def test_bodies_that_are_not_known_do_not_count_as_ones_that_stayed(step, load):
+    assert _other_load(np.array(step)) == load
 
 
 def test_bodies_that_are_hardly_known_tell_nothing():

@@ -85,8 +85,8 @@ def with_products(
             result[rows] = labels[k]
         lacking: list[tuple[np.ndarray, int]] = []
         for rows, middle in late:
-            beyond = np.nan_to_num(np.where(middle > high, middle - high, np.minimum(middle - low, 0.0)))
-            louder = np.abs(beyond[0])
+            beyond = np.where(middle > high, middle - high, np.minimum(middle - low, 0.0))
+            louder = np.abs(np.nan_to_num(beyond[0]))
             # The noise of one shift alone says little of what is usual.
             new = not later and _differ(louder) and louder.max() > FAR
             if len(rows) < WINDOWS or not (new or _other_load(beyond[1])):
@@ -97,7 +97,7 @@ def with_products(
             if label is None:
                 label = int(result.max()) + 1
                 lacking.append((middle, label))
-                axes = np.flatnonzero((np.abs(beyond) > APART).any(axis=0)) + 1
+                axes = np.flatnonzero((np.abs(np.nan_to_num(beyond)) > APART).any(axis=0)) + 1
                 products.append(Product(label, tuple(axes.tolist())))
             result[rows] = label
     return (None if regime is None and np.array_equal(result, program) else result), tuple(products)
