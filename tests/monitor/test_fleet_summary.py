@@ -197,11 +197,11 @@ def test_what_is_to_be_mended_comes_before_what_is_only_told():
 
 
 def test_an_axis_over_its_limit_without_an_alarm_is_not_called_healthy():
-    told = "Viscous friction +23.5 % now, Coulomb friction −13.5 %: over the limit of 20 % without an alarm."
+    told = "viscous friction +23.5 % now, Coulomb friction −13.5 %: over the limit of 20 % without an alarm."
     row = as_of(robot("arm", axis(5, over=told), findings=[began(1)]), NOW)
     item = robot_item(row, zone_of(None), "robots")
     assert item["urgency"] == "asks for an event"
-    assert item["findings"][0] == f"Axis 5: v{told[1:]}"
+    assert item["findings"][0] == f"Axis 5: {told}"
     assert as_of(robot("arm", axis(5, over="")), NOW)["urgency"] == "healthy"
 
 

@@ -161,7 +161,7 @@ def test_growth_over_the_limit_without_an_alarm_is_not_called_healthy(monitored)
     told = axis_summary(grown, 0)
     assert (told["status"], told["label"], told["badge"]) == (HEALTHY, "over the limit, no alarm", "close")
     words = told["remark"].replace("\u00a0", " ")
-    assert words.startswith("Viscous friction +23.5 % now, Coulomb friction −13.5 %, over the limit of 20 % without an")
+    assert words.startswith("viscous friction +23.5 % now, Coulomb friction −13.5 %, over the limit of 20 % without an")
     assert "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, check" in words
     assert standing(grown)["axes"][0]["over"] == told["remark"]
     summaries = [axis_summary(grown, j) for j in range(grown.axes)]
@@ -173,6 +173,13 @@ def test_growth_over_the_limit_without_an_alarm_is_not_called_healthy(monitored)
         other = with_estimates(calm, coulomb_percent=-13.5, viscous_percent=viscous)
         other = replace(other, now_error={**other.now_error, "viscous_percent": np.full(other.axes, std)})
         assert axis_summary(other, 0)["label"] == HEALTHY
+    # What the heading refers to stands beside whatever else is said of the axis.
+    status = np.full_like(state.status, HEALTHY)
+    status[-6:, 0] = UNJUDGED
+    remark = axis_summary(with_estimates(replace(state, status=status), viscous_percent=23.5), 0)["remark"]
+    assert remark.startswith("last judged ")
+    assert "; viscous friction +23.5" in remark
+    assert axis_summary(with_estimates(calm, coulomb_percent=25.0), 0)["remark"].startswith("Coulomb friction +25.0")
 
 
 def test_viscous_growth_beyond_its_limit_has_reached_it(monitored):

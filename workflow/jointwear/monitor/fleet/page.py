@@ -116,9 +116,7 @@ def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[str]:
 
 def _over(row: Mapping[str, Any]) -> list[str]:
     """Return what is said of the axes that are over their limit without an alarm."""
-    return [
-        f"Axis {axis['axis']}: {axis['over'][:1].lower()}{axis['over'][1:]}" for axis in row["axes"] if axis.get("over")
-    ]
+    return [f"Axis {axis['axis']}: {axis['over']}" for axis in row["axes"] if axis.get("over")]
 
 
 def _dated(found: Mapping[str, Any], row: Mapping[str, Any], zone: tzinfo) -> str:

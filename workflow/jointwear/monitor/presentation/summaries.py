@@ -70,11 +70,11 @@ def axis_summary(
         remark = "its torque has grown uneven; what is judged of it says nothing of these hours"
     elif condition.level == UNJUDGED and len(after):
         remark = "an event closed its alarm, and no shift since tells what is normal now"
-    elif condition.over:
-        remark = over_words(condition)
     coarse = next((f["least"] for f in state.findings if f["kind"] == COARSE and j + 1 in f["axes"]), None)
     if len(after) and coarse is not None:
         remark = "; ".join(filter(None, (coarse_words(coarse), remark)))
+    # The heading refers to it, whatever else is to be said of the axis.
+    remark = "; ".join(filter(None, (remark, over_words(condition))))
     return {
         "axis": j + 1,
         "joint": state.joints[j],

@@ -54,16 +54,13 @@ def over_words(condition: AxisCondition) -> str:
     grown = {VISCOUS: condition.viscous, COULOMB: condition.growth}
     (other,) = set(grown) - {kind}
     beside = "" if math.isnan(grown[other]) else f", {other} {fixed(grown[other], 1, True)} %"
-    # An axis that was greased: the judgement knows it, and gives no alarm.
-    greased = kind == VISCOUS and grown[other] < 0
-    why = (
-        "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, "
-        if greased
-        else ""
-    )
+    why = ""
+    if kind == VISCOUS and grown[other] < 0:
+        # An axis that was greased: the judgement knows it, and gives no alarm.
+        why = "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, "
     limit = f"over the limit of {number(condition.limit, 2)} % without an alarm"
-    told = f"{kind} {fixed(grown[kind], 1, True)} % now{beside}, {limit}; {why}{advice(kind, None)}"
-    return f"{told[:1].upper()}{told[1:]}.".replace("coulomb", "Coulomb").replace(" %", f"{NO_BREAK}%")
+    told = f"{kind} {fixed(grown[kind], 1, True)} % now{beside}, {limit}; {why}{advice(kind, None)}."
+    return told.replace("coulomb", "Coulomb").replace(" %", f"{NO_BREAK}%")
 
 
 def sure_words(probability: float | None) -> str:
