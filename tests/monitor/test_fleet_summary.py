@@ -157,11 +157,13 @@ def test_what_mends_refused_logs_comes_first(tmp_path):
         "logs/2.csv: the torque is another multiple; it looks like mN m; write the torque as the first log has it",
         "logs/3.csv: is text in UTF-16; save it as UTF-8",
         "logs/4.csv: is empty",
+        "logs/5.csv: the torque lags the motion by 0.2 s; join torque and motion by one clock",
     ]
-    row = as_of(robot("arm", refusals=told, refused_logs=4, refused_newest=4), NOW)
+    row = as_of(robot("arm", refusals=told, refused_logs=5, refused_newest=5), NOW)
     assert robot_item(row, zone_of(None), "robots")["mends"] == [
         "Write the torque as the first log has it",
         "Save it as UTF-8",
+        "Join torque and motion by one clock",
     ]
     write_fleet_page([row], tmp_path / "index.html", zone_of(None), NOW)
     page = (tmp_path / "index.html").read_text(encoding="utf-8")

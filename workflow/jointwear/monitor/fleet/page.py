@@ -37,7 +37,10 @@ LASTING = (COARSE, LOOSE, "baseline", "robot", "dead_band", "missing_temperature
 #: Numbers of joints, and of what is refused, by which reasons of one kind differ.
 _NUMBERS = re.compile(r"(?:, )?[-+]?\d[\d.e+-]*(?: (?:for|on) joint \d+)?")
 #: How what mends a log begins, among the clauses that say why it is refused.
-MENDS = ("give", "leave", "mend", "name", "put", "save", "state", "turn", "write")
+MENDS = (
+    "delete", "give", "join", "label", "leave", "log", "map", "mend", "multiply", "name", "put", "record", "repair",
+    "save", "state", "turn", "write",
+)  # fmt: skip
 #: Findings and axes of a robot that the list shows; the page of the robot has all.
 SHOWN = 3
 
