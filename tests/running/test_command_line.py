@@ -8,6 +8,7 @@ import sys
 import pytest
 from scratch_project import ROOT
 
+from jointwear.running.cache_folder import OF_FIGURES, VARIABLE, lend_cache_folder
 from jointwear.running.command_line import check_command_line
 
 
@@ -130,6 +131,27 @@ def test_a_home_that_cannot_be_written_is_none_of_snakemakes_concern(tmp_path):
     done = subprocess.run(command, cwd=tmp_path / "mine", env=kept, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "mine/.snakemake/cache").is_dir()
+
+
+@pytest.mark.parametrize("home", ["~", "/closed/home"])
+def test_a_home_that_is_none_or_may_not_be_looked_into_is_not_used(tmp_path, monkeypatch, home):
+    """A user of no name has none, and a call by sudo may keep that of another user."""
+    stat = os.stat
+
+    def closed(path, *args, **how):
+        if os.fspath(path) != "/closed" and str(path).startswith("/closed"):
+            raise PermissionError(13, "Permission denied", str(path))
+        return stat(tmp_path if str(path) == "/closed" else path, *args, **how)
+
+    monkeypatch.chdir(tmp_path)
+    for name in (VARIABLE, OF_FIGURES):
+        monkeypatch.setenv(name, "")  # so that what is lent goes with the test
+        monkeypatch.delenv(name)
+    monkeypatch.setattr(os.path, "expanduser", lambda _: home)
+    monkeypatch.setattr(os, "stat", closed)
+    monkeypatch.setattr(os, "access", lambda path, _: str(path) != "/closed")
+    lend_cache_folder()
+    assert os.environ[VARIABLE] == str(tmp_path / ".snakemake/cache")
 
 
 def test_a_profile_that_was_copied_finds_the_library(tmp_path):

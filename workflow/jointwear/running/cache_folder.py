@@ -17,12 +17,14 @@ def lend_cache_folder() -> None:
     """
     given = os.environ.get(VARIABLE)
     folder = Path(given) if given else Path(os.path.expanduser("~")) / ".cache"
-    if not _can_be_made(folder / "snakemake"):
+    # Of a user without a home "~" stays as it is, and would become a folder of that name.
+    if not (folder.is_absolute() and _can_be_made(folder / "snakemake")):
         lent = Path.cwd() / ".snakemake" / "cache"
         os.environ[VARIABLE] = str(lent)
         os.environ.setdefault(OF_FIGURES, str(lent / "matplotlib"))
 
 
 def _can_be_made(folder: Path) -> bool:
-    there = next(f for f in (folder, *folder.parents) if f.exists())
+    # What may not even be looked into counts as not there, where Path.exists fails.
+    there = next(f for f in (folder, *folder.parents) if os.path.exists(f))
     return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
