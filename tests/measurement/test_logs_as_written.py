@@ -89,6 +89,7 @@ def test_times_in_many_spellings(tmp_path, stamp, entry):
         ("01/02/2026 06:00:00", "write '2026-02-01T06:00:00' (day first) or '2026-01-02T06:00:00' (month first)"),
         ("26-01-15 06:00:00", "write '2015-01-26T06:00:00' (day first) or '2026-01-15T06:00:00' (year first)"),
         ("06:00:00", "the day is lacking: write '2026-01-15T06:00:00', or seconds"),
+        ("6:00:00,5", "the day is lacking: write '2026-01-15T06:00:00.5', or seconds"),
         ("15 Jan 2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
         ("31/02/2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
     ],

@@ -14,7 +14,8 @@ _OTHERWISE = re.compile(
     r"(\d{1,4})([./-])(\d{1,2})\2(\d{4}|\d\d?)"
     r"(?:[T ]+(\d{1,2})[:.](\d\d)(?:[:.](\d\d(?:[.,]\d+)?))?(?: ?([AaPp])\.?[Mm]\.?)?(Z|[+-]\d\d:?\d\d)?)?"
 )
-_TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d(:\d\d([.,]\d+)?)?")
+#: A time of the day alone.
+_TIME_OF_DAY = re.compile(r"(\d{1,2})(:\d\d(?::\d\d(?:[.,]\d+)?)?)")
 
 
 def moment_of(given: float | str, zone: tzinfo = UTC) -> float:
@@ -39,8 +40,9 @@ def meant(given: object) -> str:
 def to_write(given: str) -> str:
     """Return what to write for a time of a log that is written otherwise, ``; write '2026-01-31T06:00:00'``, or an
     empty string."""
-    if _TIME_OF_DAY.fullmatch(given.strip()):
-        return "; the day is lacking: write '2026-01-15T" + given.strip() + "', or seconds"
+    if alone := _TIME_OF_DAY.fullmatch(given.strip()):
+        time = f"{int(alone[1]):02d}{alone[2].replace(',', '.')}"
+        return f"; the day is lacking: write '2026-01-15T{time}', or seconds"
     found = _iso_of(given.strip())
     return f"; write {_or(found)}" if found else ""
 
