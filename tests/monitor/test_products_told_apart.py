@@ -128,6 +128,15 @@ def test_bodies_that_are_not_known_do_not_count_as_ones_that_stayed(step, load):
     assert _other_load(np.array(step)) == load
 
 
+def test_products_of_which_nothing_is_known_alike_are_two():
+    """Of one shift the noise alone is known, of the next one the bodies alone."""
+    s, scale = month((0, 2), 1.5), bodies(([7], (0.05, 0.2, 0.4)))
+    s.residual_square[56:] = 0.0
+    scale.value[48:56] = np.nan
+    program, products = asked(s, scale=scale)
+    assert [p.program for p in products] == [int(program[48]), int(program[56])] == [1, 2]
+
+
 def test_bodies_that_are_hardly_known_tell_nothing():
     assert asked(month(), scale=bodies(([6, 7], (0.05, 0.2, 0.4)), error=0.3)) == (None, ())
 

@@ -69,8 +69,8 @@ def with_products(
     for name in np.unique(program[program >= 0]):
         own = program == name
         early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, ~baseline))
-        later = not early
-        if later:
+        lacked = not early
+        if lacked:
             # Of a program that the baseline lacks the first shift stands for the usual product.
             early, late = late[:1], late[1:]
         elif len(early) < SHIFTS:
@@ -80,7 +80,7 @@ def with_products(
         low, high = _range(known, np.stack([noise[windows], scale.value[windows]], axis=1))
         group = _groups(known)
         labels = [int(name), *(int(result.max()) + 1 + k for k in range(max(group)))]
-        centres = [_middle(known, group, k) for k in range(len(labels))]
+        centres = [_middle([m for m, g in zip(known, group, strict=True) if g == k]) for k in range(len(labels))]
         for (rows, _), k in zip(early, group, strict=True):
             result[rows] = labels[k]
         lacking: list[tuple[np.ndarray, int]] = []
@@ -88,12 +88,12 @@ def with_products(
             beyond = np.where(middle > high, middle - high, np.minimum(middle - low, 0.0))
             louder = np.abs(np.nan_to_num(beyond[0]))
             # The noise of one shift alone says little of what is usual.
-            new = not later and _differ(louder) and louder.max() > FAR
+            new = not lacked and _differ(louder) and louder.max() > FAR
             if len(rows) < WINDOWS or not (new or _other_load(beyond[1])):
-                distance = [np.nanmax(np.abs(centre - middle), initial=0.0) for centre in centres]
+                distance = np.nan_to_num([_distance(centre, middle) for centre in centres])
                 result[rows] = labels[int(np.argmin(distance))]
                 continue
-            label = next((n for other, n in lacking if np.nanmax(np.abs(other - middle)) <= FAR), None)
+            label = next((n for other, n in lacking if _distance(other, middle) <= FAR), None)
             if label is None:
                 label = int(result.max()) + 1
                 lacking.append((middle, label))
@@ -147,7 +147,7 @@ def _groups(medians: Sequence[np.ndarray]) -> list[int]:
     members: list[list[int]] = []
     for k, middle in enumerate(medians):
         for own in members:
-            step = known_median(np.array([medians[m] for m in own]), axis=0) - middle
+            step = _middle([medians[m] for m in own]) - middle
             noise = np.nan_to_num(step[0])
             if np.abs(noise).max() <= FAR and not _differ(noise) and not _other_load(step[1]):
                 own.append(k)
@@ -155,7 +155,7 @@ def _groups(medians: Sequence[np.ndarray]) -> list[int]:
         else:
             members.append([k])
     members.sort(key=len, reverse=True)
-    usual = known_median(np.array([medians[m] for m in members[0]]), axis=0)
+    usual = _middle([medians[m] for m in members[0]])
     single = [own for own in members if len(own) < FEWEST]
     if len(members) > MOST or not all(_other_load((usual - medians[own[0]])[1]) for own in single):
         return [0] * len(medians)
@@ -166,9 +166,14 @@ def _groups(medians: Sequence[np.ndarray]) -> list[int]:
     return result
 
 
-def _middle(medians: Sequence[np.ndarray], group: Sequence[int], k: int) -> np.ndarray:
-    """Return the middle (2, n) of the shifts of group `k`."""
-    return known_median(np.array([m for m, g in zip(medians, group, strict=True) if g == k]), axis=0)
+def _middle(medians: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the middle (2, n) of shifts."""
+    return known_median(np.array(medians), axis=0)
+
+
+def _distance(one: np.ndarray, other: np.ndarray) -> float:
+    """Return by how much noise or bodies (2, n) differ on the axis on which most; NaN where none is known of both."""
+    return float(np.fmax.reduce(np.abs(one - other), axis=None))
 
 
 def _range(medians: Sequence[np.ndarray], windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
