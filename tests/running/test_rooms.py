@@ -1,12 +1,17 @@
 """The rooms of the library, and those of its large rooms, import one way."""
 
 import ast
+import re
 from collections import defaultdict
 from graphlib import TopologicalSorter
 
 import pytest
+from scratch_project import ROOT
 
 from jointwear.running.modules import LIBRARY
+
+#: The record that tells the rooms of the large rooms.
+RECORD = ROOT / "docs/decisions/rooms_of_the_large_rooms.md"
 
 
 def imported(path):
@@ -42,6 +47,19 @@ def rooms():
 def test_what_a_room_holds_imports_one_way(room):
     order = set(TopologicalSorter(arrows(LIBRARY / room)).static_order())
     assert room or order == rooms()
+
+
+@pytest.mark.parametrize("room", ["discovery", "monitor", "measurement"])
+def test_the_record_tells_the_rooms_in_the_order_in_which_they_import(room):
+    table = RECORD.read_text(encoding="utf-8").split(f"| room of `{room}` |")[1].split("\n\n")[0]
+    rows = re.findall(r"^\| `(\w+)` \| (\d+) \| (.*) \|$", table, re.MULTILINE)
+    seen = set()
+    for name, modules, what in rows:
+        assert arrows(LIBRARY / room)[name] & {other for other, *_ in rows} <= seen
+        folder = LIBRARY / room / name
+        assert len(list(folder.glob("*.py"))) - 1 == int(modules)
+        assert ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) == f"{what}."
+        seen.add(name)
 
 
 def test_two_rooms_that_import_each_other_are_found(tmp_path, monkeypatch):
