@@ -250,8 +250,8 @@ def _describe(error) -> str:
     if rule in ("minItems", "maxItems"):
         has, limit = f"'{where}' has {counted(len(value), 'entry', 'entries')}", error.validator_value
         if error.schema.get("minItems") == error.schema.get("maxItems"):
-            what = error.schema.get("description", "")
-            return f"{has}; allowed: {limit}{f' ({what.rstrip(chr(46))})' if what else ''}"
+            what = error.schema.get("description", "").rstrip(".")
+            return f"{has}; allowed: {limit}{f' ({what})' if what else ''}"
         return f"{has}, {_words(rule)} {limit}"
     if rule == "oneOf":
         layouts = error.schema.get("description", "the schema")

@@ -13,7 +13,8 @@ _YEAR = r"((?:19|20)\d\d)"
 #: What stands between two numbers of a day, the same at both places or nothing; a time of the day may follow the day.
 _BETWEEN, _END = r"([-_.]?)", r"(?!\d(?:\d{2})*(?!\d))"
 _MONTH, _DAY, _DAY_ALONE = r"(0[1-9]|1[0-2])", r"(0[1-9]|[12]\d|3[01])", r"(1[3-9]|2\d|3[01])"
-#: A day as 2026-10-28, 2026_10_28 or 20261028; as 28.10.2026 or 28102026; and one as 10-28-2026 that no month can be.
+#: A day as 2026-10-28, 2026_10_28 or 20261028; as 28.10.2026 or 28102026; as 10-28-2026; and one of the last spelling
+#: whose second number can be no month.
 _YEAR_FIRST = re.compile(rf"(?<!\d){_YEAR}{_BETWEEN}{_MONTH}\2{_DAY}{_END}")
 _DAY_FIRST = re.compile(rf"(?<!\d){_DAY}{_BETWEEN}{_MONTH}\2{_YEAR}{_END}")
 _MONTH_FIRST = re.compile(rf"(?<!\d){_MONTH}{_BETWEEN}{_DAY}\2{_YEAR}{_END}")

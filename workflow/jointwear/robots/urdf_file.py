@@ -125,18 +125,22 @@ def text_of(path: Path) -> str:
     Pinocchio takes a path as UTF-8, whatever the locale names files in.
     """
     data = path.read_bytes()
-    declared = _DECLARED.match(data.lstrip())
-    return data.decode(declared[1].decode("ascii", "replace") if declared else "utf-8")
+    return data.decode(_declared(data) or "utf-8")
+
+
+def _declared(data: bytes) -> str:
+    """Return the encoding that the text of an XML file declares, empty where it declares none."""
+    found = _DECLARED.match(data.lstrip())
+    return found[1].decode("ascii", "replace") if found else ""
 
 
 def _parse(path: Path) -> ElementTree.Element:
     check_regular(path, LARGEST_URDF)
     try:
         data = path.read_bytes()
-        declared = _DECLARED.match(data.lstrip())
-        if declared and declared[1].decode("ascii", "replace").lower() not in ENCODINGS:
-            name = shown(declared[1].decode("ascii", "replace"))
-            raise InputError(f"declares the encoding {name} (allowed: {', '.join(ENCODINGS)})")
+        declared = _declared(data)
+        if declared and declared.lower() not in ENCODINGS:
+            raise InputError(f"declares the encoding {shown(declared)} (allowed: {', '.join(ENCODINGS)})")
         root = ElementTree.fromstring(data, ElementTree.XMLParser(target=_Builder()))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None

@@ -44,7 +44,7 @@ def score_lines(summary: Path) -> list[str]:
 
 def fleet_lines(rows: Path) -> list[str]:
     """Return how many robots are to be looked at and for what, and why any is refused: nobody may open the page of a
-    robot whose logs cannot be read. None where there is no such file, or where it is large.
+    robot whose logs cannot be read. No lines where there is no such file, where it is damaged or where it is large.
     """
     try:
         if rows.stat().st_size > LARGEST_ROWS:

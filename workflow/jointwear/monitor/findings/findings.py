@@ -199,7 +199,7 @@ def _programs(
 def _returned(
     statistics: WindowStatistics, shift: np.ndarray, level: Watch, changed: np.ndarray
 ) -> list[dict[str, Any]]:
-    """Axes with an open alarm of which two shifts were as in the normal period again."""
+    """Axes with an open alarm of which two shifts in a row were as in the normal period again."""
     result = []
     for j in range(changed.shape[1]):
         rows = np.flatnonzero(changed[:, j] & np.isfinite(level.residual[:, j]))

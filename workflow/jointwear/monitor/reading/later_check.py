@@ -100,7 +100,8 @@ class LaterCheck:
 
         Raises
         ------
-        Refused : where turning an axis around, exchanging two, another scale of the torque or reading degrees mends it.
+        Refused : where turning an axis around, exchanging two, another scale of the torque, or another unit of
+            the torque or of the positions, mends it.
         """
         nothing = np.zeros(self._dynamics.robot.joints, dtype=np.int64)
         measured = busiest_piece(chunk, stretch, motion, self._dead_band)
