@@ -4,12 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scratch_project import ROOT
 
 from jointwear.discovery.estimates.outcome import Outcome
 from jointwear.discovery.problem.whitening import INERTIAL
 from jointwear.discovery.search.leftovers import unexplained
 from jointwear.discovery.search.links_known_less import links_in_words
+from jointwear.files.documents import read_yaml
 
+DATASETS = read_yaml(ROOT / "workflow/schemas/config.schema.yaml")["properties"]["discover"]["properties"]["datasets"]
 ELBOW = 2
 
 
@@ -43,6 +46,12 @@ def test_links_further_off_than_said_are_told(white):
     assert {u.argument for u in far_off.unexplained} == {"position"}
     (words,) = links_in_words(far_off)
     assert words.endswith("state inertial_prior: 0.15")
+    # What the schema does not allow is not asked for.
+    most = DATASETS["additionalProperties"]["properties"]["inertial_prior"]["maximum"]
+    for prior, told in ((most / 3.0, 1), (1.01 * most / 3.0, 0)):
+        settings = replace(white.problem.settings, inertial_prior=prior)
+        far_off.problem = replace(white.problem, settings=settings)
+        assert len(links_in_words(far_off)) == told
 
 
 def test_a_push_is_not_told_as_links(pushed):

@@ -15,6 +15,9 @@ from jointwear.discovery.problem.whitening import INERTIAL
 from jointwear.discovery.search.leftovers import unexplained
 from jointwear.files.wording import numbered
 
+#: Largest `inertial_prior` that the schema of the config allows.
+_LARGEST = 2.0
+
 
 def links_in_words(outcome: Outcome) -> list[str]:
     """Return a sentence where links that are known less well leave no joint unexplained; empty elsewhere.
@@ -25,6 +28,8 @@ def links_in_words(outcome: Outcome) -> list[str]:
         return []
     settings = outcome.problem.settings
     times = settings.mass_sigmas
+    if times * settings.inertial_prior > _LARGEST:
+        return []
     base = [replace(t, std=times * t.std) if t.label == INERTIAL else t for t in outcome.white.base]
     wide = replace(outcome, white=replace(outcome.white, base=base))
     if unexplained(wide)[0]:
