@@ -71,7 +71,7 @@ def with_products(
         early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, ~baseline))
         lacked = not early
         if lacked:
-            # Of a program that the baseline lacks the first shift stands for the usual product.
+            # The first shift of a program that the baseline lacks stands for the usual product.
             early, late = late[:1], late[1:]
         elif len(early) < SHIFTS:
             continue
@@ -86,10 +86,7 @@ def with_products(
         lacking: list[tuple[np.ndarray, int]] = []
         for rows, middle in late:
             beyond = np.where(middle > high, middle - high, np.minimum(middle - low, 0.0))
-            louder = np.abs(np.nan_to_num(beyond[0]))
-            # The noise of one shift alone says little of what is usual.
-            new = not lacked and _differ(louder) and louder.max() > FAR
-            if len(rows) < WINDOWS or not (new or _other_load(beyond[1])):
+            if len(rows) < WINDOWS or not _is_new(beyond, by_load=lacked):
                 distance = np.nan_to_num([_distance(centre, middle) for centre in centres])
                 result[rows] = labels[int(np.argmin(distance))]
                 continue
@@ -122,6 +119,14 @@ def product_findings(
         words += learnt_in_words(judged[rows], statistics.length)
         result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words})
     return result
+
+
+def _is_new(beyond: np.ndarray, by_load: bool) -> bool:
+    """Return whether noise and bodies (2, n) that leave the range of what is known by so much, as logs, 0 within it and
+    NaN unknown, are of another product; `by_load`: the bodies tell it alone, as the noise of one shift says little of
+    what is usual."""
+    louder = np.abs(np.nan_to_num(beyond[0]))
+    return _other_load(beyond[1]) or (not by_load and _differ(louder) and bool(louder.max() > FAR))
 
 
 def _differ(step: np.ndarray) -> bool:
