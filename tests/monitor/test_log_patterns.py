@@ -142,6 +142,13 @@ def test_days_that_are_written_day_first_follow_the_calendar(day):
     assert in_order(reversed(logs)) == logs
 
 
+@pytest.mark.parametrize("day", ["{1:02d}{0:02d}{2}", "{1:02d}-{0:02d}-{2}_0600"])
+def test_days_that_are_written_month_first_follow_the_calendar(day):
+    days = [(5, 12, 2025), (31, 12, 2025), (1, 1, 2026), (2, 2, 2026), (1, 1, 2027)]
+    logs = [f"logs/log_{day.format(*d)}.csv" for d in days]
+    assert in_order(reversed(logs)) == logs
+
+
 @pytest.mark.parametrize(
     "names",
     [

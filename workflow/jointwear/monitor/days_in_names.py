@@ -35,10 +35,14 @@ def spelling_of(logs: Iterable[str]) -> str | None:
 
 
 def year_first(logs: Iterable[str]) -> Callable[[str], str]:
-    """Return how a name of these logs is written with the year first, where days are written day first."""
-    if spelling_of(logs) != "day":
-        return lambda log: log
-    return lambda log: _DAY_FIRST.sub(r"\4\2\3\2\1", log)
+    """Return how a name of these logs is written with the year first, where it tells which is the day and which the
+    month."""
+    match spelling_of(logs):
+        case "day":
+            return lambda log: _DAY_FIRST.sub(r"\4\2\3\2\1", log)
+        case "month":
+            return lambda log: _MONTH_FIRST.sub(r"\4\2\1\2\3", log)
+    return lambda log: log
 
 
 def days_of(logs: Iterable[str]) -> list[date | None]:

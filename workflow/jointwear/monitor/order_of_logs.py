@@ -1,4 +1,4 @@
-"""The order of logs by name: numbers by their size, days that are written day first by the calendar.
+"""The order of logs by name: numbers by their size, days whose year is written last by the calendar.
 
 Read by the Snakefile at every call: nothing heavy is imported here.
 """
@@ -16,8 +16,8 @@ from jointwear.monitor.days_in_names import year_first
 def in_order(logs: Iterable[str]) -> list[str]:
     """Return logs each once, in order of their names; files inside a bag's folder belong to the bag.
 
-    Numbers count by their size. Of days that are written day first the year counts first, then the month, where a day
-    beyond the twelfth tells that they are, and none that the month comes first.
+    Numbers count by their size. Of days whose year is written last it counts first, then the month, where a day beyond
+    the twelfth tells which of the two others is the month.
     """
     logs = set(logs)
     bags = {Path(m) for m in logs if Path(m).is_dir()}
