@@ -202,9 +202,9 @@ def _by_shift(
     for name in np.unique(shift[rows]):
         own = np.flatnonzero(rows & (shift == name))
         value, variance = scale.value[own], scale.variance[own]
-        count = np.isfinite(value).sum(axis=0)
+        middle, count = known_median(value, axis=0), np.isfinite(value).sum(axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            error = np.sqrt(np.nansum(variance, axis=0) + np.nansum((value - known_median(value, axis=0)) ** 2, axis=0))
-            bodies = np.where((count >= WINDOWS) & (error / count < KNOWN * APART), known_median(value, axis=0), np.nan)
+            error = np.sqrt(np.nansum(variance, axis=0) + np.nansum((value - middle) ** 2, axis=0))
+            bodies = np.where((count >= WINDOWS) & (error / count < KNOWN * APART), middle, np.nan)
         result.append((own, np.array([known_median(noise[own], axis=0), bodies])))
     return result
