@@ -70,6 +70,8 @@ def _check(
     if len(places) < 2:
         return
     rows = np.diff(places, prepend=places[0] - 1)
+    if 2 * (rows > 1).sum() <= FEWEST:
+        return  # too few rows repeat to be half of those that are looked at
     inside = (np.diff(stretch) == 0)[places]
     smallest = np.where(moved > 0.0, moved, np.inf).min(axis=0)
     since = np.diff(np.cumsum(np.nan_to_num(moved), axis=0)[places], axis=0, prepend=np.nan_to_num(moved[places[:1]]))

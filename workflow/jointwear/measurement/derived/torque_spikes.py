@@ -69,11 +69,18 @@ def _beyond_all_others(apart: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return which values (m,) are `apart` (m,) from their neighbours by more than the range of those that are not."""
     found = np.zeros(len(values), bool)
     known = np.isfinite(values)
-    order = np.argsort(apart)[::-1][: int(FEW * known.sum())]
-    if not len(order):
+    few = int(FEW * known.sum())
+    if not few:
         return found
+    # The range of all others is at least that of what is less apart than the mean: mostly there is no spike.
+    apart = np.where(known, apart, -1.0)
+    usual = values[known & (apart <= apart.mean(where=known))]
+    if known.sum() - len(usual) >= few and apart.max() <= np.ptp(usual):
+        return found
+    order = np.argsort(apart)[::-1][:few]
+    rest = known.copy()
+    rest[order] = False
     # The range of what is left once the k that stand out most are gone.
-    rest = np.setdiff1d(np.flatnonzero(known), order)
     low = np.minimum.accumulate(np.concatenate([[values[rest].min()], values[order[::-1]]]))[::-1]
     high = np.maximum.accumulate(np.concatenate([[values[rest].max()], values[order[::-1]]]))[::-1]
     gone = np.flatnonzero(apart[order] > (high - low)[1:])

@@ -107,7 +107,7 @@ def lag_of(
         for j in axes:
             u = on[:, j]
             parts = v[u, j], a[u, j], model.gravity[rows[u], j], model.inertial[rows[u], j], bodies[u, j]
-            columns = nuisances(*parts, unit[u, :, j])
+            columns = normalised(nuisances(*parts, unit[u, :, j]))
             both = np.stack([residual[u, j], -slope[u, j]], axis=1)
             rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
             crossed[j] += rest[:, 1] @ rest[:, 0]
@@ -126,10 +126,14 @@ def lag_of(
 def nuisances(
     v: np.ndarray, a: np.ndarray, gravity: np.ndarray, inertial: np.ndarray, bodies: np.ndarray, unit: np.ndarray
 ) -> np.ndarray:
-    """Return the columns (k, p) of one axis that are left free, each of root mean square one."""
+    """Return the nuisances (k, p) of one axis: columns whose size is left free."""
     sense = np.sign(v)
     friction = v > 0, v < 0, v, v * np.abs(v), sense * np.exp(-np.abs(v) / STRIBECK), sense * np.abs(bodies)
-    columns = np.column_stack([*friction, gravity, inertial, a, unit]).astype(float)
+    return np.column_stack([*friction, gravity, inertial, a, unit]).astype(float)
+
+
+def normalised(columns: np.ndarray) -> np.ndarray:
+    """Return columns (k, p), each divided by its root mean square."""
     return columns / np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-12)
 
 

@@ -22,7 +22,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.reading.carried import UnitTorques
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.monitor.reading.regimes import USUAL, beyond_usual, programs_or_one
-from jointwear.monitor.reading.torque_lag import nuisances
+from jointwear.monitor.reading.torque_lag import normalised, nuisances
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
 from jointwear.robots.dynamics import Dynamics
@@ -78,15 +78,16 @@ def angles_of(
     slopes, unit = dynamics.torque_slopes(q, v, a), loads.unit(rows)
     gravity, inertial, residual = model.gravity[rows], model.inertial[rows], torque[rows] - model.total[rows]
     counts = used[rows] & np.isfinite(residual)
-    for p, end in zip(enough, ends, strict=True):
-        begin = end - len(thinned[p])
-        for i in range(n):
+    begins = [end - len(thinned[p]) for p, end in zip(enough, ends, strict=True)]
+    for i in range(n):
+        bodies = gravity[:, i] + inertial[:, i]
+        free = nuisances(v[:, i], a[:, i], gravity[:, i], inertial[:, i], bodies, unit[:, :, i])
+        sought = np.column_stack([residual[:, i], slopes[:, i]])
+        for p, begin, end in zip(enough, begins, ends, strict=True):
             u = begin + np.flatnonzero(counts[begin:end, i])
             if len(u) < FEWEST:
                 continue
-            bodies = gravity[u, i] + inertial[u, i]
-            columns = nuisances(v[u, i], a[u, i], gravity[u, i], inertial[u, i], bodies, unit[u, :, i])
-            both = np.column_stack([residual[u, i], slopes[u, i]])
+            columns, both = normalised(free[u]), sought[u]
             rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
             weight = len(u) / max(float(rest[:, 0] @ rest[:, 0]), 1e-12)
             crossed[p] += weight * (rest[:, 1:].T @ rest[:, 0])
