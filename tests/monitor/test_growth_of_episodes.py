@@ -11,7 +11,7 @@ from jointwear.monitor.findings.findings import _returned, _shared
 from jointwear.monitor.watching.limits import COULOMB as COULOMB_FRICTION
 from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.watching.limits import Limits
-from jointwear.monitor.watching.parts import viscous_episodes, viscous_part
+from jointwear.monitor.watching.parts import viscous_growth, viscous_part
 from jointwear.monitor.watching.present import back_to_normal
 from jointwear.monitor.watching.watched_axis import Start
 
@@ -23,7 +23,7 @@ def watched(residual, source="friction", alarm_from=None, std=0.005):
     column = residual.reshape(w, 1)
     alarm = np.arange(w) >= (w if alarm_from is None else alarm_from * residual.shape[1])
     normal = SimpleNamespace(
-        source=source, to_coulomb=1.5, dispersion=SimpleNamespace(between=0.005, memory=0.0),
+        source=source, to_coulomb=1.5, of_viscous=1.0, dispersion=SimpleNamespace(between=0.005, memory=0.0),
         fit=SimpleNamespace(left_out_variance=np.full(w, 0.002**2)),
     )  # fmt: skip
     return SimpleNamespace(
@@ -66,7 +66,7 @@ def test_one_shift_that_looks_viscous_does_not_take_the_name_of_an_episode():
     odd = np.zeros_like(GROWN)
     odd[[2, 8, 12]] = 0.2
     viscous = watched(odd + noise_of(3))
-    assert not viscous_episodes(level, viscous, 0, SHIFT, 0.5).any()
+    assert not viscous_growth(level, viscous, 0, SHIFT, 0.5).named.any()
     assert not viscous_part(level, viscous, 0, SHIFT, 0.5)[0].any()
 
 
@@ -95,7 +95,30 @@ def test_the_share_of_a_level_without_viscous_friction_is_not_known():
     assert np.isnan(part[28:]).all()
     assert not part[:28].any()
     assert not spread.any()
-    assert not viscous_part(level, watched(0.1 * GROWN), 0, SHIFT, 0.5)[0].any()
+
+
+@pytest.mark.parametrize(("source", "of_viscous", "share"), [("friction", 1.0, 1.0), ("coulomb", 1.6, 0.5)])
+def test_viscous_growth_beside_more_of_coulomb_friction_is_taken_off_it(source, of_viscous, share):
+    """Most of the growth is of Coulomb friction, whether the level holds viscous friction or takes of it."""
+    level = watched(np.log1p((0.7 + 0.2 * of_viscous) * GROWN) + noise_of(7), source, alarm_from=8)
+    level.axes[0].of_viscous = of_viscous
+    viscous = watched(0.2 * GROWN + noise_of(8))
+    grown = viscous_growth(level, viscous, 0, SHIFT, share)
+    assert not grown.named.any()
+    part, spread = viscous_part(level, viscous, 0, SHIFT, share)
+    left = np.expm1(level.residual[28:, 0]) - part[28:]
+    assert left == pytest.approx(0.7 * GROWN.ravel()[28:], abs=0.03)
+    assert not part[:28].any()
+    assert (spread[36:] > 0).all()
+    # The limit of Coulomb friction comes as late as without what is viscous.
+    hours = 3600.0 * np.arange(64)
+    plain = watched(np.log1p(0.7 * GROWN) + noise_of(7), source, alarm_from=8)
+    alone = viscous_growth(plain, watched(noise_of(9)), 0, SHIFT, share)
+    of_both, of_one = (
+        Limits(seen, too, np.array([share]), [of], SHIFT, hours, 0.6).forecast(63, 0, COULOMB_FRICTION)[1].hours
+        for seen, too, of in ((level, viscous, grown), (plain, watched(noise_of(9)), alone))
+    )
+    assert of_both == pytest.approx(of_one, rel=0.15)
 
 
 @pytest.mark.parametrize(("coulomb", "viscous", "first"), [(1.0, 0.1, COULOMB_FRICTION), (0.2, 0.8, VISCOUS_FRICTION)])
@@ -104,8 +127,8 @@ def test_the_limit_that_is_reached_first_is_told(coulomb, viscous, first):
     level = watched(np.log1p(0.3 * (coulomb + viscous) * GROWN), alarm_from=8)
     part = watched(0.3 * viscous * GROWN)
     level.axes[0].to_coulomb = 2.0
-    named = viscous_episodes(level, part, 0, SHIFT, 0.5)[:, None]
-    limits = Limits(level, part, np.array([0.5]), named, SHIFT, 3600.0 * np.arange(64), 0.2)
+    grown = viscous_growth(level, part, 0, SHIFT, 0.5)
+    limits = Limits(level, part, np.array([0.5]), [grown], SHIFT, 3600.0 * np.arange(64), 0.2)
     for name in (COULOMB_FRICTION, VISCOUS_FRICTION):
         assert limits.forecast(63, 0, name)[0] == first
 
@@ -113,8 +136,9 @@ def test_the_limit_that_is_reached_first_is_told(coulomb, viscous, first):
 def test_growth_that_is_gone_has_no_date_of_a_limit():
     gone = np.log1p(np.concatenate([GROWN[:12], np.zeros((4, 4))]))
     level = watched(gone + noise_of(5), alarm_from=8)
-    named = np.zeros((64, 1), dtype=bool)
-    limits = Limits(level, watched(noise_of(6)), np.array([0.5]), named, SHIFT, 3600.0 * np.arange(64), 0.2)
+    viscous = watched(noise_of(6))
+    grown = viscous_growth(level, viscous, 0, SHIFT, 0.5)
+    limits = Limits(level, viscous, np.array([0.5]), [grown], SHIFT, 3600.0 * np.arange(64), 0.2)
     assert np.isfinite(limits.forecast(47, 0, COULOMB_FRICTION, now=True)[1].low)
     assert np.isnan(limits.forecast(63, 0, COULOMB_FRICTION, now=True)[1].hours)
 

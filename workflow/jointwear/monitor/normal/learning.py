@@ -35,7 +35,8 @@ SPREAD = 0.5
 @dataclass(frozen=True)
 class AxisNormal:
     """Normal state of one axis: `fit` of the baseline, `design` of all windows, `dispersion`; `source`: name of the
-    series; `to_coulomb`: relative growth of Coulomb friction for one of the series."""
+    series; `to_coulomb`: relative growth of Coulomb friction for one of the series; `of_viscous`: relative growth of
+    the level while viscous friction grows by as much as all friction of the baseline."""
 
     source: str
     series_value: np.ndarray
@@ -45,6 +46,7 @@ class AxisNormal:
     dispersion: Dispersion
     to_coulomb: float
     unit: float
+    of_viscous: float
 
     @property
     def noise(self) -> np.ndarray:
@@ -105,7 +107,8 @@ def learn_axes(
         fit = _fit(design, value, choice.dispersion, one.variance[:, j], shift)
         to_coulomb, unit = 1.0 / float(one.share[j]), float(one.unit[j] * np.exp(middle))
         level, spread = one.value[:, j] - middle, one.variance[:, j]
-        result.append(AxisNormal(name, level, spread, design, fit, choice.dispersion, to_coulomb, unit))
+        of_viscous = 0.0 if one.added is None else float(one.added[j]) / unit
+        result.append(AxisNormal(name, level, spread, design, fit, choice.dispersion, to_coulomb, unit, of_viscous))
     return result
 
 

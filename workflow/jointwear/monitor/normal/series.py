@@ -17,6 +17,7 @@ from jointwear.monitor.normal.estimate import (
     change_columns,
     choose_free,
     column_estimate,
+    contrast,
     pool_windows,
     prior_scale,
 )
@@ -41,6 +42,8 @@ class Series:
 
     `unit` (n,): torque [N m] of one unit of the level; `share` (n,): of Coulomb friction in it, in the baseline.
     `driving` (w, n) bool, or None: nothing is left of the level, or it lies below zero, as friction never does.
+    `added` (n,), or None: torque [N m] that viscous friction adds to the level while it grows by as much as all
+    friction of the baseline at the usual speed.
     """
 
     value: np.ndarray
@@ -48,6 +51,7 @@ class Series:
     unit: np.ndarray
     share: np.ndarray
     driving: np.ndarray | None = None
+    added: np.ndarray | None = None
 
 
 def friction_series(
@@ -68,7 +72,7 @@ def friction_series(
     first = _part(sums, baseline)
     plain = pool_windows(first, scale)
     value, variance = column_estimate(sums, plain.held, plain.free, plain.variance)
-    found = {"coulomb": _logs(nominal + value, variance, level, np.ones(len(level)))}
+    coulomb_level = _logs(nominal + value, variance, level, np.ones(len(level)))
     # Friction at the usual speed: the viscous column less the Coulomb column that it is like at that speed.
     turned = _turned(sums, speed / level)
     turned_scale = scale.copy()
@@ -91,18 +95,26 @@ def friction_series(
     of_coulomb = np.where(np.isfinite(of_coulomb), of_coulomb, nominal_share)
     # A robot file without friction says nothing of its parts. Where the motion tells them no better, all of it counts.
     share = np.clip(np.nan_to_num(0.5 * (of_coulomb + nominal_share), nan=1.0), 0.1, 1.0)
-    found["friction"] = _logs(at_speed, variance, level, share)
+    friction = _logs(at_speed, variance, level, share)
     with np.errstate(invalid="ignore"):
         none = at_speed + DRIVES * np.sqrt(variance) < 0.5 * usual_level
-    found["friction"] = replace(found["friction"], driving=none & ~np.isfinite(found["friction"].value))
     size = np.where(speed > 0, speed / level / middle, np.nan)
-    found["viscous"] = Series(
-        _known(part, slope_variance * size**2),
-        _known(slope_variance * size**2, slope_variance * size**2),
-        level * middle,
-        share,
-    )
-    return found
+    of_slope = _known(slope_variance * size**2, slope_variance * size**2)
+    return {
+        "coulomb": replace(coulomb_level, added=_leak(first, plain.free, speed, level) * level * middle),
+        "friction": replace(friction, driving=none & ~np.isfinite(friction.value), added=level * middle),
+        "viscous": Series(_known(part, of_slope), of_slope, level * middle, share),
+    }
+
+
+def _leak(first: Sums, free: np.ndarray, speed: np.ndarray, level: np.ndarray) -> np.ndarray:
+    """Return the torque (n,) that the Coulomb level takes for one of viscous friction at the usual speed (n,) [rad/s],
+    where that is held: with the other `free` columns (n, 5) it looks like Coulomb friction in the motion of the
+    baseline."""
+    gram = np.where(first.usable[..., None, None], first.gram, 0.0).sum(axis=0)
+    weights, _ = contrast(gram, free)
+    like = np.einsum("nk,nk->n", weights, gram[:, :, _VISCOUS])
+    return np.where(free[:, _VISCOUS] | (speed <= 0), 0.0, like * level / np.where(speed > 0, speed, 1.0))
 
 
 def sums_of(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndarray) -> tuple[Sums, np.ndarray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from jointwear.monitor.watching.parts import (
     LEAST_VISCOUS,
     VISCOUS_CLEAR,
     ShiftMeans,
+    ViscousGrowth,
     episode_parts,
     normal_error,
     shift_means,
@@ -56,7 +58,7 @@ class Limits:
     Parameters
     ----------
     level, viscous : what was watched. share : (n,) of Coulomb friction in the friction of the baseline.
-    named : (w, n) bool, where growth is viscous. shift : (w,) labels. end : (w,) [s]. limit : relative growth.
+    grown : of each axis, what of its growth is viscous. shift : (w,) labels. end : (w,) [s]. limit : relative growth.
     """
 
     def __init__(
@@ -64,12 +66,12 @@ class Limits:
         level: Watch,
         viscous: Watch,
         share: np.ndarray,
-        named: np.ndarray,
+        grown: Sequence[ViscousGrowth],
         shift: np.ndarray,
         end: np.ndarray,
         limit: float,
     ) -> None:
-        self._level, self._viscous, self._share, self._named = level, viscous, share, named
+        self._level, self._viscous, self._share, self._grown = level, viscous, share, grown
         self._shift, self._end, self._limit = shift, end, limit
         self._place = np.arange(len(shift))
 
@@ -125,17 +127,21 @@ class Limits:
     def _coulomb(self, k: int, j: int) -> Growth | None:
         axis = self._level.axes[j]
         means, start = self._means(self._level, k, j)
-        if not len(means.value) or (self._named[k, j] and axis.source != "friction"):
+        grown, known = self._grown[j], self._place <= k
+        named = bool(grown.named[k])
+        if not len(means.value) or (named and axis.source != "friction"):
             return None
         value, variance, shared = np.expm1(means.value), means.variance.copy(), normal_error(self._level, j)
-        if self._named[k, j]:
+        if named:
             # The part that is viscous is none of Coulomb friction; before the episode there is none.
-            rows = self._named[:, j] & (self._place <= k)
+            rows = grown.named & known
             parts = shift_means(self._viscous, j, rows, self._shift, self._end)
             _, a, b = np.intersect1d(means.shift, parts.shift, return_indices=True)
             value[a] -= parts.value[b]
             variance[a] += parts.variance[b]
             shared = float(np.hypot(shared, normal_error(self._viscous, j)))
+        elif grown.taken[k] > 0:
+            value[np.isin(means.shift, self._shift[(grown.taken > 0) & known])] *= 1.0 - grown.taken[k]
         scale = axis.to_coulomb
         return Growth(means.time / 3600, scale * value, scale**2 * variance, scale * shared, start)
 

@@ -102,18 +102,30 @@ def viscous_share(growth: ShiftMeans, part: ShiftMeans, before: ShiftMeans, shar
     return float(np.sum(t * p / variance)) / size, float(np.hypot(1.0 / np.sqrt(size), common))
 
 
-def viscous_episodes(level: Watch, viscous: Watch, j: int, shift: np.ndarray, share: float) -> np.ndarray:
-    """Return the windows (w,) of the episodes of axis `j` in which it is viscous friction that grew.
+@dataclass(frozen=True)
+class ViscousGrowth:
+    """What of the growth of an axis is viscous, arrays (w,): `named`, in episodes of viscous friction; `taken` and
+    `error`, the share of the growth of the level in other episodes and its standard error, 0 where none is known."""
+
+    named: np.ndarray
+    taken: np.ndarray
+    error: np.ndarray
+
+
+def viscous_growth(level: Watch, viscous: Watch, j: int, shift: np.ndarray, share: float) -> ViscousGrowth:
+    """Return what of the growth of axis `j` is viscous, episode by episode.
 
     Parameters
     ----------
     share : of Coulomb friction in the friction of the baseline.
     """
-    named = np.zeros(len(shift), dtype=bool)
-    if level.axes[j] is None or viscous.axes[j] is None:
-        return named
-    scale = 1.0 if level.axes[j].source == "friction" else share
-    place = np.arange(len(shift))
+    w = len(shift)
+    named, taken, uncertain = np.zeros(w, dtype=bool), np.zeros(w), np.zeros(w)
+    axis = level.axes[j]
+    if axis is None or viscous.axes[j] is None:
+        return ViscousGrowth(named, taken, uncertain)
+    scale = 1.0 if axis.source == "friction" else share
+    place = np.arange(w)
     for episode, before in episode_parts(level, j, shift):
         inside, ahead = ((place >= s.start) & (place < s.stop) & ~level.baseline for s in (episode, before))
         means = shift_means(level, j, inside, shift, place)
@@ -121,7 +133,12 @@ def viscous_episodes(level: Watch, viscous: Watch, j: int, shift: np.ndarray, sh
         parts = [shift_means(viscous, j, rows, shift, place) for rows in (inside, ahead)]
         found, error = viscous_share(growth, *parts, normal_error(viscous, j))
         named[episode] = found > max(VISCOUS_PART, VISCOUS_CLEAR * error)
-    return named
+        if not named[episode.start] and found > VISCOUS_CLEAR * error:
+            # Of a share that is hardly known less is taken than found (James and Stein 1961).
+            in_level = scale * axis.of_viscous
+            taken[episode] = min(in_level * (found - (VISCOUS_CLEAR * error) ** 2 / found), 1.0)
+            uncertain[episode] = in_level * error
+    return ViscousGrowth(named, taken, uncertain)
 
 
 def viscous_part(
@@ -129,15 +146,20 @@ def viscous_part(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the part (w,) of the growth of the level of axis `j` that is viscous, and its error, both 0 without any.
 
-    Where the level holds viscous friction too, its growth is not that of Coulomb friction: in episodes of viscous
+    What a level holds of viscous friction, or takes of it, is no growth of Coulomb friction: in episodes of viscous
     friction what the same window shows of it is told apart (its shift, where the window shows none; else the shift
-    before). A level that leaves viscous friction out as it was takes a share of its growth that is not known: NaN.
+    before), in others the share that the whole episode shows. A level that leaves viscous friction out as it was is not
+    known in episodes of viscous friction, as what it takes would be most of its growth: NaN.
     """
-    named = viscous_episodes(level, viscous, j, shift, share)
-    if not named.any():
+    if level.axes[j] is None:
         return np.zeros(len(shift)), np.zeros(len(shift))
+    grown, growth = viscous_growth(level, viscous, j, shift, share), np.expm1(level.residual[:, j])
+    named = grown.named
+    shared, doubt = (np.where(grown.taken > 0, x * growth, 0.0) for x in (grown.taken, grown.error))
+    if not named.any():
+        return shared, np.abs(doubt)
     if level.axes[j].source != "friction":
-        return np.where(named, np.nan, 0.0), np.zeros(len(shift))
+        return np.where(named, np.nan, shared), np.abs(doubt)
     part, spread = (np.array(x[:, j], dtype=float) for x in (viscous.residual, viscous.std))
     known = np.isfinite(part) & np.isfinite(spread)
     last = (np.nan, np.nan)
@@ -148,4 +170,4 @@ def viscous_part(
             weight = 1.0 / spread[own] ** 2
             last = float(weight @ part[own] / weight.sum()), float(np.mean(spread[own]))
         part[rows & ~known], spread[rows & ~known] = last
-    return np.where(named, part, 0.0), np.where(named, spread, 0.0)
+    return np.where(named, part, shared), np.where(named, spread, np.abs(doubt))

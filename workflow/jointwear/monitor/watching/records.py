@@ -18,7 +18,7 @@ from jointwear.monitor.watching.decision import TOLERATED
 from jointwear.monitor.watching.limits import COULOMB, NOTHING, VISCOUS, Limits
 from jointwear.monitor.watching.locate import honest_probability
 from jointwear.monitor.watching.paper_detector import paper_alarms
-from jointwear.monitor.watching.parts import viscous_episodes
+from jointwear.monitor.watching.parts import viscous_growth
 from jointwear.monitor.watching.shared_error import FINDING
 from jointwear.monitor.watching.shift_forecast import Forecast
 from jointwear.monitor.watching.watching import Watch
@@ -89,10 +89,9 @@ class Teller:
         self.viscous_alarm = self._viscous_alarm()
         self._alarm = level.alarm | self.viscous_alarm
         share = series["friction"].share
-        self._named = np.stack(
-            [viscous_episodes(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))], axis=1
-        )
-        self._limits = Limits(level, viscous, share, self._named, shift, statistics.end, limit)
+        grown = [viscous_growth(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))]
+        self._named = np.stack([g.named for g in grown], axis=1)
+        self._limits = Limits(level, viscous, share, grown, shift, statistics.end, limit)
         self.least = self._least_seen()
         self._told = self._spaced()
         self.status = self._states()
