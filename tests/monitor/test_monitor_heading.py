@@ -197,9 +197,15 @@ def test_viscous_growth_beyond_its_limit_has_reached_it(monitored):
     assert found["outlook"] == "limit reached"
     words = found["change"].replace("\u00a0", " ")
     assert words.startswith("Viscous friction +56.0 % now (+2.1 N m s/rad), limit 20 %; Coulomb friction +0.2 % now")
-    # Of an axis that alarmed for another quantity its noise says nothing.
+    # Of an axis that alarmed for another quantity its noise says nothing, and what is beyond it is told.
     other = with_estimates(changed(state, "coulomb friction"), coulomb_percent=5.0, viscous_percent=56.0)
-    assert not axis_conditions(other)[0].reached
+    for std, told in ((30.0, None), (2.0, 56.0)):
+        seen = replace(other, now_error={**other.now_error, "viscous_percent": np.full(other.axes, std)})
+        first = standing(seen)["axes"][0]
+        assert (first["reached"], first["viscous_growth"]) == (told is not None, told)
+    assert "viscous friction +56.0 % now, limit 20 %" in todo(row, first, zone_of(None))["change"].replace(
+        "\u00a0", " "
+    )
 
 
 def test_an_axis_that_is_back_to_normal_heads_no_red_card(monitored):

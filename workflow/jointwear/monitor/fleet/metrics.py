@@ -43,7 +43,7 @@ def write_metrics(rows: Sequence[Mapping[str, Any]], now: float, output: str | P
     last = gauge("robot_last_sample_timestamp_seconds", "Newest sample, since 1970 UTC", robot)
     state = gauge("axis_state", "1 for the state that the axis is in, 0 for the others", (*axis, "state"))
     growth = gauge("axis_coulomb_growth_ratio", "Growth of the Coulomb friction, 0.05 is 5 percent", axis)
-    viscous = gauge("axis_viscous_growth_ratio", "Growth of the viscous friction, while an alarm of it is open", axis)
+    viscous = gauge("axis_viscous_growth_ratio", "Growth of the viscous friction, while it is told", axis)
     limit = gauge("axis_coulomb_limit_ratio", "Growth that counts as the limit", axis)
     hours = gauge("axis_hours_to_limit", "Hours from the newest window to the limit", (*axis, "bound"))
     for row in rows:

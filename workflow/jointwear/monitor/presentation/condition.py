@@ -124,9 +124,16 @@ class AxisCondition:
         return any(e.quantity == VISCOUS for e in self.episodes)
 
     @property
+    def viscous_told(self) -> bool:
+        """Whether growth of viscous friction is told: it has alarmed, or has clearly passed the limit beside another
+        alarm."""
+        beside = self.level == CHANGED and self.viscous >= max(self.limit, CLEAR * self.viscous_std)
+        return self.viscous_alarm or bool(beside)
+
+    @property
     def reached(self) -> bool:
         """Whether the growth that is told has reached the limit while the axis counts as changed."""
-        viscous = self.viscous_alarm and self.viscous >= self.limit
+        viscous = self.viscous_told and self.viscous >= self.limit
         return self.level == CHANGED and bool(self.growth >= self.limit or viscous)
 
     @property

@@ -152,7 +152,7 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "limit": condition.limit,
         "hours": None if outlook is None else [six_digits(h) for h in (outlook.hours, outlook.low, outlook.high)],
         "limited_by": "" if outlook is None else outlook.quantity,
-        "viscous_growth": six_digits(condition.viscous) if condition.viscous_alarm else None,
+        "viscous_growth": six_digits(condition.viscous) if condition.viscous_told else None,
         "probability": None if condition.probability is None else six_digits(condition.probability),
         "quantity": main.quantity if main else "",
         "change": as_json(condition.change),
