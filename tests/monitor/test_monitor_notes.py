@@ -131,3 +131,18 @@ def test_share_of_the_temperature():
     assert temperature_share(5 + noise, std, temperature).explained < 0.1
     assert temperature_share(5 + noise, std, np.full(60, 30.0)) is None
     assert temperature_share(5 + noise, std, np.full(60, np.nan)) is None
+
+
+@pytest.mark.parametrize(
+    ("pages", "logs", "told"),
+    [("Europe/Berlin", None, True), ("Europe/Berlin", "UTC", False), ("Europe/Berlin", "Europe/Berlin", False),
+     (None, None, False)],
+)  # fmt: skip
+def test_a_page_in_local_time_says_that_logs_without_a_zone_are_read_as_utc(monitored, tmp_path, pages, logs, told):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    entry = {key: value for key, value in state.entry.items() if key != "time_zone"}
+    state = replace(state, dated=True, entry=entry if logs is None else {**entry, "time_zone": logs})
+    write_page(state, tmp_path / "page.html", tmp_path / "figures", pages)
+    words = "Times in the logs that name no zone count as UTC"
+    assert (words in (tmp_path / "page.html").read_text(encoding="utf-8")) == told

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import tzinfo
+from datetime import UTC, tzinfo
 from pathlib import Path
 from typing import Any
 
@@ -196,6 +196,8 @@ def write_page(
         "reasons": [why_unjudged(state, j) for j in range(state.axes)],
         "span": (when(state, state.start[0], zone), when(state, state.end[-1], zone)),
         "baseline_end": when(state, state.end[state.baseline - 1], zone),
+        # Where people read times in a zone of theirs, logs are likely to be written in it.
+        "as_utc": row["dated"] and zone != UTC and state.entry.get("time_zone") is None,
         "flags": [f for f in flags if any(f["windows"])],
         "logs": log_rows(state, zone),
         "counts": row,
