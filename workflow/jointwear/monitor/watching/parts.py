@@ -99,7 +99,10 @@ def viscous_share(growth: ShiftMeans, part: ShiftMeans, before: ShiftMeans, shar
     if not size > 0:
         return np.nan, np.nan
     common = float(np.sum(t / variance)) / size * shared
-    return float(np.sum(t * p / variance)) / size, float(np.hypot(1.0 / np.sqrt(size), common))
+    slope = float(np.sum(t * p / variance)) / size
+    # Shifts that differ by more than they should make the slope less sure (Birge 1932).
+    scatter = float(np.sum((p - slope * t) ** 2 / variance)) / max(len(t) - 1, 1)
+    return slope, float(np.hypot(np.sqrt(max(scatter, 1.0) / size), common))
 
 
 @dataclass(frozen=True)
