@@ -117,7 +117,7 @@ def test_an_alarm_goes_to_a_webhook_once_and_its_end_too(tmp_path, monkeypatch):
         assert desk.call(robot()) == []
         assert desk.call(robot()) == []
     first, last = [post["message"] for post in server.posts]
-    assert "ALARM  cell_3, axis 3 (elbow): coulomb friction; Coulomb friction +7.5 % now, limit 20 %" in first
+    assert "ALARM  cell_3, axis 3 (elbow): Coulomb friction +7.5 % now, limit 20 %; limit not before" in first
     assert "limit not before Sat 2026-01-03" in first
     assert "first alarm 2026-01-01 01:00 CET" in first
     assert last == "ENDED  cell_3, axis 3 (elbow): resolved"
