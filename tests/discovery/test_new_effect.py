@@ -58,3 +58,39 @@ def test_an_effect_of_one_new_file_is_found_named_and_written(robot, tmp_path):
         assert entry["parameters"]["height"] == pytest.approx(3.0, rel=0.1)
         with found.files["augmented"].robot() as written:
             effects.check_effects(written)
+
+
+def test_the_effect_of_the_how_to_is_found_where_it_begins(robot, tmp_path):
+    """Its grid held the median of the positions alone, as a convention: what began elsewhere had no name."""
+    block = re.search(r"```python\n# file: \S+\n(.*?)```", Path("docs/howto/effect.md").read_text("utf-8"), re.DOTALL)
+    (tmp_path / "one_sided_load.py").write_text(block[1], encoding="utf-8")
+    recording = coarse(robot, seed=9, step=1e-6)
+    torque = recording.torque.copy()
+    torque[:, 1] += 6.0 * (recording.position[:, 1] > np.quantile(recording.position[:, 1], 0.63))
+    with effects.more_entries(tmp_path):
+        found = discover(replace(recording, torque=torque), robot)
+    assert [(e["effect"], e["axis"]) for e in found.effects] == [("one_sided_load", 2)]
+    size = found.effects[0]["parameters"]["torque"]
+    assert size["value"] == pytest.approx(6.0, abs=3 * size["std"])
+    assert size["std"] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("EFFECT =", "EFECT =", "defines no EFFECT"),
+        ('"housing_hump"', '"hump"', "'identifier' is 'hump', the file says 'housing_hump'"),
+        ("joint_spring", "joint_sprin", "'confused_with' names 'joint_sprin', .*; did you mean 'joint_spring'"),
+        ("columns=_columns", "colums=_columns", "is no effect: TypeError: .*'colums'"),
+        ("-9.0, 9.0", "9.0, -9.0", "parameter 'place' goes from 9 to -9; the lower bound comes first"),
+        ("EFFECT = Effect(", "EFFECT = Effect((", "is no effect: SyntaxError: "),
+    ],
+)
+def test_a_file_that_defines_no_effect_is_named(tmp_path, old, new, words):
+    (tmp_path / "housing_hump.py").write_text(NEW.replace(old, new), encoding="utf-8")
+    with (
+        pytest.raises(effects.InputError, match=rf"housing_hump\.py: {words}"),
+        effects.more_entries(tmp_path),
+    ):
+        effects.library()
+    assert "joint_spring" in effects.library()

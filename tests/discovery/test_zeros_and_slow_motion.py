@@ -120,4 +120,4 @@ def test_speeds_that_are_not_seen_are_told(reach, slow, told):
     )
     words = unseen_slow_motion(measured, (0,))
     assert bool(words) == told
-    assert not told or "slower than 0.21 rad/s on joint 1" in words[0]
+    assert not told or "friction at speeds below 0.21 rad/s on joint 1 cannot be seen" in words[0]

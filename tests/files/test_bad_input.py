@@ -62,6 +62,9 @@ def test_number_types_do_not_matter(config):
         ("tasks", [], ["'tasks'", "at least 1"]),
         ("wear.axes", [1, 1], ["'wear.axes'", "1 twice"]),
         ("wear.axes", ["one"], ["'wear.axes[0]'", "whole number"]),
+        ("wear.axes", 2, ["'wear.axes' is 2, must be a list", "nearest valid value is [2]"]),
+        ("tasks", "T1", ["'tasks' is 'T1', must be a list", "nearest valid value is ['T1']"]),
+        ("detection.confidence", "1:1", ["must be a number (allowed: >= 0.5 and <= 0.99999)"]),
         ("wear.shape", -2, ["'wear.shape'", "nearest valid value is 0.1"]),
         ("reading.onset_rule", "sometimes", ["'reading.onset_rule'", "allowed: consecutive_hours, single_hour"]),
         ("reading.onsetrule", "single_hour", ["'reading.onsetrule'", "did you mean 'onset_rule'"]),
@@ -126,7 +129,9 @@ def robot(root):
         ("joints.2.coulomb.negative", 0.1, ["joints[2].coulomb.negative", "0.1", "<= 0"]),
         ("joints.0.gearratio", 3, ["'joints[0].gearratio'", "did you mean 'gear_ratio'"]),
         ("joints.1.gear_ratio", 0, ["'joints[1].gear_ratio' is 0"]),
-        ("joints.1.limits", [-45, 225], ["'joints[1].limits'", "looks like degrees"]),
+        ("joints.1.limits", [-45, 225], ["'joints[1].limits'", "looks like degrees: [-0.785398, 3.92699]"]),
+        ("joints.1.gear_ratio", "80:1", ["must be a number", "nearest valid value is 80"]),
+        ("joints.1.gear_ratio", "-76.5 : 1", ["nearest valid value is -76.5"]),
         ("joints.1.limits", [1, -1], ["lower limit must come first"]),
         ("joints.1.name", "joint_1", ["'joints[1].name'", "earlier joint"]),
         ("dh.0.alpha", 90, ["dh[0].alpha", "6.28", "looks like degrees: 1.5708"]),
@@ -150,6 +155,15 @@ def test_a_wrong_robot_file(tmp_path, robot, path, value, words):
     assert "\n" not in message
     for word in ["arm.yaml", *words]:
         assert word in message
+
+
+@pytest.mark.parametrize("after", ["      window: 1h\n", "      variables:\n        time: Time\n", "    two: {}\n", ""])
+def test_a_colon_without_its_space_is_told_on_its_own_line(tmp_path, after):
+    """The parser notices at the next line only, and says in its words what is wrong there."""
+    file = tmp_path / "plant.yaml"
+    file.write_text(f"monitor:\n  robots:\n    one:\n      logs: [a.csv]\n      robot:arm.yaml\n{after}")
+    with pytest.raises(InputError, match=r"plant.yaml: line 5: is no 'key: value'; a space follows the colon$"):
+        read_yaml(file)
 
 
 URDF = """<robot name="two"><link name="base"/><link name="a"><inertial><mass value="1"/>

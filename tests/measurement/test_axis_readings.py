@@ -83,6 +83,23 @@ def test_a_position_that_alone_is_turned_is_named(recording, puma, axis):
     assert f"position of joint {axis + 1}: give 'sign' and 'scale' with -1 for it" in refused.value.suggestion
 
 
+@pytest.mark.parametrize("axis", range(6))
+def test_a_torque_that_alone_is_turned_is_named_first(puma, axis):
+    """A position that is turned is believed too, but less."""
+    with pytest.raises(Refused, match=f"^arm: the sign of the torque of joint {axis + 1} looks flipped"):
+        check(turned(make_case(puma, 3, None), axis, 1.0, -1.0), puma)
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+def test_another_zero_is_told_of_the_joint_that_has_it(puma, axis):
+    """The joint behind it, counted from another zero or from the base, would explain half as much."""
+    recording = make_case(puma, 3, None)
+    q = recording.position.copy()
+    q[:, axis] += 0.5 * np.pi
+    with pytest.raises(Refused, match=f"^arm: the position of joint {axis + 1} looks counted from another zero"):
+        check(replace(recording, position=q), puma)
+
+
 @pytest.mark.parametrize(("way", "remedy"), [(1.0, "subtract {} from"), (-1.0, "add {} to")])
 def test_a_joint_that_is_counted_from_the_base_is_named(recording, puma, way, remedy):
     """As the third joint is in the display of some controllers, from the horizontal."""

@@ -27,6 +27,8 @@ def test_a_while_without_torque_is_left_out_and_told():
     assert silence_in_words(measured) == [
         "the torque of joint 2 keeps one value in 400 samples in which the joint turns, first at 4 s: left out"
     ]
+    (told,) = silence_in_words(replace(measured, time=measured.time + 14_406.4))
+    assert told.endswith("first at 14410 s: left out")
 
 
 def test_a_coarse_scale_and_a_rest_are_recorded():

@@ -44,6 +44,10 @@ def test_a_factor_that_all_joints_share_is_told(example, factor):
     assert "unit" in words
 
 
+def test_a_factor_that_one_joint_does_not_share_is_not_told_of_all(example):
+    assert check(example, np.array([1.3, 0.9, 1.3, 1.3, 1.3, 1.3])) == []
+
+
 @pytest.mark.parametrize(
     ("factor", "words", "key"),
     [

@@ -86,6 +86,14 @@ def test_the_most_urgent_robot_comes_first(built):
     assert "silent for 5 days" in text
 
 
+def test_of_robots_without_a_forecast_the_one_that_has_grown_most_comes_first():
+    scale = {"time": NOW - DAY, "axes": [2], "kind": "scale", "words": "The scale changed."}
+    rows = [robot(name, axis(1, CHANGED, growth=grown)) for name, grown in (("a", 3.0), ("b", 11.0), ("c", None))]
+    rows += [robot("silent", last_sample=NOW - 5 * DAY), robot("asks", findings=[scale])]
+    order = [row["robot"] for row in ranked([as_of(row, NOW) for row in rows])]
+    assert order == ["b", "a", "c", "asks", "silent"]
+
+
 def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     found = [
         {"time": NOW, "axes": [1], "kind": BACKLASH, "words": "Backlash of axis 1 cannot be judged."},

@@ -6,6 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointwear.monitor.watching.growth_so_far import LARGE, shrunk
+from jointwear.monitor.watching.watched_axis import Start
+from jointwear.monitor.watching.watching import _with_service
 
 
 def test_a_growth_that_stands_out_is_taken_as_it_is_and_scatter_for_none():
@@ -22,3 +24,12 @@ def test_it_lies_between_nothing_and_what_was_measured(mean, error):
     value, variance = shrunk(mean, error**2)
     assert 0.0 <= value * np.sign(mean) <= abs(mean)
     assert 0.0 <= variance <= LARGE**2 + mean**2
+
+
+def test_a_service_begins_anew_what_was_carried_over_later_starts():
+    """What goes on over a change of program after it was measured against what no longer holds."""
+    before, after = Start(10, False, True, (0.1, 1e-4)), Start(50, False, True, (0.2, 1e-4))
+    later = _with_service([before, after], hit=30, begin=25)
+    assert later == [before, Start(25, True), Start(50, False, True)]
+    assert _with_service(later, hit=30, begin=25) is None
+    assert _with_service(later, hit=30, begin=20) is None

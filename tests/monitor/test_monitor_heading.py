@@ -11,7 +11,7 @@ from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.judging.state import read_state
-from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.local_time import log_time, zone_of
 from jointwear.monitor.presentation.condition import UNRESOLVED, axis_conditions
 from jointwear.monitor.presentation.drawing import _rests_on
 from jointwear.monitor.presentation.page import write_page
@@ -277,3 +277,24 @@ def test_an_axis_that_was_mended_is_not_known_before_it_has_run(monitored, kind,
     assert (found.level, len(found.episodes)) == (level, 0)
     summary = axis_summary(state, WORN, condition=found)
     assert ("no shift since" in summary["remark"]) == (level == UNJUDGED)
+
+
+@pytest.mark.parametrize(("kind", "anew"), [("service", True), ("acknowledged", True), ("program", False)])
+def test_growth_that_counts_from_an_event_says_so(monitored, kind, anew):
+    """Another 17 % were there before an alarm was acknowledged, and the page said 3 % of a limit of 20 %."""
+    folder, _, _ = monitored
+    state = changed(read_state(folder / "state.nc"), "coulomb friction", WORN)
+    event = {"time": float(state.start[30]), "axes": [WORN + 1], "kind": kind}
+    others = [
+        {**event, "time": float(state.start[20])},
+        {**event, "axes": [1], "time": float(state.start[40])},
+        {**event, "time": float(state.end[-1]) + 1.0},
+    ]
+    row = standing(replace(state, entry=state.entry | {"events": [event, *others]}))
+    told = {axis["axis"]: todo(row, axis, zone_of(None))["anew"] for axis in row["axes"]}
+    since = log_time(event["time"], zone_of(None), state.dated)
+    assert told[WORN + 1] == (f"growth counts from {since} ({kind})" if anew else "")
+    assert not any(told[axis] for axis in (2, 4, 5))
+    page = folder / "anew.html"
+    write_page(replace(state, entry=state.entry | {"events": [event]}), page, folder / "anew")
+    assert ("Growth counts from" in page.read_text()) == anew

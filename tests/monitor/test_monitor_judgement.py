@@ -14,7 +14,7 @@ from jointwear.monitor.events import Event
 from jointwear.monitor.judging import judge as judge_module
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.judging.judge_settings import JudgeSettings
-from jointwear.monitor.judging.open_alarms import OPEN_ALARM
+from jointwear.monitor.judging.open_alarms import OPEN_ALARM, open_alarm_findings
 from jointwear.monitor.watching.another_robot import first_exchange
 from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reason, Teller
@@ -171,6 +171,23 @@ def test_another_program_without_an_open_alarm_starts_anew_as_before():
     assert not [a for a in result.alarms if a["detector"] == "model"]
     assert set(result.status[-8:, 0]) == {HEALTHY}
     assert [f for f in result.findings if f["kind"] == OPEN_ALARM] == []
+
+
+def test_a_service_after_another_program_does_not_deny_the_alarm_that_was_open_then():
+    """It answers the finding; one before the change of program had closed the alarm."""
+    statistics = statistics_of(residuals(40, np.zeros((40, 3)), 1))
+    alarm = {"time": 10 * 3600.0, "axis": 1, "quantity": "coulomb friction", "detector": "model"}
+    program, estimates = Event(20 * 3600.0, (), "program"), {"coulomb_percent": np.full((40, 3), 7.0)}
+
+    def told(*hours):
+        services = [Event(hour * 3600.0, (0,), "service") for hour in hours]
+        events = sorted([program, *services], key=lambda e: e.time)
+        return [f.get("answered", False) for f in open_alarm_findings(statistics, events, [alarm], estimates)]
+
+    assert told() == [False]
+    assert told(30) == [True]
+    assert told(15) == []
+    assert told(5) == [False]
 
 
 @pytest.mark.parametrize(

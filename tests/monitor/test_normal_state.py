@@ -21,7 +21,7 @@ from jointwear.monitor.normal.shift_scale import shift_scale
 from jointwear.monitor.normal.shifts import shift_labels
 from jointwear.monitor.normal.warm_up import warm_up_state
 from jointwear.monitor.reading.regimes import find_regimes
-from jointwear.monitor.watching.decision import STEP_WINDOWS, shift_evidence
+from jointwear.monitor.watching.decision import STEP_WINDOWS, TOLERATED, shift_evidence
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
 from jointwear.monitor.watching.shared_error import shared_error, units_of_levels
 from jointwear.monitor.watching.shift_forecast import TOLD, forecast_shifts
@@ -166,6 +166,15 @@ def evidence(
         calm=np.full(w, calm),
     )
     return shift_evidence(windows, [Posterior(np.zeros(1), np.full((1, 1), known))], START.memory)
+
+
+def test_growth_and_falls_count_beyond_what_is_tolerated():
+    """Of the mean of a steady growth over its error, what is tolerated is taken off; as much growth alone is none."""
+    grown, fallen = evidence(np.full(6, 3 * TOLERATED)), evidence(np.full(6, -3 * TOLERATED))
+    assert grown.mean[-1] == pytest.approx(3 * TOLERATED, rel=0.05)
+    assert grown.growth[-1] == pytest.approx((grown.mean[-1] - TOLERATED) / grown.std[-1])
+    assert fallen.fall[-1] == pytest.approx((-fallen.mean[-1] - TOLERATED) / fallen.std[-1])
+    assert evidence(np.full(6, 0.99 * TOLERATED)).growth[-1] == -np.inf
 
 
 def test_a_large_step_in_weather_waits_for_a_second_shift():

@@ -14,7 +14,7 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.channels import blot
 from jointwear.monitor.notify.notices import Notice, notices
-from jointwear.monitor.notify.outbox import Outbox
+from jointwear.monitor.notify.outbox import MOST_LINES, Outbox
 from jointwear.monitor.notify.plan import check_channels
 from jointwear.monitor.notify.stage import notify
 
@@ -117,7 +117,7 @@ def test_an_alarm_goes_to_a_webhook_once_and_its_end_too(tmp_path, monkeypatch):
         assert desk.call(robot()) == []
         assert desk.call(robot()) == []
     first, last = [post["message"] for post in server.posts]
-    assert "ALARM  cell_3, axis 3 (elbow): coulomb friction; Coulomb friction +7.5 % now, limit 20 %" in first
+    assert "ALARM  cell_3, axis 3 (elbow): Coulomb friction +7.5 % now, limit 20 %; limit not before" in first
     assert "limit not before Sat 2026-01-03" in first
     assert "first alarm 2026-01-01 01:00 CET" in first
     assert last == "ENDED  cell_3, axis 3 (elbow): resolved"
@@ -207,6 +207,19 @@ def test_channels_hear_of_their_robots_and_the_paper_repeats_nothing(tmp_path):
     desk.call(*rows, send=lambda channel, message: said.append((channel["name"], message["title"])) or "")
     assert said == [("x", "Robot wear: 1 new"), ("y", "Robot wear: 2 new")]
     assert len(notices(rows, zone_of(None))) == 2
+
+
+def test_a_long_message_counts_what_it_leaves_out_and_a_failed_one_how_often_it_was_tried(tmp_path):
+    desk = Desk(tmp_path, [{"name": "x", "env": "X"}])
+    rows = [robot(episode(), name=f"cell_{k}") for k in range(MOST_LINES + 5)]
+    for _ in range(3):
+        assert desk.call(*rows, send=lambda channel, message: "is down") == ["x: is down"]
+    (message,) = Outbox.open(tmp_path / "outbox.json").waiting
+    assert message["attempts"] == 3
+    assert message["title"] == f"Robot wear: {MOST_LINES + 5} new"
+    *lines, rest = message["body"].splitlines()
+    assert len(lines) == MOST_LINES
+    assert rest == "... and 5 more on the page of the fleet"
 
 
 def test_a_broken_outbox_is_not_thrown_away(tmp_path):

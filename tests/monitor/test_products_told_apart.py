@@ -49,6 +49,13 @@ def test_one_axis_or_a_small_change_is_no_product(axes, factor):
     assert asked(month(axes, factor)) == (None, ())
 
 
+def test_a_single_window_tells_no_product():
+    s = month()
+    s.residual_square[-1, [0, 2]] *= 1.5**2
+    shift = np.where(np.arange(WINDOWS) == WINDOWS - 1, SHIFTS.max() + 1, SHIFTS)
+    assert with_products(s, bodies(), None, shift, BASELINE) == (None, ())
+
+
 def test_axes_within_a_wide_range_are_not_beyond_it():
     s = month((1,), 1.6)
     for shift, factor in ((0, 0.5), (1, 2.0), (2, 0.5), (3, 2.0)):  # products of the baseline, by axes 1 and 3

@@ -67,6 +67,13 @@ def test_values_beyond_the_reference_are_counted_or_dropped():
     np.testing.assert_allclose(dropped.ravel(), [1 / 3, 2 / 3])
 
 
+def test_a_value_just_beyond_the_reference_is_not_the_maximum():
+    """The maximum belongs to the last bin; 1.1 of it, in a bin as wide as the last one, is beyond it."""
+    torque = np.array([0.1, 1.0, 1.1, 1.49])[None, None, :, None]
+    reading = {"torque_sign": "absolute", "out_of_range": "dropped"}
+    assert histograms(torque, np.ones((1, 1, 1)), 2, reading).ravel() == pytest.approx([0.5, 0.5])
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [(n, v) for n in readings.of_stage("features") for v in readings.ambiguities()[n].alternatives],

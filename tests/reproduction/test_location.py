@@ -56,6 +56,14 @@ def test_a_constant_series_has_no_lag():
     assert not lag_matrix(series, np.ones((1, 50), dtype=bool), "means_removed").any()
 
 
+def test_of_two_lags_as_short_and_as_good_the_second_axis_trails():
+    """A pulse between two others that are alike: it correlates as well with the one before as with the one after."""
+    series = np.zeros((1, 9, 2))
+    series[0, 4, 0] = series[0, 2, 1] = series[0, 6, 1] = 1.0
+    lag = lag_matrix(series, np.ones((1, 9), dtype=bool), "raw")
+    assert lag[0].tolist() == [[0, 2], [-2, 0]]
+
+
 def test_hours_outside_do_not_count():
     series = np.random.default_rng(1).normal(size=(1, 60, 2))
     inside = np.arange(60)[None] < 30

@@ -39,15 +39,20 @@ def test_of_a_fleet_it_is_told_what_waits_and_why_a_robot_is_refused(tmp_path):
     robots = [
         {"robot": "a", "urgency": "limit reached", "result": "judged", "reason": ""},
         {"robot": "b", "urgency": "refused", "result": "refused", "reason": "day.csv: has no column 'A3'"},
-        {"robot": "c", "urgency": "healthy", "result": "judged", "reason": ""},
+        {"robot": "d", "urgency": "refused", "result": "judged", "reason": "", "refusals": ["1.csv", "2.csv: new"]},
+        {"robot": "c", "urgency": "healthy", "result": "judged", "reason": "", "refusals": ["1.csv: a torn row"]},
     ]
     rows = tmp_path / "results/fleet/rows.json"
     for shown, lines in (
         (
             robots,
-            ["fleet: 2 of 3 robots to look at: 1 limit reached, 1 refused", "refused: b: day.csv: has no column 'A3'"],
+            [
+                "fleet: 3 of 4 robots to look at: 1 limit reached, 2 refused",
+                "refused: b: day.csv: has no column 'A3'",
+                "refused: d: 2.csv: new",
+            ],
         ),
-        (robots[2:], ["fleet: 0 of 1 robot to look at"]),
+        (robots[3:], ["fleet: 0 of 1 robot to look at"]),
         ([], []),
         ("damaged", []),
     ):

@@ -6,7 +6,7 @@ import sys
 import time
 
 from jointwear.running.modules import LIBRARY, imported_by
-from jointwear.running.stale_lock import clear_stale_lock, note_run
+from jointwear.running.stale_lock import call_at_work, clear_stale_lock, note_run
 
 
 def names(root, script):
@@ -124,6 +124,27 @@ def test_the_lock_of_a_live_run_stays(tmp_path):
         process.kill()
         process.wait()
     assert clear_stale_lock(tmp_path)
+
+
+def test_another_call_at_work_is_told_as_long_as_it_holds_the_lock(tmp_path):
+    """Snakemake proposes to unlock the folder, which would let two calls write the same files."""
+    locks, script = lock(tmp_path), tmp_path / "snakemake"
+    script.write_text("import time; time.sleep(60)")
+    process = subprocess.Popen([sys.executable, str(script)], cwd=tmp_path)
+    try:
+        time.sleep(0.5)
+        assert call_at_work(tmp_path) is None
+        note_run(tmp_path)
+        marker = tmp_path / ".snakemake" / "jointwear_host"
+        marker.write_text(marker.read_text().replace(str(os.getpid()), str(process.pid)))
+        assert call_at_work(tmp_path) == process.pid
+        (locks / "0.input.lock").unlink()
+        assert call_at_work(tmp_path) is None
+    finally:
+        process.kill()
+        process.wait()
+    lock(tmp_path)
+    assert call_at_work(tmp_path) is None
 
 
 def test_the_lock_of_another_host_stays(tmp_path):

@@ -15,5 +15,5 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path, monkeypatch, name):
     project.check_writable(tmp_path)
     # The user of the tests may be root, whom no permission stops.
     monkeypatch.setattr(os, "access", lambda path, mode: path != tmp_path / name)
-    with pytest.raises(InputError, match="cannot be written; run in a folder that can: snakemake --directory"):
+    with pytest.raises(InputError, match="cannot be written to; run in a folder that can be: snakemake --directory"):
         project.check_writable(tmp_path)

@@ -6,6 +6,7 @@ import json
 from collections import Counter
 from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 from jointwear.files.errors import InputError
 from jointwear.reproduction.published import load_published
 from jointwear.reproduction.readings import ambiguities
-from jointwear.studies.multiverse import choice, pose_stages, records
+from jointwear.studies.multiverse import choice, lag_rule, pose_stages, records
 from jointwear.studies.multiverse.design import (
     build_design,
     latin_column,
@@ -27,7 +28,7 @@ from jointwear.studies.multiverse.design import (
 from jointwear.studies.multiverse.dimensions import SIMULATION, default_reading, dimensions
 from jointwear.studies.multiverse.evaluation import Outcomes
 from jointwear.studies.multiverse.influence import influence
-from jointwear.studies.multiverse.lag_rule import cross_correlation, named_axis, rising_alone
+from jointwear.studies.multiverse.lag_rule import cross_correlation, explain, named_axis, rising_alone
 from jointwear.studies.multiverse.pose_stages import evaluate_pose_sets
 from jointwear.studies.multiverse.reading_stages import best_readings
 from jointwear.studies.multiverse.scoring import Target, claims, score, target_of
@@ -352,3 +353,29 @@ def test_too_few_pose_sets_are_refused(monkeypatch):
     how = {"pose_sets": 50, "pose_parts": 10, "pose_replicates": 1}
     with pytest.raises(InputError, match=r"ensemble\.nc: has 7 solutions, .* at least 10; raise recover\.solutions"):
         evaluate_pose_sets("best.csv", "ensemble.nc", "arm.yaml", "paper.yaml", "out.nc", 0, how)
+
+
+def test_the_lag_rule_names_what_rises_whatever_it_leads(monkeypatch):
+    """A rising series beside positive noise that it has nothing to do with: named as it is, not reversed in time."""
+
+    def runs(*_):
+        random = np.random.default_rng(1)
+        normal = random.gamma(1.0, 1.0, (40, 120, 4))
+        worn = normal.copy()
+        worn[:, :, 1] += np.linspace(0.0, 20.0, 120)
+        detected = np.where(np.arange(40) < 30, 5.0, np.nan)
+        yield 2, worn, detected, normal.mean(axis=1), normal.std(axis=1)
+        yield 0, normal, np.full(40, np.nan), normal.mean(axis=1), normal.std(axis=1)
+
+    monkeypatch.setattr(lag_rule, "_runs", runs)
+    found = explain(None, SimpleNamespace(wear_hours=120), SimpleNamespace(axes=[1, 2, 3, 4]), DEFAULT)
+    assert found.runs.tolist() == [30, 30, 30, 40]
+    assert (found.right + found.wrong + found.nothing == found.runs[:, None]).all()
+    as_they_are, _, reversed_in_time = found.right[:3, 0]
+    assert as_they_are >= 28
+    assert reversed_in_time <= 2
+    assert found.sign_right[0] > 0.95
+    assert found.named.sum(axis=1).tolist() == (found.right + found.wrong)[3].tolist()
+    assert found.rise_runs.sum() == 30
+    assert found.rise_right[0].sum() == as_they_are
+    assert np.corrcoef(found.observed[0], found.expected)[0, 1] > 0.95

@@ -28,7 +28,7 @@ from jointwear.running.script import message_of
 from jointwear.running.modules import imported_by, lend_to_children
 from jointwear.running.shipped import shipped, shipped_glob
 from jointwear.running.told_of import named_in_file
-from jointwear.running.stale_lock import clear_stale_lock, note_run
+from jointwear.running.stale_lock import call_at_work, clear_stale_lock, note_run
 
 # Without the default profile this is the first look at what Snakemake was given; it has read the files by now, and
 # what made it hang is not caught (docs/decisions/checked_before_snakemake.md). Another workflow answers for its own.
@@ -38,6 +38,12 @@ if workflow.is_main_process and Path(workflow.main_snakefile).resolve() == OURS:
 lend_to_children()
 if workflow.is_main_process and clear_stale_lock(Path.cwd()):
     print("jointwear: an earlier run was killed; its lock is cleared", file=sys.stderr)
+elif workflow.is_main_process and (other := call_at_work(Path.cwd())) is not None:
+    print(
+        f"jointwear: another call (process {other}) is at work in this folder; wait until it has ended, "
+        "and do not unlock the folder before",
+        file=sys.stderr,
+    )
 
 
 BEGIN = time.time()

@@ -6,7 +6,7 @@ An effect is one file of :mod:`jointwear.effects.entries` that defines ``EFFECT`
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -24,22 +24,49 @@ _MORE: list[Path] = []
 
 @cache
 def library() -> dict[str, Effect]:
-    """Return every effect by identifier, in alphabetical order of the files."""
+    """Return every effect by identifier, in alphabetical order of the files.
+
+    Raises
+    ------
+    InputError : naming the file that defines no effect, or one that cannot be.
+    """
     from jointwear.effects import entries
 
     folders = [*map(Path, entries.__path__), *_MORE]
     files = sorted((p for f in folders for p in f.glob("*.py") if p.stem != "__init__"), key=lambda p: p.stem)
-    effects = (_effect_of(path) for path in files)
-    return {effect.identifier: effect for effect in effects}
+    found = {path.stem: _effect_of(path) for path in files}
+    for path in files:
+        _check_entry(path, found[path.stem], found)
+    return found
 
 
 def _effect_of(path: Path) -> Effect:
-    if path.parent not in _MORE:
-        return importlib.import_module(f"jointwear.effects.entries.{path.stem}").EFFECT
-    spec = importlib.util.spec_from_file_location(f"jointwear_effect_{path.stem}", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.EFFECT
+    try:
+        if path.parent not in _MORE:
+            module = importlib.import_module(f"jointwear.effects.entries.{path.stem}")
+        else:
+            spec = importlib.util.spec_from_file_location(f"jointwear_effect_{path.stem}", path)
+            module = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(module)
+    except (SyntaxError, ImportError, TypeError, NameError, AttributeError) as error:
+        raise InputError(f"{path}: is no effect: {type(error).__name__}: {error}") from error
+    effect = getattr(module, "EFFECT", None)
+    if not isinstance(effect, Effect):
+        raise InputError(f"{path}: defines no EFFECT; an effect is a file with EFFECT = Effect(...)")
+    return effect
+
+
+def _check_entry(path: Path, effect: Effect, known: Iterable[str]) -> None:
+    """Check what an effect says of itself against its file and the identifiers that are known."""
+    if effect.identifier != path.stem:
+        raise InputError(f"{path}: 'identifier' is '{effect.identifier}', the file says '{path.stem}'")
+    for name in effect.confused_with:
+        if name not in known:
+            raise InputError(f"{path}: 'confused_with' names '{name}', no effect of the library{nearest(name, known)}")
+    for parameter in effect.parameters:
+        if not parameter.lower < parameter.upper:
+            bounds = f"{parameter.lower:g} to {parameter.upper:g}"
+            raise InputError(f"{path}: parameter '{parameter.name}' goes from {bounds}; the lower bound comes first")
 
 
 @contextmanager

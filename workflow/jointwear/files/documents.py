@@ -31,6 +31,11 @@ DEEPEST = 50
 
 #: A number in quotes, with a decimal comma (1,000 is left alone, which means two things) or a percent sign.
 _NUMBER = re.compile(r"(?P<number>[-+]?[0-9]+(?:\.[0-9]+|,(?![0-9]{3}\b)[0-9]+)?)\s*(?P<percent>%?)")
+#: What the parser says at the line after one whose colon has no space behind it, and such a line.
+_NO_KEY = ("could not find expected ':'", "mapping values are not allowed in this context")
+_GLUED = re.compile(r"\s*(?:- )?[\w.-]+:[^\s:]")
+#: A ratio as data sheets of gears print it: 80:1.
+_TO_ONE = re.compile(r"\s*:\s*1(?:\.0*)?$")
 
 
 class _StrictLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
@@ -178,8 +183,11 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path}: {error}") from None
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
-        where = f" line {mark.line + 1}:" if mark else ""
         what = getattr(error, "problem", None) or "not valid YAML"
+        line = mark.line if mark else None
+        if what in _NO_KEY and (glued := _glued_line(text, line)) is not None:
+            line, what = glued, "is no 'key: value'; a space follows the colon"
+        where = f" line {line + 1}:" if mark else ""
         if mark and re.match(r" *\t", "".join(text.splitlines()[mark.line : mark.line + 1])):
             what = "begins with a tab; YAML is indented with spaces"
         raise InputError(f"{path}:{where} {what}") from None
@@ -195,6 +203,13 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path}: must be a mapping of keys to values")
     check_numbers(data, path)
     return data
+
+
+def _glued_line(text: str, line: int) -> int | None:
+    """Return which line, up to two before the one at which a parser gave up, is a key whose colon has no space behind
+    it, all counted from 0; None where none is."""
+    lines = text.splitlines()
+    return next((k for k in range(line, max(line - 3, -1), -1) if _GLUED.match("".join(lines[k : k + 1]))), None)
 
 
 def read_schema(name: str) -> dict[str, Any]:
@@ -233,6 +248,7 @@ def _describe(error) -> str:
         return f"'{where}' is {said}; allowed: {', '.join(allowed)}{nearest(str(value), allowed)}"
     if rule == "type":
         near = _number_in(where, value, error.validator_value, error.schema)
+        near = near or _list_of(value, error.validator_value, error.schema)
         return f"'{where}' is {said}, must be {_words(error.validator_value)}{_limits(error.schema)}{near}"
     if rule in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"):
         bound = error.validator_value
@@ -274,12 +290,13 @@ def _within(value: float, schema: dict[str, Any]) -> bool:
 
 
 def _number_in(where: str, value: Any, rule: str | list[str], schema: dict[str, Any]) -> str:
-    """Return the valid number that a text holds, as a proposal: 0.05 of '0,05', and of '5 %' for a share.
+    """Return the valid number that a text holds, as a proposal: 0.05 of '0,05', and of '5 %' for a share; 80 of the
+    ratio '80:1'.
 
     Nothing is proposed for a text with a unit: 500 is not what '500 ms' means.
     """
     kinds = rule if isinstance(rule, list) else [rule]
-    said = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
+    said = _NUMBER.fullmatch(_of_ratio(where, value.strip())) if isinstance(value, str) else None
     if said is None or not {"number", "integer"} & set(kinds):
         return ""
     number = float(said["number"].replace(",", "."))
@@ -290,6 +307,21 @@ def _number_in(where: str, value: Any, rule: str | list[str], schema: dict[str, 
     if not _within(number, schema) or ("number" not in kinds and number != int(number)):
         return ""
     return f"; the nearest valid value is {number:.10g}"
+
+
+def _of_ratio(where: str, text: str) -> str:
+    """Return the number of a ratio to one, 80 of '80:1'; any other text, and that of a key of no ratio, as it is."""
+    return _TO_ONE.sub("", text) if where.endswith("_ratio") else text
+
+
+def _list_of(value: Any, rule: str | list[str], schema: dict[str, Any]) -> str:
+    """Return the list of a single value as a proposal where a list of such values is allowed: [2] of 2."""
+    from jsonschema import Draft202012Validator
+
+    plain = isinstance(value, (str, int, float)) and not isinstance(value, bool)
+    if rule != "array" or not plain or not Draft202012Validator(schema).is_valid([value]):
+        return ""
+    return f"; the nearest valid value is {shown([value])}"
 
 
 def _words(rule) -> str:

@@ -185,7 +185,10 @@ def _complete(path: Path, index: int, joint: dict[str, Any]) -> dict[str, Any]:
     if not lower < upper:
         raise InputError(f"{path}: '{where}.limits' is [{lower}, {upper}]; the lower limit must come first")
     if max(abs(lower), abs(upper)) > FARTHEST_TURN:
-        raise InputError(f"{path}: '{where}.limits' is [{lower}, {upper}], in rad; this looks like degrees")
+        radians = ", ".join(f"{math.radians(limit):.6g}" for limit in (lower, upper))
+        raise InputError(
+            f"{path}: '{where}.limits' is [{lower}, {upper}], in rad; this looks like degrees: [{radians}]"
+        )
     if joint["gear_ratio"] == 0:
         raise InputError(f"{path}: '{where}.gear_ratio' is 0; a joint known on the joint side has gear_ratio 1")
     return joint

@@ -42,6 +42,14 @@ def score_lines(summary: Path) -> list[str]:
         return []
 
 
+def _refusal_of(row: dict) -> list[str]:
+    """Return why a robot is refused, or the newest of its logs, in a line; none where neither is."""
+    if row["result"] == "refused":
+        return [f"refused: {row['robot']}: {row['reason']}"]
+    newest = row.get("refusals", [])[-1:] if row["urgency"] == "refused" else []
+    return [f"refused: {row['robot']}: {told}" for told in newest]
+
+
 def fleet_lines(rows: Path) -> list[str]:
     """Return how many robots are to be looked at and for what, and why any is refused: nobody may open the page of a
     robot whose logs cannot be read. No lines where there is no such file, where it is damaged or where it is large.
@@ -52,7 +60,7 @@ def fleet_lines(rows: Path) -> list[str]:
         robots = read_json(rows)["robots"]
         kinds = Counter(row["urgency"] for row in robots)
         waiting = len(robots) - kinds.pop("healthy", 0)
-        told = [f"refused: {row['robot']}: {row['reason']}" for row in robots if row["result"] == "refused"]
+        told = [line for row in robots for line in _refusal_of(row)]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
     # The rows are ranked: what is most urgent comes first.

@@ -34,4 +34,4 @@ def check_writable(folder: Path) -> None:
     for name in (".", ".snakemake", "results"):
         path = folder / name
         if path.exists() and not os.access(path, os.W_OK | os.X_OK):
-            raise InputError(f"{path}: cannot be written; run in a folder that can: snakemake --directory FOLDER")
+            raise InputError(f"{path}: cannot be written to; run in a folder that can be: snakemake --directory FOLDER")

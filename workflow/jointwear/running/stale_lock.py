@@ -44,25 +44,42 @@ def note_run(root: Path) -> None:
     marker.write_text(f"{socket.gethostname()} {os.getpid()}\n", encoding="utf-8")
 
 
+def _holder(root: Path) -> tuple[str, int | None]:
+    """Return the host of the run that noted itself last under `root`, empty where none has, and its process id."""
+    marker = root / ".snakemake" / "jointwear_host"
+    if not marker.is_file():
+        return "", None
+    host, _, pid = marker.read_text(encoding="utf-8").partition(" ")
+    return host, int(pid) if pid.strip().isdigit() else None
+
+
+def _locked(root: Path) -> bool:
+    locks = root / ".snakemake" / "locks"
+    return locks.is_dir() and any(locks.iterdir())
+
+
+def call_at_work(root: Path) -> int | None:
+    """Return the process id of another run that holds the lock under `root`, on this host; None where none does."""
+    host, pid = _holder(root)
+    if pid is None or not _locked(root) or host != socket.gethostname():
+        return None
+    return pid if pid in live_processes(root) else None
+
+
 def clear_stale_lock(root: Path, patience: float = PATIENCE) -> bool:
     """Remove Snakemake's lock under `root` if the run that set it is dead; return whether it was removed.
 
     Scripts that outlived their killed Snakemake may still be writing; they are waited for up to `patience` [s].
     """
-    locks = root / ".snakemake" / "locks"
-    if not locks.is_dir() or not any(locks.iterdir()):
+    if not _locked(root):
         return False
-    marker = root / ".snakemake" / "jointwear_host"
-    if marker.is_file():
-        host, _, pid = marker.read_text(encoding="utf-8").partition(" ")
-        if host != socket.gethostname():
-            return False
-        if pid.strip().isdigit() and int(pid) in live_processes(root):
-            return False
+    host, pid = _holder(root)
+    if host and (host != socket.gethostname() or (pid is not None and pid in live_processes(root))):
+        return False
     end = time.monotonic() + patience
     while live_processes(root):
-        if not marker.is_file() or time.monotonic() > end:
+        if not host or time.monotonic() > end:
             return False
         time.sleep(0.2)
-    shutil.rmtree(locks, ignore_errors=True)
+    shutil.rmtree(root / ".snakemake" / "locks", ignore_errors=True)
     return True

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery import assumed
+from jointwear.files.wording import listed
 from jointwear.measurement.derived.motion import RESOLVED, Measured, moving
 from jointwear.robots.robot import Robot
 from jointwear.statistics.known import OVER_MEDIAN
@@ -100,6 +101,6 @@ def unseen_slow_motion(measured: Measured, judged: Collection[int]) -> list[str]
             slowest[axis] = low
     if not slowest:
         return []
-    speeds = ", ".join(f"{low:.2g} rad/s on joint {axis + 1}" for axis, low in slowest.items())
+    speeds = listed([f"{low:.2g} rad/s on joint {axis + 1}" for axis, low in slowest.items()])
     told = f"positions do not resolve what follows a reversal, and {assumed.BESIDE:g} s beside it are left out"
-    return [f"{told}: nothing is seen of friction slower than {speeds}; log faster for it"]
+    return [f"{told}: friction at speeds below {speeds} cannot be seen; log at a higher rate to see it"]

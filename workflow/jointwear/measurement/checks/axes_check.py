@@ -221,9 +221,21 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
     left = explained(dynamics, parts, usable)
     if not np.isfinite(left).any():
         return False
-    likelihood = Likelihood(dynamics, FEWEST)
+    if believed := _believed(dynamics, parts, usable, left):
+        raise _refusal(name, dynamics, parts, usable, left, believed)
+    return True
+
+
+#: A reading that is believed: by how many nats it is likelier, and the shares (n,) that it leaves of the axes.
+_Reading = tuple[float, Reading, np.ndarray]
+
+
+def _believed(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: np.ndarray) -> list[_Reading]:
+    """Return the other readings of the axes that explain the data far better; the arguments are those of
+    :func:`explained`, and `left` (n,) is what it returns."""
+    robot, likelihood = dynamics.robot, Likelihood(dynamics, FEWEST)
     as_read: float | None = None
-    believed: list[tuple[float, Reading, np.ndarray]] = []
+    believed: list[_Reading] = []
 
     def gained(reading: Reading, other: np.ndarray) -> float:
         floor = SAME_WRIST if reading.kind in EXCHANGED else RIGHT
@@ -246,20 +258,34 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
         concerned = list(reading.axes)
         if nats > _enough(reading, gained(reading, other), left[concerned], other[concerned], robot):
             believed.append((nats, reading, other))
-    if believed:
-        nats, reading, remains = max(believed, key=lambda x: x[0])
-        # A joint that turns the other way does what it does where the two beside it count from half a turn further.
-        also = [r for n, r, _ in believed if r is not reading and n > nats - favours(reading, robot)]
-        # Friction of another size may ask for another axis, too.
-        scaled = other_scale(dynamics, parts, usable)
-        if scaled and likelihood(*scaled.read(parts, usable, robot)) - as_read > nats + favours(reading, robot):
+    return believed
+
+
+def _refusal(
+    name: str,
+    dynamics: Dynamics,
+    parts: np.ndarray,
+    usable: np.ndarray,
+    left: np.ndarray,
+    believed: list[_Reading],
+) -> Refused:
+    """Return the refusal that names the likeliest of the readings that are believed, and those that are nearly as
+    likely; `name` and `left` are those of :func:`check_axes` and :func:`_believed`."""
+    robot = dynamics.robot
+    nats, reading, remains = max(believed, key=lambda x: x[0])
+    # A joint that turns the other way does what it does where the two beside it count from half a turn further.
+    also = [r for n, r, _ in believed if r is not reading and n > nats - favours(reading, robot)]
+    # Friction of another size may ask for another axis, too.
+    if scaled := other_scale(dynamics, parts, usable):
+        likelihood = Likelihood(dynamics, FEWEST)
+        lead = likelihood(*scaled.read(parts, usable, robot)) - likelihood(parts, usable)
+        if lead > nats + favours(reading, robot):
             reading, also, remains = scaled, [], left
-        others, remedies = "".join(f"; or {r.reason}" for r in also), "".join(f"; or {r.remedy}" for r in also)
-        too_much, another = even_so(remains, robot)
-        why = f"{_WHY[reading.kind]}{others}{too_much}"
-        by_keys = any(r.by_keys for r in (reading, *also))
-        raise Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy}{remedies}{another}", by_keys)
-    return True
+    others, remedies = "".join(f"; or {r.reason}" for r in also), "".join(f"; or {r.remedy}" for r in also)
+    too_much, another = even_so(remains, robot)
+    why = f"{_WHY[reading.kind]}{others}{too_much}"
+    by_keys = any(r.by_keys for r in (reading, *also))
+    return Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy}{remedies}{another}", by_keys)
 
 
 def even_so(left: np.ndarray, robot: Robot) -> tuple[str, str]:

@@ -47,9 +47,14 @@ def silence_in_words(measured: Measured) -> list[str]:
     silent[:, silent_joints(measured)] = False
     return [
         f"the torque of joint {j + 1} keeps one value in {count(int(silent[:, j].sum()), 'sample')} in which the joint "
-        f"turns, first at {measured.time[np.argmax(silent[:, j])]:.4g} s: left out"
+        f"turns, first at {_seconds(measured.time[np.argmax(silent[:, j])])} s: left out"
         for j in np.flatnonzero(silent.any(axis=0))
     ]
+
+
+def _seconds(time: float) -> str:
+    """Return a time [s] into a recording in digits, whole where it is long: 14410, not 1.441e+04."""
+    return f"{time:.4g}" if time < 1000 else f"{time:.0f}"
 
 
 def check_torque_moves(measured: Measured, name: str) -> None:

@@ -1,4 +1,4 @@
-"""What is no alarm of wear but must be told: changed scales, a proposed service, programs, axes that moved together."""
+"""What is no alarm of wear but must be told: changed scales, a proposed service, programs, what all axes share."""
 
 from __future__ import annotations
 
@@ -223,7 +223,7 @@ def _returned(
 def _shared(
     statistics: WindowStatistics, shift: np.ndarray, baseline: np.ndarray, level: Watch
 ) -> list[dict[str, Any]]:
-    """One finding for each run of shifts in which all axes moved together, with its end where it has one."""
+    """One finding for each run of shifts in which the friction of all axes changed together, with its end, if any."""
     names = np.unique(shift[~baseline])
     means = np.array([np.mean(level.shared.common[shift == s]) for s in names])
     edges = [0, *(np.flatnonzero(np.diff(np.abs(means) > FINDING)) + 1), len(names)]
@@ -236,8 +236,9 @@ def _shared(
         size = float(means[a:b][np.argmax(np.abs(means[a:b]))])
         lasts = f"for {duration((end - time) / 3600)}, and no more since" if b < len(names) else "to this day"
         words = (
-            f"All axes moved together by up to {fixed(100 * size, 0, True)} %, {lasts}, which is no wear of one axis: "
-            "look at the load that the robot carries, the temperature, the oil, the model and the unit of the torque."
+            f"The friction of all axes changed together by up to {fixed(100 * size, 0, True)} %, {lasts}, which is not "
+            "wear of a single axis: look at the load that the robot carries, the temperature, the oil, the model and "
+            "the unit of the torque."
         )
         until = {"end": end} if b < len(names) else {}
         result.append({"time": time, **until, "axes": [], "kind": "shared", "words": words})

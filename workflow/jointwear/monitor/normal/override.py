@@ -75,7 +75,7 @@ def override_findings(
     known = f"{judged[rows].sum() * hours:.3g} h of them judged" if judged[rows].any() else "none of them judged yet"
     words = (
         f"The robot ran {len(rows) * hours:.3g} h at {times} times its usual speed, which the "
-        f"normal period did not have, {known}: what the speed changes is learnt first. If it runs so often, "
+        f"normal period did not have, {known}: what another speed changes has to be learnt first. If it often runs so, "
         "name the override under 'program', or let the normal period hold it."
     )
     return [{"time": float(statistics.start[rows[0]]), "axes": [], "kind": OVERRIDE, "words": words}]

@@ -8,7 +8,8 @@ from datetime import tzinfo
 from typing import Any
 
 from jointwear.monitor.local_time import duration, log_time
-from jointwear.monitor.presentation.words import change_words, outlook_words
+from jointwear.monitor.presentation.words import anew_words, change_words, outlook_words
+from jointwear.monitor.watching.limits import in_sentence
 from jointwear.monitor.watching.records import DETECTORS
 
 
@@ -55,10 +56,14 @@ def _alarms(row: Mapping[str, Any], zone: tzinfo) -> list[Notice]:
         axis = axes.get(episode["axis"])
         since = f"first alarm {log_time(episode['first'], zone, row['dated'])}"
         if axis is None:
-            subject, told = f"{row['robot']}, whole robot", [episode["quantity"], since]
+            subject, told = f"{row['robot']}, whole robot", [in_sentence(episode["quantity"]), since]
         else:
             subject = f"{row['robot']}, axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else "")
-            told = [episode["quantity"], change_words(axis), outlook_words(row, axis, zone), since, axis["check"]]
+            quantity, change = in_sentence(episode["quantity"]), change_words(axis)
+            # How much it has grown begins with what has grown.
+            named = quantity.lower() in change.lower()
+            told = ["" if named else quantity, change, anew_words(row, axis, zone), outlook_words(row, axis, zone)]
+            told += [since, axis["check"]]
         key = f"{row['folder']}|{episode['key']}"
         found.append(Notice(key, row["robot"], subject, "; ".join(t for t in told if t), episode["open"]))
     return found

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.monitor.events import events_of
+from jointwear.monitor.events import Event, events_of
 from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.judging.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.judging.state import RobotState
@@ -56,7 +56,8 @@ class AxisCondition:
     unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
     unknown. `seen`: it has been judged after the baseline. `rescaled`: time [s] of a changed scale of its torque.
     `fell`: time [s] of a fall of its friction that nobody has explained. `loud`: its torque has grown uneven.
-    `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered.
+    `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered. `anew`: the
+    newest event that mends it, from which its growth counts; None where there is none.
     """
 
     axis: int
@@ -76,6 +77,7 @@ class AxisCondition:
     fell: float = math.inf
     loud: bool = False
     turned: float = math.inf
+    anew: Event | None = None
 
     @property
     def change(self) -> float | None:
@@ -162,6 +164,7 @@ def robot_episodes(state: RobotState) -> list[Episode]:
 
 def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition:
     own = [e for e in found if e.axis == j + 1]
+    mending = [e for e in events_of(state.entry) if e.mends and e.concerns(j) and state.start[0] < e.time]
     open_ones = tuple(e for e in own if e.resolved is None)
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
@@ -195,6 +198,7 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         fell=_first(state, "proposed_service", j),
         loud=loud,
         turned=min((f["time"] for f in _unanswered(state, ZERO)), default=math.inf),
+        anew=next((e for e in reversed(mending) if e.time <= state.start[-1]), None),
     )
 
 

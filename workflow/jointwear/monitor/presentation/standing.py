@@ -161,6 +161,7 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "alarms": sum(len(e.alarms) for e in condition.episodes),
         "check": condition.check,
         "over": over_words(condition),
+        "anew": None if condition.anew is None else {"time": condition.anew.time, "kind": condition.anew.kind},
     }
 
 

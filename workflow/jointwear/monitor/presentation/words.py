@@ -42,6 +42,7 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
         "outlook": outlook_words(row, axis, zone),
         "since": "" if axis["since"] is None else log_time(axis["since"], zone, dated),
         "alarms": axis["alarms"],
+        "anew": anew_words(row, axis, zone),
         "check": axis["check"][:1].upper() + axis["check"][1:],
     }
 
@@ -102,6 +103,17 @@ def change_words(axis: Mapping[str, Any]) -> str:
         words.append(f"Coulomb friction {size} at its newest alarm, not judged now; {limit}")
     told = "; ".join(words)
     return told[:1].upper() + told[1:] if viscous is not None else told
+
+
+def anew_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:
+    """Return since when the growth of an axis counts, empty where it does since the normal period.
+
+    Who has closed an alarm without a repair has to know that the limit is measured from there.
+    """
+    event = axis.get("anew")
+    if event is None:
+        return ""
+    return f"growth counts from {log_time(event['time'], zone, row['dated'])} ({event['kind']})"
 
 
 def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:

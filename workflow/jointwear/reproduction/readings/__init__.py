@@ -20,6 +20,9 @@ from types import ModuleType
 
 from jointwear.files.errors import InputError, nearest
 
+#: Stages of the workflow that may ask an ambiguity.
+STAGES = ("simulation", "features", "training", "detection", "location")
+
 
 @dataclass(frozen=True)
 class Ambiguity:
@@ -45,11 +48,40 @@ def _describe(module: ModuleType) -> Ambiguity:
     )
 
 
+def _checked(module: ModuleType) -> Ambiguity:
+    """Return what a module says of an ambiguity.
+
+    Raises
+    ------
+    InputError : naming the module and what it lacks.
+    """
+    where = f"{module.__file__}:"
+    for key in ("PAPER", "STAGE", "DEFAULT"):
+        if not isinstance(getattr(module, key, None), str):
+            raise InputError(f"{where} has no text {key}; every reading says PAPER, STAGE and DEFAULT")
+    found = _describe(module)
+    if found.stage not in STAGES:
+        hint = nearest(found.stage, STAGES)
+        raise InputError(f"{where} STAGE is '{found.stage}'; allowed: {', '.join(STAGES)}{hint}")
+    if found.default not in found.alternatives:
+        hint = nearest(found.default, found.alternatives)
+        raise InputError(f"{where} DEFAULT is '{found.default}'; allowed: {', '.join(found.alternatives)}{hint}")
+    for name, function in found.alternatives.items():
+        if not function.__doc__:
+            raise InputError(f"{where} function '{name}' has no docstring, which is its meaning in the reference")
+    return found
+
+
 @cache
 def ambiguities() -> dict[str, Ambiguity]:
-    """Return every ambiguity by name, in alphabetical order."""
+    """Return every ambiguity by name, in alphabetical order.
+
+    Raises
+    ------
+    InputError : naming the module that describes none.
+    """
     names = sorted(m.name for m in pkgutil.iter_modules(__path__))
-    return {name: _describe(importlib.import_module(f"{__name__}.{name}")) for name in names}
+    return {name: _checked(importlib.import_module(f"{__name__}.{name}")) for name in names}
 
 
 def of_stage(stage: str) -> list[str]:

@@ -40,6 +40,8 @@ VERSIONS = {
     "reversed_in_time": "the same, time reversed: the worn series falls",
     "normal_week": "no wear, nothing detected",
 }
+#: Edges of the rises of the worn series that runs are told apart by [standard deviations of training].
+RISES = np.array([-np.inf, 0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, np.inf])
 
 
 @dataclass(frozen=True)
@@ -106,94 +108,116 @@ def _runs(poses: PoseSet, experiment: SharedExperiment, analysis: Analysis, read
         yield 0, series.normal[:, :hours], np.full(len(mean), np.nan), mean, spread
 
 
+class _Tally:
+    """Which axes the rule names, counted run by run: the arrays of that name of :class:`LagRule`, and
+    `signs` (2, 2), of each correlation: lags of the worn axis with the sign of a leading one, and all of them."""
+
+    def __init__(self, axes: int, reading: Mapping[str, str]) -> None:
+        self.right, self.wrong, self.nothing = (np.zeros((len(VERSIONS), 2), dtype=int) for _ in range(3))
+        self.runs, self.named = np.zeros(len(VERSIONS), dtype=int), np.zeros((2, axes), dtype=int)
+        self.signs = np.zeros((2, 2), dtype=int)
+        self._reading = reading
+
+    def add_normal_week(self, series: np.ndarray) -> None:
+        """Count runs (r, hours, n) without wear."""
+        v = list(VERSIONS).index("normal_week")
+        self.runs[v] += len(series)
+        for k, correlation in enumerate(CORRELATIONS):
+            _, source = named_axis(series, correlation, self._reading)
+            self.named[k] += np.bincount(source, minlength=self.named.shape[1] + 1)[1:]
+            self.wrong[v, k] += (source > 0).sum()
+            self.nothing[v, k] += (source == 0).sum()
+
+    def add_worn(self, version: str, series: np.ndarray, axis: int) -> np.ndarray:
+        """Count a version of runs (r, hours, n) in which `axis` (1-based) is worn; return where it is named, (2, r)."""
+        v, j, hit = list(VERSIONS).index(version), axis - 1, np.zeros((2, len(series)), dtype=bool)
+        self.runs[v] += len(series)
+        for k, correlation in enumerate(CORRELATIONS):
+            lag, source = named_axis(series, correlation, self._reading)
+            hit[k] = source == axis
+            self.right[v, k] += hit[k].sum()
+            self.wrong[v, k] += ((source > 0) & ~hit[k]).sum()
+            self.nothing[v, k] += (source == 0).sum()
+            if version == "as_they_are":
+                sign = 1 if self._reading["lag_sign"] == "equation_5" else -1
+                toward = -np.sign(np.delete(lag[:, j], j, axis=1)) * sign
+                self.signs[k] += [(toward >= 0).sum(), toward.size]
+        return hit
+
+
+def _versions(series: np.ndarray, j: int) -> dict[str, np.ndarray]:
+    """Return the versions (r, hours, n) of runs in which the 0-based axis j is worn."""
+    centred = series - series.mean(axis=1, keepdims=True)
+    centred[:, :, j] = series[:, :, j]
+    return {"as_they_are": series, "others_centred": centred, "reversed_in_time": series[:, ::-1]}
+
+
+def _curves(series: np.ndarray, j: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cross-correlations (2, p, 2 h - 1) of the 0-based axis j with all others in runs (r, h, n), and what
+    rising alone predicts for the raw ones (p, 2 h - 1), each over its maximum.
+
+    Pairs with an axis whose divergence is always zero have no correlation to show.
+    """
+    raw, centred = (np.moveaxis(s, 1, 2) for s in (series, series - series.mean(axis=1, keepdims=True)))
+    curve = np.stack([cross_correlation(s[:, j, None], np.delete(s, j, axis=1)) for s in (raw, centred)])
+    others = np.delete(raw, j, axis=1)
+    alone = rising_alone(np.repeat(raw[:, j, None], others.shape[1], axis=1), others.mean(axis=-1))
+    scale = np.abs(curve).max(axis=-1, keepdims=True)
+    alive, scale = (scale > 0).all(axis=0)[..., 0], np.where(scale > 0, scale, 1)
+    return (curve / scale)[:, alive], (alone / scale[0])[alive]
+
+
+def _by_rise(rise: np.ndarray, hit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return `rise_edges`, `rise_right` and `rise_runs` of :class:`LagRule` for runs that rise by `rise` (r,) and in
+    which the worn axis is named where `hit` (2, r)."""
+    place = np.digitize(rise, RISES[1:-1])
+    count = len(RISES) - 1
+    right = np.stack([np.bincount(place[h], minlength=count) for h in hit])
+    return RISES, right, np.bincount(place, minlength=count)
+
+
 def explain(poses: PoseSet, experiment: SharedExperiment, analysis: Analysis, reading: Reading) -> LagRule:
     """Run the experiment. Detection follows the reading with the KL divergence as input of the PCA."""
     reading = {**reading, "pca_input": "kl_divergence"}
-    n = len(analysis.axes)
-    versions = list(VERSIONS)
-    right, wrong, nothing = (np.zeros((len(versions), 2), dtype=int) for _ in range(3))
-    runs, named = np.zeros(len(versions), dtype=int), np.zeros((2, n), dtype=int)
+    tally, hours = _Tally(len(analysis.axes), reading), experiment.wear_hours
     rises: list[np.ndarray] = []
     hits: list[np.ndarray] = []
-    curves: list[np.ndarray] = []
-    predicted: list[np.ndarray] = []
-    signs = np.zeros((2, 2), dtype=int)
-
+    curves: list[tuple[np.ndarray, np.ndarray]] = []
     for axis, whole, hour, mean, spread in _runs(poses, experiment, analysis, reading):
         if axis == 0:
-            v = versions.index("normal_week")
-            runs[v] += len(whole)
-            for k, correlation in enumerate(CORRELATIONS):
-                _, source = named_axis(whole, correlation, reading)
-                named[k] += np.bincount(source, minlength=n + 1)[1:]
-                wrong[v, k] += (source > 0).sum()
-                nothing[v, k] += (source == 0).sum()
+            tally.add_normal_week(whole)
             continue
-        detected = np.isfinite(hour)
-        series, j = whole[detected], axis - 1
+        detected, j = np.isfinite(hour), axis - 1
+        series = whole[detected]
         if not len(series):
             continue
-        others = [i for i in range(n) if i != j]
-        centred = series.copy()
-        centred[:, :, others] -= centred[:, :, others].mean(axis=1, keepdims=True)
-        hit = np.zeros((2, len(series)), dtype=bool)
-        for name, version in (
-            ("as_they_are", series),
-            ("others_centred", centred),
-            ("reversed_in_time", series[:, ::-1]),
-        ):
-            v = versions.index(name)
-            runs[v] += len(version)
-            for k, correlation in enumerate(CORRELATIONS):
-                lag, source = named_axis(version, correlation, reading)
-                right[v, k] += (source == axis).sum()
-                wrong[v, k] += ((source > 0) & (source != axis)).sum()
-                nothing[v, k] += (source == 0).sum()
-                if name == "as_they_are":
-                    hit[k] = source == axis
-                    toward = -np.sign(lag[:, j, others]) * (1 if reading["lag_sign"] == "equation_5" else -1)
-                    signs[k] += [(toward >= 0).sum(), toward.size]
-        last = series[:, -24:, j].mean(axis=1)
-        rises.append((last - mean[detected, j]) / spread[detected, j])
-        hits.append(hit)
-        both = (series, series - series.mean(axis=1, keepdims=True))
-        both = [np.moveaxis(s, 1, 2) for s in both]
-        curve = np.stack([cross_correlation(s[:, j, None], s[:, others]) for s in both])
-        # Pairs with an axis whose divergence is always zero have no correlation to show.
-        scale = np.abs(curve).max(axis=-1, keepdims=True)
-        alive = (scale > 0).all(axis=0)[..., 0]
-        curves.append((curve / np.where(scale > 0, scale, 1))[:, alive])
-        alone = rising_alone(np.repeat(both[0][:, j, None], n - 1, axis=1), both[0][:, others].mean(axis=-1))
-        predicted.append((alone / np.where(scale[0] > 0, scale[0], 1))[alive])
+        named = {name: tally.add_worn(name, version, axis) for name, version in _versions(series, j).items()}
+        hits.append(named["as_they_are"])
+        rises.append((series[:, -24:, j].mean(axis=1) - mean[detected, j]) / spread[detected, j])
+        curves.append(_curves(series, j))
 
-    hours = experiment.wear_hours
     if rises:
-        rise, hit = np.concatenate(rises), np.concatenate(hits, axis=1)
-        edges = np.array([-np.inf, 0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, np.inf])
-        place = np.digitize(rise, edges[1:-1])
-        rise_runs = np.bincount(place, minlength=len(edges) - 1)
-        rise_right = np.stack([np.bincount(place[h], minlength=len(edges) - 1) for h in hit])
-        observed = np.concatenate(curves, axis=1).mean(axis=1)
-        expected = np.concatenate(predicted).mean(axis=0)
+        edges, rise_right, rise_runs = _by_rise(np.concatenate(rises), np.concatenate(hits, axis=1))
+        observed = np.concatenate([curve for curve, _ in curves], axis=1).mean(axis=1)
+        expected = np.concatenate([alone for _, alone in curves]).mean(axis=0)
     else:
         edges = np.array([-np.inf, np.inf])
         rise_runs, rise_right = np.zeros(1, dtype=int), np.zeros((2, 1), dtype=int)
         observed, expected = np.zeros((2, 2 * hours - 1)), np.zeros(2 * hours - 1)
-    share = np.divide(signs[:, 0], signs[:, 1], out=np.full(2, np.nan), where=signs[:, 1] > 0)
-    lags = np.arange(1 - hours, hours)
+    lead, all_of = tally.signs.T
     return LagRule(
-        right=right,
-        wrong=wrong,
-        nothing=nothing,
-        runs=runs,
-        named=named,
+        right=tally.right,
+        wrong=tally.wrong,
+        nothing=tally.nothing,
+        runs=tally.runs,
+        named=tally.named,
         rise_edges=edges,
         rise_right=rise_right,
         rise_runs=rise_runs,
-        lags=lags,
+        lags=np.arange(1 - hours, hours),
         observed=observed,
         expected=expected,
-        sign_right=share,
+        sign_right=np.divide(lead, all_of, out=np.full(2, np.nan), where=all_of > 0),
     )
 
 
