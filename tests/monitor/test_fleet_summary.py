@@ -259,6 +259,20 @@ def test_what_asks_for_an_answer_is_not_crowded_out():
     )
 
 
+def test_products_that_came_again_and_again_take_one_sentence():
+    def product(days, moved, judged=True):
+        told = {"time": NOW - days * DAY, "axes": [], "kind": "program", "words": "The torque changed.", "moved": moved}
+        return {**told, "judged": judged}
+
+    row = as_of(robot("arm", findings=[product(3, [1, 6]), product(1, [2, 3, 4], False), product(2, [1, 6])]), NOW)
+    (told,) = robot_item(row, zone_of(None), "robots")["findings"]
+    assert told.startswith("Wed 2025-12-31: The torque changed at once 3 times, as with parts that")
+    assert "(axes 1 and 6; axes 2, 3 and 4)" in told
+    assert told.endswith("; with 1 of them most axes cannot be judged yet.")
+    row["findings"] = row["findings"][:1]
+    assert robot_item(row, zone_of(None), "robots")["findings"] == ["Mon 2025-12-29: The torque changed."]
+
+
 def test_an_alarm_that_was_open_under_another_program_is_told_first():
     told = {"time": NOW - 9 * DAY, "axes": [2], "kind": OPEN_ALARM, "words": "An alarm was open."}
     newer = [{"time": NOW - k * DAY, "axes": [], "kind": "shared", "words": f"Told {k}."} for k in range(4)]

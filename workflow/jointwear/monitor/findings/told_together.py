@@ -10,6 +10,8 @@ from jointwear.monitor.findings.findings import FELL, PROGRAM, fell_words
 from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.seen_growth import COARSE
 
+#: What findings on products have in common.
+PRODUCTS = "products"
 #: A finding as it is stored.
 Finding = Mapping[str, Any]
 
@@ -18,12 +20,13 @@ def told_together(findings: Sequence[Finding]) -> list[dict[str, Any]]:
     """Return findings for a page, what is alike in one sentence where the first of it stands.
 
     Alike are axes whose limit cannot be seen, axes whose friction fell or was none at one time, and programs that the
-    motion shows and the baseline did not have, which are told with the time of the newest.
+    motion shows, or products that the torque shows, and the baseline did not have, which are told with the time of the
+    newest.
     """
     groups: dict[tuple, list[Finding]] = {}
     for k, found in enumerate(findings):
         groups.setdefault(_alike(found) or (k,), []).append(found)
-    return [dict(g[0]) if len(g) == 1 else {**g[0], **_TOGETHER[g[0]["kind"]](g)} for g in groups.values()]
+    return [dict(g[0]) if len(g) == 1 else {**g[0], **_TOGETHER[key[0]](g)} for key, g in groups.items()]
 
 
 def before_words(count: int) -> str:
@@ -45,6 +48,8 @@ def _alike(found: Finding) -> tuple:
         return kind, found["time"], found.get("end")
     if kind == PROGRAM and "ran" in found:
         return (kind,)
+    if kind == PROGRAM and "moved" in found:
+        return (PRODUCTS,)
     return ()
 
 
@@ -81,8 +86,19 @@ def _programs(found: Sequence[Finding]) -> dict[str, Any]:
     return {"time": max(f["time"] for f in found), "words": words}
 
 
+def _products(found: Sequence[Finding]) -> dict[str, Any]:
+    blind = sum(not f["judged"] for f in found)
+    moved = "; ".join(sorted({name_axes(f["moved"]) for f in found}))
+    judged = f"; with {blind} of them most axes cannot be judged yet" if blind else ""
+    words = (
+        f"The torque changed at once {len(found)} times, as with parts that their programs did not have before and "
+        f"that no load of the robot file stands for ({moved}): the normal of each is learnt from its first shifts{judged}."
+    )
+    return {"time": max(f["time"] for f in found), "words": words}
+
+
 _TOGETHER: dict[str, Callable[[Sequence[Finding]], dict[str, Any]]] = {
-    COARSE: _coarse, FELL: _fell, DRIVES: _drive, PROGRAM: _programs,
+    COARSE: _coarse, FELL: _fell, DRIVES: _drive, PROGRAM: _programs, PRODUCTS: _products,
 }  # fmt: skip
 
 

@@ -117,7 +117,8 @@ def product_findings(
             "have before and that no load of the robot file stands for: "
         )
         words += learnt_in_words(judged[rows], statistics.length)
-        result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words})
+        found = {"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words}
+        result.append({**found, "moved": list(product.axes), "judged": bool(judged[rows].any())})
     return result
 
 
