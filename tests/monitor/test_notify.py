@@ -116,6 +116,7 @@ def test_an_alarm_goes_to_a_webhook_once_and_its_end_too(tmp_path, monkeypatch):
         assert desk.call(robot(episode())) == []
         assert desk.call(robot()) == []
         assert desk.call(robot()) == []
+    assert [post["type"] for post in server.posts] == ["warning", "success"]
     first, last = [post["message"] for post in server.posts]
     assert "ALARM  cell_3, axis 3 (elbow): Coulomb friction +7.5 % now, limit 20 %; limit not before" in first
     assert "limit not before Sat 2026-01-03" in first
@@ -220,6 +221,20 @@ def test_a_long_message_counts_what_it_leaves_out_and_a_failed_one_how_often_it_
     *lines, rest = message["body"].splitlines()
     assert len(lines) == MOST_LINES
     assert rest == "... and 5 more on the page of the fleet"
+
+
+def test_messages_for_a_channel_that_is_gone_do_not_wait_for_ever(tmp_path):
+    folder = tmp_path
+    assert Desk(folder, [{"name": "old", "env": "OLD"}]).call(robot(episode()), send=lambda *_: "is down")
+    said = []
+    desk = Desk(folder, [{"name": "new", "env": "NEW"}])
+    desk.call(robot(episode()), send=lambda channel, message: said.append(channel["name"]) or "")
+    assert said == ["new"]
+    assert Outbox.open(folder / "outbox.json").waiting == []
+    # What a channel was told is kept: put back, it hears of the end alone.
+    desk = Desk(folder, [{"name": "old", "env": "OLD"}])
+    desk.call(robot(), send=lambda channel, message: said.append(message["body"]) or "")
+    assert said[1:] == ["ENDED  cell_3, axis 3 (elbow): resolved"]
 
 
 def test_a_broken_outbox_is_not_thrown_away(tmp_path):

@@ -40,7 +40,8 @@ def address_of(channel: Mapping[str, Any]) -> list[str]:
 
 
 def send(channel: Mapping[str, Any], message: Mapping[str, Any]) -> str:
-    """Send `title` and `body` of a message; return "" or, in one line without secrets, why it could not be sent."""
+    """Send `title` and `body` of a message, a warning where it `calls` for somebody, good news where it tells of ends
+    alone; return "" or, in one line without secrets, why it could not be sent."""
     addresses: list[str] = []
     logger = logging.getLogger("apprise")
     spread, logger.propagate = logger.propagate, False
@@ -53,7 +54,12 @@ def send(channel: Mapping[str, Any], message: Mapping[str, Any]) -> str:
                     f"address {number} is none that apprise knows (allowed: its URLs, as mailto://, json://, slack://)"
                 )
         with apprise.LogCapture(level=logging.WARNING) as said:
-            sent = service.notify(title=message["title"], body=message["body"], body_format=apprise.NotifyFormat.TEXT)
+            sent = service.notify(
+                title=message["title"],
+                body=message["body"],
+                body_format=apprise.NotifyFormat.TEXT,
+                notify_type=apprise.NotifyType.WARNING if message.get("calls", True) else apprise.NotifyType.SUCCESS,
+            )
         return "" if sent else blot(_last_line(said.getvalue()) or "not delivered", addresses)
     except InputError as error:
         return str(error)

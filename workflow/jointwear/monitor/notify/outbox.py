@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,7 @@ _LAYOUT = {
                     **dict.fromkeys(("channel", "title", "body"), _TEXT),
                     "since": {"type": "number"},
                     "attempts": {"type": "integer", "minimum": 0},
+                    "calls": {"type": "boolean"},
                 },
             },
         },
@@ -54,7 +55,8 @@ def _story(key: str) -> str:
 
 @dataclass
 class Outbox:
-    """`told`: channel -> key of a notice -> its subject and whether it was active; `waiting`: messages in order."""
+    """`told`: channel -> key of a notice -> its subject and whether it was active; `waiting`: messages in order, each
+    with whether it calls for somebody (`calls`) or tells of ends alone."""
 
     path: Path
     told: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
@@ -120,9 +122,12 @@ class Outbox:
             rest = len(lines) - MOST_LINES
             body = lines[:MOST_LINES] + ([f"... and {rest} more on the page of the fleet"] if rest > 0 else [])
             title = f"Robot wear: {', '.join(c for c in counts if c)}"
-            self.waiting.append(
-                {"channel": channel, "since": now, "attempts": 0, "title": title, "body": "\n".join(body)}
-            )
+            message = {"channel": channel, "since": now, "attempts": 0, "title": title, "body": "\n".join(body)}
+            self.waiting.append({**message, "calls": bool(alarms)})
+
+    def keep(self, channels: Collection[str]) -> None:
+        """Keep the messages that wait for channels that there are; those for one that is gone would wait for ever."""
+        self.waiting = [message for message in self.waiting if message["channel"] in channels]
 
     def deliver(self, channels: Sequence[str], send: Callable[[str, Mapping[str, Any]], str]) -> list[str]:
         """Send what waits for the channels, in order; what cannot be sent goes on waiting.

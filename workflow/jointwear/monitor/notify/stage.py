@@ -48,6 +48,7 @@ def notify(
     box = Outbox.open(outbox)
     told = notices(found, zone_of(time_zone))
     by_name = {channel["name"]: channel for channel in channels}
+    box.keep(by_name)
     for name, channel in by_name.items():
         mine = [row for row in found if row["robot"] in channel.get("robots", [row["robot"]])]
         robots = {row["robot"] for row in mine}
