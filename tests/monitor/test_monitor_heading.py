@@ -123,9 +123,14 @@ def test_newest_logs_without_any_sample_are_not_healthy(monitored):
     """They have no time of their own; where they stand in the list tells that they are the newest."""
     folder, _, _ = monitored
     state = read_state(folder / "state.nc")
-    # The log of the fixture that is cut short comes after the one that was read.
+    # The log of the fixture that is cut short comes after the one that was read: it may be one that is being written.
     assert state.refused[1]
-    assert standing(state)["refused_newest"] == 1
+    row = {**NOTHING, "robot": "x", "result": "judged", **standing(state), "rhythm_hours": 4.0, "dated": True}
+    assert (row["refused_newest"], row["unfinished"]) == (0, True)
+    for hours, rhythm, refused_newest in ((7.0, 4.0, 0), (9.0, 4.0, 1), (0.5, None, 1)):
+        later = as_of({**row, "rhythm_hours": rhythm}, row["last_sample"] + 3600 * hours)
+        assert later["refused_newest"] == refused_newest
+    assert as_of({**row, "dated": False}, row["last_sample"])["refused_newest"] == 1
     empty, nan = "b.csv: holds no samples", np.nan
     begin, end = float(state.start[0]), float(state.end[-1])
 
@@ -134,8 +139,10 @@ def test_newest_logs_without_any_sample_are_not_healthy(monitored):
         times = {"first": np.array(first), "last": np.array(last)}
         return standing(replace(state, logs=names, refused=told, copy_of=[""] * len(told), **times))["refused_newest"]
 
-    assert refused(["", empty], [begin, nan], [end, nan]) == 1
-    assert refused(["", empty, empty], [begin, nan, nan], [end, nan, nan]) == 2
+    assert refused(["", "b.csv: has no column 'time'"], [begin, nan], [end, nan]) == 1
+    for words in (empty, "b.csv: is empty", "b.parquet: is truncated or not a Parquet file (magic bytes)"):
+        assert refused(["", words], [begin, nan], [end, nan]) == 0
+        assert refused(["", words, words], [begin, nan, nan], [end, nan, nan]) == 1
     # An old one, before logs that could be read, is no news.
     assert refused(["", empty, ""], [begin, nan, end - 60], [begin + 60, nan, end]) == 0
     assert refused([empty, ""], [nan, begin], [nan, end]) == 0

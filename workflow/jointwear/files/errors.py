@@ -9,6 +9,10 @@ LONGEST_VALUE = 80
 #: Longest message: a screen of text. Characters.
 LONGEST_MESSAGE = 2000
 
+#: What is said of a file without a byte, of a log without a row, and of a file whose end may be lacking. Each may be
+#: one that is still being written.
+EMPTY, NO_SAMPLES, TRUNCATED = "is empty", "holds no samples", "is truncated or not a"
+
 
 class InputError(ValueError):
     """Something that the user gave is wrong: the message is one line naming file, key and what is allowed.

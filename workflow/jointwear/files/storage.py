@@ -19,7 +19,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 
-from jointwear.files.errors import InputError, shown
+from jointwear.files.errors import TRUNCATED, InputError, shown
 from jointwear.files.regular_files import check_regular
 from jointwear.files.text_files import remove, unwritable
 
@@ -294,7 +294,7 @@ def read_attribute(dataset: netCDF4.Dataset, path: str | Path, name: str) -> Any
 
 def _corrupt(path: str | Path, error: Exception) -> str:
     reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
-    return f"{path}: is truncated or not a netCDF file ({reason}){_remedy(path)}"
+    return f"{path}: {TRUNCATED} netCDF file ({reason}){_remedy(path)}"
 
 
 def _remedy(path: str | Path) -> str:

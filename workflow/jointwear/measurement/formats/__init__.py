@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from jointwear.files.errors import InputError
+from jointwear.files.errors import NO_SAMPLES, InputError
 from jointwear.files.regular_files import check_regular
 from jointwear.measurement.formats.bursts import without_bursts
 from jointwear.measurement.formats.chunk import Chunk
@@ -49,7 +49,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
             empty = False
             yield without_bursts(chunk)
     if empty:
-        raise InputError(f"{path}: holds no samples")
+        raise InputError(f"{path}: {NO_SAMPLES}")
 
 
 __all__ = ["Chunk", "Layout", "layout_of", "read_log"]

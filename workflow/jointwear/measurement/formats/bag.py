@@ -13,7 +13,7 @@ import numpy as np
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import EMPTY, TRUNCATED, InputError, nearest
 from jointwear.files.wording import count
 from jointwear.measurement.formats.chunk import Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
@@ -37,12 +37,12 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
     InputError : if the file cannot be read, or lacks what the layout asks for.
     """
     if path.is_file() and path.stat().st_size == 0:
-        raise InputError(f"{path}: is empty")
+        raise InputError(f"{path}: {EMPTY}")
     try:
         reader = Reader(path)
         reader.open()
     except Exception as error:  # the library raises whatever a damaged file causes
-        raise InputError(f"{path}: is truncated or not a ROS 2 bag ({_first_line(error)})") from None
+        raise InputError(f"{path}: {TRUNCATED} ROS 2 bag ({_first_line(error)})") from None
     if layout.program:
         raise InputError(f"{path}: 'program.columns' names columns, and joint states have none; give 'program.logs'")
     try:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pyarrow as pa
 from pyarrow import parquet
 
-from jointwear.files.errors import InputError
+from jointwear.files.errors import TRUNCATED, InputError
 from jointwear.measurement.formats.arrow import chunk_of
 from jointwear.measurement.formats.chunk import Chunk, find_columns
 from jointwear.measurement.formats.layout import Layout
@@ -31,4 +31,4 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
                 yield chunk_of(path, batch, columns, layout, stamped)
     except (pa.ArrowException, OSError) as error:
         first = next(iter(str(error).splitlines()), "unknown reason")
-        raise InputError(f"{path}: is truncated or not a Parquet file ({first})") from None
+        raise InputError(f"{path}: {TRUNCATED} Parquet file ({first})") from None

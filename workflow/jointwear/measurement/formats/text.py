@@ -19,7 +19,7 @@ from typing import BinaryIO, cast
 import pyarrow as pa
 from pyarrow import csv as arrow_csv
 
-from jointwear.files.errors import InputError, shown
+from jointwear.files.errors import EMPTY, NO_SAMPLES, InputError, shown
 from jointwear.files.wording import count
 from jointwear.measurement.formats.arrow import chunk_of, stamps
 from jointwear.measurement.formats.cells import Cells
@@ -118,7 +118,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             raise InputError(torn.fault) from None
         first_line = next(iter(str(error).splitlines()), "unknown reason").rstrip(".")
         if "Empty CSV" in first_line:
-            raise InputError(f"{path}: holds no samples") from None
+            raise InputError(f"{path}: {NO_SAMPLES}") from None
         raise InputError(f"{path}: cannot be read as CSV ({first_line})") from None
 
 
@@ -217,7 +217,7 @@ def _head(path: Path, layout: Layout) -> Head:
     """Look at the first lines: a preamble may come before the header, a row of units after it."""
     lines, encoding = _first_lines(path)
     if not any(line.strip() for line in lines):
-        raise InputError(f"{path}: is empty")
+        raise InputError(f"{path}: {EMPTY}")
     place, names, delimiter = _find_header(path, lines, layout)
     check_count(path, len(names))
     seen: set[str] = set()

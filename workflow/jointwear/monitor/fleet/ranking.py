@@ -12,6 +12,9 @@ from jointwear.monitor.presentation.to_answer import ASKING, lasts
 #: What a robot can be in, the most urgent first, and the words for it.
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
+#: Times its rhythm after which a log that cannot be read yet is not one that is being written: by then the next one is
+#: due, too.
+BEING_WRITTEN = 2.0
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
 
@@ -35,13 +38,17 @@ def asks(row: Mapping[str, Any]) -> bool:
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:
     """Return a robot's row with `urgency`, `silence_hours`, `stale_logs`, `stale_windows` as of `now` [s since 1970].
 
-    Stale logs are those that are overdue by the robot's own rhythm, stale windows those that they would have filled,
-    as many of each as before; both are 0 until the robot has been silent for `stale_after` hours.
+    A last log without a sample counts as refused once the robot has been silent for too long for it to be the one that
+    is being written, or where the logs do not tell. Stale logs are those that are overdue by the robot's own rhythm,
+    stale windows those that they would have filled, as many of each as before; both are 0 until the robot has been
+    silent for `stale_after` hours.
     """
     silence = silence_hours(row, now)
     stale = silence > stale_after
     overdue = max(1, math.floor(silence / row["rhythm_hours"])) if stale and row["rhythm_hours"] else int(stale)
     levels = {axis["level"] for axis in row["axes"]}
+    being_written = bool(row["rhythm_hours"]) and silence <= BEING_WRITTEN * row["rhythm_hours"]
+    refused = row["refused_newest"] + (row["unfinished"] and not being_written)
     if row["result"] != "judged":
         urgency = REFUSED
     elif any(axis["reached"] for axis in row["axes"]):
@@ -49,7 +56,7 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
     elif CHANGED in levels:
         urgency = CHANGED
     # Not the logs of which something was left out: one with a torn row is judged by all its other rows.
-    elif row["refused_newest"]:
+    elif refused:
         urgency = REFUSED
     elif UNRESOLVED in levels or row["episodes"]:
         urgency = UNRESOLVED
@@ -64,6 +71,7 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
     return {
         **row,
         "urgency": urgency,
+        "refused_newest": refused,
         "silence_hours": None if math.isnan(silence) else silence,
         "stale": bool(stale),
         "stale_logs": overdue,

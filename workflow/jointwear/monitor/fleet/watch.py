@@ -129,7 +129,8 @@ def _judged(
     found = standing(state)
     write_history(own / "history.parquet", state, name)
     levels = {axis["level"] for axis in found["axes"]}
-    if page or asks(found) or found["refused_newest"] or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
+    refused = found["refused_newest"] or found["unfinished"]
+    if page or asks(found) or refused or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
         write_page(state, own / "monitor.html", own / "figures", time_zone)
     else:
         (own / "monitor.html").unlink(missing_ok=True)

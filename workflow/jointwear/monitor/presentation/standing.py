@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.files.errors import InputError, shown
+from jointwear.files.errors import EMPTY, NO_SAMPLES, TRUNCATED, InputError, shown
 from jointwear.files.json_documents import read_json
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.measurement.flags import Flag
@@ -28,7 +28,7 @@ from jointwear.monitor.presentation.words import over_words
 NOTHING: dict[str, Any] = {
     "alarms": 0, "axes_changed": "", "reason": "", "logs": 0, "refused_logs": 0, "copied_logs": 0, "unjudged_logs": 0,
     "windows": 0, "refused_windows": 0, "unjudged_windows": 0, "kept_logs": 0, "last_sample": None,
-    "refused_newest": 0, "last_judged": None,
+    "refused_newest": 0, "unfinished": False, "last_judged": None,
     "rhythm_hours": None, "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
 }  # fmt: skip
 #: Time [s] before the newest log that its rhythm is read from: four weeks, so that weekends count with their weight.
@@ -79,6 +79,7 @@ def standing(state: RobotState) -> dict[str, Any]:
         "refused_windows": int(np.sum((state.flags & int(Flag.REFUSED)).any(axis=1))),
         "unjudged_windows": int(unjudged.all(axis=1).sum()),
         "refused_newest": refused_newest(state),
+        "unfinished": unfinished(state),
         "last_judged": None if last_judged(state) is None else float(state.end[last_judged(state)]),
         "last_sample": float(np.nanmax(state.last)),
         "rhythm_hours": rhythm_hours(state.first),
@@ -101,19 +102,27 @@ def refused_newest(state: RobotState) -> int:
 
     A log of which nothing could be read has no time of its own: it comes after the log before it in the list, so that
     it is newer than the last judgement if that one reaches as far. One that was read counts where its samples were
-    refused: a row or a cell that was left out is told, and refuses nothing.
+    refused: a row or a cell that was left out is told, and refuses nothing. Of one that is :func:`unfinished` it has to
+    show first that nobody writes it any more.
     """
     newest = last_judged(state)
     since, reached = (-np.inf, -np.inf) if newest is None else (state.end[newest], state.start[newest])
     refused = (state.flags & int(Flag.REFUSED)).any(axis=1) & (state.end > since)
     count, before = 0, -np.inf
-    for told, first, last in zip(state.refused, state.first, state.last, strict=True):
+    logs = list(zip(state.refused, state.first, state.last, strict=True))
+    for told, first, last in logs[:-1] if unfinished(state) else logs:
         if np.isfinite(last):
             before = last
             count += bool(told) and bool((refused & (state.start <= last) & (state.end > first)).any())
         else:
             count += bool(told) and before >= reached
     return count
+
+
+def unfinished(state: RobotState) -> bool:
+    """Return whether the last log has no sample that could be read yet, as one that its logger has just begun: many
+    formats can be read only once they are closed."""
+    return not np.isfinite(state.last[-1]) and any(why in state.refused[-1] for why in (EMPTY, NO_SAMPLES, TRUNCATED))
 
 
 def _unjudged_logs(state: RobotState, blind: np.ndarray) -> int:
