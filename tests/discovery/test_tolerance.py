@@ -45,3 +45,32 @@ def test_a_gain_acts_on_the_friction_that_the_robot_has_and_not_on_that_of_its_f
         std=rest.std[places],
     )
     assert left(terms) < 0.2 * left([term, form])
+
+
+def test_how_a_joint_came_to_where_its_records_begin_is_no_structure(white):
+    """A hysteresis that begins settled in every other record and moved back in the rest, named as settled in all."""
+    axis, level = 1, np.array([3.0])
+    settled = Candidate("presliding_hysteresis", axis, None, {"distance": 0.1, "spring": 0, "start": 1})
+    back = replace(settled, nonlinear={**settled.nonlinear, "start": -1})
+    columns, other = raw_columns(white, settled), raw_columns(white, back)
+    record = white.problem.train_state.record
+    records = np.unique(record)
+    torque = np.where(np.isin(record, records[::2])[:, None], columns, other) @ level
+    told = white.columns(axis, torque[:, None])[:, 0]
+    asked = replace(white, targets=[told if a == axis else np.zeros_like(y) for a, y in enumerate(white.targets)])
+    term = Term(
+        "hysteresis", {axis: white.columns(axis, columns)}, np.ones(1), {axis: white.raw(axis, columns)}, effect=True
+    )
+    terms = with_tolerances(asked, [Named(settled, term, None, 100.0)])
+
+    rest = terms[1]
+    form = slice(0, len(rest.std) - len(records))
+    without = replace(
+        rest, blocks={axis: rest.blocks[axis][:, form]}, raw={axis: rest.raw[axis][:, form]}, std=rest.std[form]
+    )
+
+    def left(kept):
+        residual = asked.fit(kept).residual[axis]
+        return float(residual @ residual)
+
+    assert left(terms) < 0.1 * left([term, without])

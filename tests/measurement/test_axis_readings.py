@@ -225,6 +225,19 @@ def test_an_exchange_of_axes_that_hardly_move_is_not_believed(recording, puma, m
         check(recording, puma)
 
 
+@pytest.mark.parametrize(("left", "other", "refused"), [(0.004, 0.09, False), (0.09, 0.004, True), (0.02, 0.09, True)])
+def test_an_exchange_that_makes_a_right_axis_wrong_is_not_believed(recording, puma, monkeypatch, left, other, refused):
+    """Joint 5 of a drive that turns with joint 6 resembles joint 4, which the model explains as it is."""
+    exchange = next(r for r in readings(puma) if r.kind == "swap" and set(r.axes) == {3, 4})
+    as_read, read_so, nats = np.full(6, 0.001), np.full(6, 0.001), iter([0.0, 28.0])
+    as_read[3:5], read_so[3:5] = (left, 0.12), (other, 0.02)
+    monkeypatch.setattr(axes_check, "explained", lambda *_: as_read)
+    monkeypatch.setattr(axes_check, "explained_otherwise", lambda *_: iter([(exchange, read_so)]))
+    monkeypatch.setattr(axes_check, "Likelihood", lambda *_: lambda *_: next(nats))
+    with pytest.raises(Refused, match="joints 4 and 5 look swapped") if refused else contextlib.nullcontext():
+        check(recording, puma)
+
+
 @pytest.mark.parametrize(("left", "nats", "refused"), [(0.004, 41.0, False), (0.004, 81.0, True), (0.02, 41.0, True)])
 def test_a_flip_of_an_axis_that_the_model_explains_needs_more(recording, puma, monkeypatch, left, nats, refused):
     flip = next(r for r in readings(puma) if r.kind == "flip" and r.axes == (5,))

@@ -13,9 +13,10 @@ import numpy as np
 
 from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.problem.candidates import LINK_MASS, on_all_axes, raw_torques
+from jointwear.discovery.problem.candidates import LINK_MASS, on_all_axes, raw_columns, raw_torques
 from jointwear.discovery.problem.whitening import White
 from jointwear.effects import get_effect
+from jointwear.effects.state import record_slices
 
 
 def with_tolerances(white: White, named: list[Named]) -> list[Term]:
@@ -43,7 +44,11 @@ def _tolerance(white: White, one: Named, fit: Fit, coefficients: np.ndarray) -> 
         ways += [state.direction[:, axis], _unit(state.position[:, axis]), _unit(speed)]
         columns = torque[:, None] * np.stack(ways, axis=1)
         std = np.full(columns.shape[1], error)
-        more = (_beyond_its_band(white, one, coefficients, axis), _of_corrections(white, one, fit, coefficients, axis))
+        more = (
+            _beyond_its_band(white, one, coefficients, axis),
+            _of_corrections(white, one, fit, coefficients, axis),
+            _begun_otherwise(white, one, coefficients, axis),
+        )
         columns = np.concatenate([columns, *more], axis=1)
         std = np.append(std, np.ones(columns.shape[1] - len(std)))
         result.append(
@@ -93,6 +98,31 @@ def _of_corrections(white: White, one: Named, fit: Fit, coefficients: np.ndarray
         replace(state, torque=torque), axis, candidate.source, candidate.nonlinear
     )
     return (columns @ coefficients)[:, None]
+
+
+def _begun_otherwise(white: White, one: Named, coefficients: np.ndarray, axis: int) -> np.ndarray:
+    """Return what another state at its start adds to an effect, record by record, (N_train, k).
+
+    A name has one such state for all records. How a joint came to where a record begins differs from one to the next,
+    and what that leaves until the joint has moved far enough is no structure without a name.
+    """
+    state, candidate = white.problem.train_state, one.candidate
+    none = np.zeros((len(state.velocity), 0))
+    if candidate.effect == LINK_MASS or candidate.axis is None or state.record is None:
+        return none
+    own = {"start": 1, **candidate.nonlinear}
+    # Other forms of the effect are no other start.
+    others = [p for p in get_effect(candidate.effect).begins(own) if {**p, "start": own["start"]} == own]
+    if not others:
+        return none
+    farthest = max(others, key=lambda p: abs(p["start"] - own["start"]))
+    there = raw_columns(white, replace(candidate, nonlinear=farthest)) @ coefficients
+    added = there - raw_columns(white, candidate) @ coefficients
+    parts = [part for part in record_slices(state) if np.any(added[part])]
+    columns = np.zeros((len(added), len(parts)))
+    for k, part in enumerate(parts):
+        columns[part, k] = added[part]
+    return columns
 
 
 def _filled(values: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -199,6 +199,19 @@ def _enough(reading: Reading, gained: float, left: np.ndarray, other: np.ndarray
     return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * favours(reading, robot)
 
 
+def _spoils(left: np.ndarray, other: np.ndarray) -> bool:
+    """Whether an exchange makes a wrong axis of a right one: both axes of a true one are wrong as they are read.
+
+    What one of the two lacks, a motor that turns with its neighbour, makes it resemble the other where all joints of
+    pick and place move at the same times; the other then bears the exchange.
+
+    Parameters
+    ----------
+    left, other : (2,) shares of the squared torque that the model leaves of the axes as they are and exchanged.
+    """
+    return bool(np.any((left < RIGHT) & (other > SAME_WRIST)))
+
+
 def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
     """Check order, signs and zeros of the axes, and the side of their torques, against the nominal model.
 
@@ -243,6 +256,8 @@ def _believed(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: n
 
     def refuted(reading: Reading, other: np.ndarray) -> bool:
         concerned, gain = other[list(reading.axes)], gained(reading, other)
+        if reading.kind in EXCHANGED and _spoils(left[list(reading.axes)], concerned):
+            return True
         # What has to fit far better in size is not asked how likely it is where it does not.
         worse = gain <= CLEARLY if reading.kind in OF_SIZE else gain < -CLEARLY
         return worse or not np.nanmax(concerned, initial=0.0) < WRONG
