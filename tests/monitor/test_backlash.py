@@ -9,6 +9,7 @@ import pytest
 from monitor_windows import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.normal.series import friction_series, known_coulomb
 from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.monitor.reading.reversals import SLOWEST, pulses, reach_of
@@ -26,6 +27,11 @@ WINDOWS = 150
 @pytest.fixture(scope="module")
 def plant():
     """Six windows of new gears and six with a gap of a milliradian in all axes, as window statistics."""
+    return windows_of_gears()
+
+
+def windows_of_gears(known=1.0):
+    """Return the windows, and Coulomb friction (n, 2); the robot file has the part `known` of all friction."""
     cell = draw_cell("choose", 1)
     w, n = 12, 6
     job = cell.jobs(0, float(cell.month.mass[cell.logged[0]]))
@@ -39,7 +45,7 @@ def plant():
     level = np.array(cell.arm.coulomb)
     random = np.random.default_rng(3)
     torque = driven.torque + 0.01 * level * random.standard_normal(driven.torque.shape)
-    total = bodies.sum(axis=2) + level * np.sign(velocity) + np.array(cell.arm.viscous) * velocity
+    total = bodies.sum(axis=2) + known * (level * np.sign(velocity) + np.array(cell.arm.viscous) * velocity)
     rows = {"position": at_phase(job.program.position, phase), "velocity": velocity, "torque": torque}
     flat = {name: values.reshape(-1, n) for name, values in rows.items()}
     model = ModelTorque(*(x.reshape(-1, n) for x in (total, bodies[:, :, 0], bodies[:, :, 1])))
@@ -68,6 +74,20 @@ def test_where_the_gear_stays_on_one_flank_or_friction_rules_backlash_cannot_be_
     slow = replace(statistics, near_count=0 * statistics.near_count, far_count=0 * statistics.far_count)
     assert all("too far apart" in r for r in hidden_because(slow, coulomb, np.arange(12) < 6)[:1])
     assert reach_of(0.9 * SLOWEST) == 0
+
+
+def test_where_friction_rules_a_robot_file_without_it_hides_backlash_too():
+    """What the baseline shows of Coulomb friction tells."""
+    bare, nominal = windows_of_gears(known=0.0)
+    baseline = np.arange(12) < 6
+    friction = friction_series(bare, 0 * nominal, np.zeros(len(nominal)), baseline)["friction"]
+    found = known_coulomb(0 * nominal, friction, baseline)
+    # Where the motion does not tell viscous friction, all of it counts.
+    assert np.all((found > 0.8 * nominal) & (found < 1.8 * nominal))
+    assert np.all(known_coulomb(nominal, friction, baseline) == nominal)
+    reasons = hidden_because(bare, found, baseline)
+    assert not reasons[0]
+    assert "friction" in reasons[5]
 
 
 def test_what_the_model_misses_is_no_filter(plant):

@@ -72,6 +72,13 @@ def test_positions_that_all_stop_are_told():
     assert findings(stands) == []
 
 
+def test_logs_that_are_refused_hold_no_stopped_positions():
+    """Torques in another unit: no sample counts, so that no axis moves, and the torques are spread all the same."""
+    refused = rest(month(), [0, 1, 2])
+    refused.flags[48:] |= int(Flag.REFUSED)
+    assert findings(refused) == []
+
+
 def test_one_shift_two_axes_at_rest_or_another_program_are_no_stopped_position():
     assert findings(rest(month(since=56), 1, since=56)) == []
     assert findings(rest(month(), [0, 1])) == []

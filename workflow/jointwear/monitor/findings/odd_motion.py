@@ -186,13 +186,17 @@ def _stopped(
 
 
 def _frozen(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
-    """Return the windows (w,) in which no joint moves, and the torques of most are spread as in motion."""
+    """Return the windows (w,) in which no joint moves, and the torques of most are spread as in motion.
+
+    Not those with samples that were refused: these are left out of the motion, and it is their torque that was read.
+    """
     counts, place = statistics.torque_histogram, np.arange(statistics.torque_histogram.shape[-1], dtype=float)
     with np.errstate(invalid="ignore", divide="ignore"):
         total = counts.sum(axis=-1)
         spread = np.sqrt(counts @ place**2 / total - (counts @ place / total) ** 2)
     rest = statistics.flags & int(Flag.AT_REST) != 0
+    refused = (statistics.flags & int(Flag.REFUSED) != 0).any(axis=1)
     usual = known_median(np.where(rest | ~baseline[:, None], np.nan, spread), axis=0)
     with np.errstate(invalid="ignore"):
         wide = spread > SPREAD * np.maximum(usual, 1.0)
-    return rest.all(axis=1) & (wide.sum(axis=1) > MOST * np.maximum(np.isfinite(usual).sum(), 1))
+    return rest.all(axis=1) & ~refused & (wide.sum(axis=1) > MOST * np.maximum(np.isfinite(usual).sum(), 1))

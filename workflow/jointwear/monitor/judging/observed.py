@@ -14,7 +14,7 @@ from jointwear.monitor.normal.conditions import Conditions, operating_features
 from jointwear.monitor.normal.payload import gravity_share
 from jointwear.monitor.normal.products import Product, with_products
 from jointwear.monitor.normal.programs import labelled_regimes
-from jointwear.monitor.normal.series import Series, friction_series, sums_of
+from jointwear.monitor.normal.series import Series, friction_series, known_coulomb, sums_of
 from jointwear.monitor.normal.shifts import shift_labels
 from jointwear.monitor.reading.regimes import find_regimes, signatures, without_torque
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -73,7 +73,7 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
         baseline=first,
         series=series,
         scale=scale,
-        hidden=hidden_because(statistics, coulomb, first),
+        hidden=hidden_because(statistics, known_coulomb(coulomb, series["friction"], first), first),
         conditions=Conditions(start, end, temperature, features, speed, load, program, named),
         shift=shift,
         regime=regime,

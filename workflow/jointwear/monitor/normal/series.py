@@ -117,6 +117,19 @@ def _leak(first: Sums, free: np.ndarray, speed: np.ndarray, level: np.ndarray) -
     return np.where(free[:, _VISCOUS] | (speed <= 0), 0.0, like * level / np.where(speed > 0, speed, 1.0))
 
 
+def known_coulomb(nominal: np.ndarray, friction: Series, baseline: np.ndarray) -> np.ndarray:
+    """Return Coulomb friction (n, 2) [N m]: that of the robot file, of an axis without any what its baseline shows.
+
+    Parameters
+    ----------
+    nominal : (n, 2) [N m], both positive. friction : of :func:`friction_series`. baseline : (w,) bool.
+    """
+    with np.errstate(all="ignore"):
+        middle = known_median(np.where(baseline[:, None], friction.value, np.nan), axis=0)
+    own = np.nan_to_num(friction.share * friction.unit * np.exp(middle))
+    return np.where(nominal.sum(axis=1, keepdims=True) > 0, nominal, own[:, None])
+
+
 def sums_of(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndarray) -> tuple[Sums, np.ndarray]:
     """Return the sums of all windows and the noise variance (n,) [N2 m2] of the baseline; `coulomb` (n, 2) [N m]."""
     usable = statistics.judgeable & (statistics.count > 0) & ~loud_windows(statistics, baseline)

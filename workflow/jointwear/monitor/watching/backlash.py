@@ -36,7 +36,7 @@ LIGHT = 1.5
 #: Share of the noise of the regression that the quick part of the residual must stand out of: below, quantised or
 #: filtered torque hides it, or so does what the model misses.
 QUICKEST = 0.02
-#: Noise of the regression (standard deviation) over nominal Coulomb friction from which on it is what the model misses:
+#: Noise of the regression (standard deviation) over Coulomb friction from which on it is what the model misses:
 #: on axes that carry a load which the robot file lacks it is 0.13 to 0.7, and its quick part 0.05 or less.
 MISSED = 0.2
 
@@ -64,7 +64,7 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
 
     Parameters
     ----------
-    coulomb : (n, 2) nominal levels [N m]. baseline : (w,) bool.
+    coulomb : (n, 2) levels [N m], nominal or, where the robot file has none, of the baseline. baseline : (w,) bool.
     """
     reasons = []
     moved = baseline[:, None] & (statistics.count > 0)
