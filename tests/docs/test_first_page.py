@@ -6,6 +6,10 @@ import json
 import re
 
 import pytest
+from scipy.stats import chi2
+
+#: Fleets and benches that are told of by themselves.
+NEWEST = 5
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +40,13 @@ def test_fleets_of_other_makers(root, page):
     assert f"{newest} fleets" in page
     rate, interval = re.match(r"([\d.]+) \((.*)\)", total[4]).groups()
     assert f"{rate} false alarms per 1,000 h (95 %: {interval})" in page
+    # Those of the newest five, with the interval of Garwood (1936).
+    count, hours = (sum(int(f[k].replace(",", "")) for f in fleets[-NEWEST:]) for k in (2, 3))
+    low, high = chi2.ppf(0.025, 2 * count) / 2, chi2.ppf(0.975, 2 * count + 2) / 2
+    own, least, most = (f"{1000 * x / hours:.1f}" for x in (count, low, high))
+    assert f"on the newest five {own} ({least} to {most})" in page
+    told = " ".join((root / "docs/decisions/fleets_of_other_makers.md").read_text().split())
+    assert f"{count} false alarms in {hours:,} h, {own} ({least} to {most}) per 1,000 h" in told
     assert (
         f"{percent(*found)} of {found[1]} worn axes found, of these {percent(*named)} with the right axis first" in page
     )
@@ -44,12 +55,18 @@ def test_fleets_of_other_makers(root, page):
 
 
 def test_benches_of_other_makers(root, page):
-    total = rows_of(root, "outside_benches.md")[-1]
+    *benches, total = rows_of(root, "outside_benches.md")
     nothing, one, two, outside = (percent(*share(cell)) for cell in total[2:6])
-    assert f"{len(rows_of(root, 'outside_benches.md')) - 1} benches, {total[1]} data sets" in page
+    assert f"{len(benches)} benches, {total[1]} data sets" in page
     assert f"named on {one} with one and {two} with two" in page
     assert f"of models that lack nothing {nothing} left without a name" in page
-    assert f"of disturbances outside the library {outside}; {total[6]} written files worse" in page
+    newest = [share(*(b[k] for b in benches[-NEWEST:])) for k in (3, 4, 2, 5)]
+    *first, last = (percent(*counts) for counts in newest)
+    own = f"on the newest five {', '.join(f.removesuffix(' %') for f in first)} and {last}"
+    assert f"of disturbances outside the library {outside}, {own}; {total[6]} written files worse" in page
+    told = " ".join((root / "docs/decisions/outside_benches.md").read_text().split())
+    one, two, nothing, outside = (f"{good} of {of}" for good, of in newest)
+    assert f"nothing hidden {nothing}, one effect {one}, two {two}, outside {outside}, none of" in told
 
 
 def test_scores_of_our_own(root, page):
