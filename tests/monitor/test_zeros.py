@@ -75,6 +75,23 @@ def test_windows_that_scatter_make_no_other_zero_of_a_shift():
     assert changed_zero(statistics, program, shift, baseline, [[]] * 3) is None
 
 
+def test_a_part_that_a_program_lacked_is_no_other_zero():
+    """It turns the angles of its program alone: beside another program in each shift, or in shifts of its own."""
+    statistics, program, shift, baseline = month(0.0)
+    late = (np.arange(160) >= 112) & (program == 1)
+    statistics.turned[late, 1] += np.radians(12.0) * statistics.turned_shown[late, 1]
+    assert changed_zero(statistics, program, shift, baseline, [[]] * 3) is None
+    for change, told in ((0.0, False), (5.0, True)):
+        statistics, _, shift, baseline = month(0.0)
+        program = np.isin(shift, [1, 4, 6, 9, 12, 14, 16, 17]).astype(int)
+        statistics.turned[:] = np.radians(0.1 * np.random.default_rng(8).standard_normal((160, 3)))
+        # The usual angle of a program is that of the baseline: a part comes with the second one, or the zero moves.
+        for rows, angle in ((shift >= 14, change), ((shift >= 14) & (program == 1), 0.0 if told else 5.0)):
+            statistics.turned[rows, 1] += np.radians(angle)
+        statistics.turned[:] *= statistics.turned_shown
+        assert (changed_zero(statistics, program, shift, baseline, [[]] * 3) is not None) == told
+
+
 @pytest.mark.parametrize(("turned", "first"), [(90.0, "first settle from which zero"), (200.0, "check the gear")])
 def test_alarms_that_follow_send_nobody_to_the_gear(turned, first):
     alarm = {"time": 100.0, "change": 9.0}

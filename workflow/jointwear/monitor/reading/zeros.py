@@ -41,6 +41,8 @@ KNOWN, LARGEST = 0.7 * SMALLEST, np.radians(45.0)
 #: Standard error of the median of a shift, in those of a mean of its windows (normal law), and how many of them each of
 #: the shifts must be off.
 OF_MEDIAN, BEYOND = 1.25, 3.0
+#: Share of a change that every program has to show.
+SHOWS = 0.5
 #: Share of the evidence of the likeliest joint from which another is named beside it.
 AS_LIKELY = 0.8
 
@@ -164,8 +166,42 @@ def changed_zero(
         if not order:
             continue
         size = float(np.median(mean[recent], axis=0)[order[0]])
+        if _of_some_programs(change[:, order[0]], size, program, shift, shifts[k - SHIFTS + 1][1][0], rows[-1]):
+            continue
         return ChangedZero(tuple(order), size, int(shifts[k - SHIFTS + 1][1][0]), int(rows[-1]) + 1, first[order[0]])
     return None
+
+
+def _of_some_programs(
+    change: np.ndarray, size: float, program: np.ndarray, shift: np.ndarray, begin: int, last: int
+) -> bool:
+    """Return whether some program shows no change of a zero while others do: a part that they lacked before looks like
+    one, and a joint that counts from another zero does so in every program.
+
+    Parameters
+    ----------
+    change : (w,) [rad] of the joint, NaN unknown. size : of the change [rad]. program : (w,), -1 unknown.
+    shift : (w,) labels. begin, last : windows of the shifts that show it.
+    """
+    place, agrees = np.arange(len(change)), np.isfinite(change) & (program >= 0)
+    inside = agrees & (place >= begin) & (place <= last)
+    since = begin
+    for p in np.unique(program[inside]):
+        # From when on the programs that ran show it, shift by shift back.
+        own = agrees & (program == p) & (place < begin)
+        for name in np.unique(shift[own])[::-1]:
+            rows = np.flatnonzero(own & (shift == name))
+            if np.median(change[rows]) * np.sign(size) < SHOWS * abs(size):
+                break
+            since = min(since, int(rows[0]))
+    after = agrees & (place >= since) & (place <= last)
+    medians = [np.median(change[after & (program == p)]) for p in np.unique(program[after]) if _many(after, program, p)]
+    return any(m * np.sign(size) < SHOWS * abs(size) for m in medians)
+
+
+def _many(rows: np.ndarray, program: np.ndarray, name: int) -> bool:
+    """Return whether `rows` (w,) bool hold as many windows of a program as tell an angle."""
+    return int((rows & (program == name)).sum()) >= WINDOWS
 
 
 def zero_finding(statistics: WindowStatistics, found: ChangedZero | None) -> list[dict[str, Any]]:
