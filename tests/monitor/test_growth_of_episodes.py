@@ -41,10 +41,14 @@ def noise_of(seed, size=0.004):
     return size * np.random.default_rng(seed).standard_normal(GROWN.shape)
 
 
+def part_of(level, viscous, share=0.5):
+    return viscous_part(level, viscous, 0, SHIFT, viscous_growth(level, viscous, 0, SHIFT, share))
+
+
 def test_while_viscous_friction_grows_coulomb_friction_does_not():
     level = watched(np.log1p(GROWN) + noise_of(0), alarm_from=8)
     viscous = watched(GROWN + noise_of(1))
-    part, spread = viscous_part(level, viscous, 0, SHIFT, 0.5)
+    part, spread = part_of(level, viscous)
     left = np.expm1(level.residual[:, 0]) - part
     # From the first shift that the first alarm rests on; the shifts before it are as they were.
     assert np.abs(left[28:]).max() < 0.03
@@ -56,7 +60,7 @@ def test_while_viscous_friction_grows_coulomb_friction_does_not():
 def test_windows_that_do_not_show_viscous_friction_take_it_from_their_shift():
     level, viscous = (watched(x, alarm_from=8) for x in (np.log1p(GROWN), GROWN))
     viscous.residual[40:42] = viscous.residual[44:48] = np.nan
-    part, _ = viscous_part(level, viscous, 0, SHIFT, 0.5)
+    part, _ = part_of(level, viscous)
     assert part[40:48] == pytest.approx(0.03 * 5)
 
 
@@ -67,7 +71,7 @@ def test_one_shift_that_looks_viscous_does_not_take_the_name_of_an_episode():
     odd[[2, 8, 12]] = 0.2
     viscous = watched(odd + noise_of(3))
     assert not viscous_growth(level, viscous, 0, SHIFT, 0.5).named.any()
-    assert not viscous_part(level, viscous, 0, SHIFT, 0.5)[0].any()
+    assert not part_of(level, viscous)[0].any()
 
 
 @pytest.mark.parametrize(
@@ -91,7 +95,7 @@ def test_an_axis_that_came_back_and_has_grown_again_is_told_as_that(later, words
 
 def test_the_share_of_a_level_without_viscous_friction_is_not_known():
     level = watched(np.log1p(GROWN), "coulomb", alarm_from=8)
-    part, spread = viscous_part(level, watched(GROWN), 0, SHIFT, 0.5)
+    part, spread = part_of(level, watched(GROWN))
     assert np.isnan(part[28:]).all()
     assert not part[:28].any()
     assert not spread.any()
@@ -105,7 +109,7 @@ def test_viscous_growth_beside_more_of_coulomb_friction_is_taken_off_it(source, 
     viscous = watched(0.2 * GROWN + noise_of(8))
     grown = viscous_growth(level, viscous, 0, SHIFT, share)
     assert not grown.named.any()
-    part, spread = viscous_part(level, viscous, 0, SHIFT, share)
+    part, spread = part_of(level, viscous, share)
     left = np.expm1(level.residual[28:, 0]) - part[28:]
     assert left == pytest.approx(0.7 * GROWN.ravel()[28:], abs=0.03)
     assert not part[:28].any()

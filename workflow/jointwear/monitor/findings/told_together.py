@@ -92,8 +92,8 @@ def _products(found: Sequence[Finding]) -> dict[str, Any]:
     judged = f"; with {blind} of them most axes cannot be judged yet" if blind else ""
     words = (
         f"The torque changed at once {len(found)} times, as with parts that their programs did not have before and "
-        "that no load of the robot file stands for "
-        f"({moved}): the normal of each is learnt from its first shifts{judged}."
+        f"that no load of the robot file stands for ({moved}): the normal of each is learnt from its first "
+        f"shifts{judged}."
     )
     return {"time": max(f["time"] for f in found), "words": words}
 

@@ -40,7 +40,7 @@ from jointwear.monitor.watching.backlash import (
     raised_status,
 )
 from jointwear.monitor.watching.gain_of_all import gain_of_all
-from jointwear.monitor.watching.parts import viscous_part, viscous_scale
+from jointwear.monitor.watching.parts import ViscousGrowth, viscous_part, viscous_scale
 from jointwear.monitor.watching.present import back_to_normal, error_now
 from jointwear.monitor.watching.records import CHANGED, Teller, paper_records
 from jointwear.monitor.watching.scale import ScaleStep, scale_steps
@@ -122,7 +122,7 @@ def judge(
     if first.any():
         anew = [{*own, *(s.window for s in starts)} for own, starts in zip(seen.events, level.starts, strict=True)]
         alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, seen.regime, anew)
-    estimates, std, now_error = _estimates(level, viscous, seen.series, usual, shift, statistics.end)
+    estimates, std, now_error = _estimates(level, viscous, teller.grown, seen.series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
     hours, limited_by = teller.hours_to_limit()
@@ -256,7 +256,13 @@ def _watch_level(
 
 
 def _estimates(
-    level: Watch, viscous: Watch, series: Mapping[str, Series], speed: np.ndarray, shift: np.ndarray, end: np.ndarray
+    level: Watch,
+    viscous: Watch,
+    grown: Sequence[ViscousGrowth],
+    series: Mapping[str, Series],
+    speed: np.ndarray,
+    shift: np.ndarray,
+    end: np.ndarray,
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Return estimates and their standard deviations (w, n), and those of their means over the last day (n,)."""
     w, n = level.residual.shape
@@ -272,7 +278,7 @@ def _estimates(
         axis, share = level.axes[j], float(series["friction"].share[j])
         error = 0.0 if viscous.axes[j] is None else error_now(viscous, j, shift, end)
         if axis is not None:
-            part, spread = viscous_part(level, viscous, j, shift, share)
+            part, spread = viscous_part(level, viscous, j, shift, grown[j])
             growth = np.expm1(level.residual[:, j]) - part
             of_now = np.hypot(error_now(level, j, shift, end), error if spread[-1] > 0 else 0.0)
             scales = {"coulomb": axis.unit, "coulomb_percent": 100 * axis.to_coulomb}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -153,8 +153,9 @@ class AxisCondition:
 
 def axis_conditions(state: RobotState) -> list[AxisCondition]:
     """Return the condition of every axis."""
-    found = episodes_of(state.alarms, events_of(state.entry))
-    return [_condition(state, j, found) for j in range(state.axes)]
+    events = events_of(state.entry)
+    found = episodes_of(state.alarms, events)
+    return [_condition(state, j, found, events) for j in range(state.axes)]
 
 
 def robot_episodes(state: RobotState) -> list[Episode]:
@@ -162,9 +163,9 @@ def robot_episodes(state: RobotState) -> list[Episode]:
     return [e for e in episodes_of(state.alarms, events_of(state.entry)) if e.axis is None]
 
 
-def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition:
+def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence[Event]) -> AxisCondition:
     own = [e for e in found if e.axis == j + 1]
-    mending = [e for e in events_of(state.entry) if e.mends and e.concerns(j) and state.start[0] < e.time]
+    mending = [e for e in events if e.mends and e.concerns(j) and state.start[0] < e.time <= state.start[-1]]
     open_ones = tuple(e for e in own if e.resolved is None)
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
@@ -198,7 +199,7 @@ def _condition(state: RobotState, j: int, found: list[Episode]) -> AxisCondition
         fell=_first(state, "proposed_service", j),
         loud=loud,
         turned=min((f["time"] for f in _unanswered(state, ZERO)), default=math.inf),
-        anew=next((e for e in reversed(mending) if e.time <= state.start[-1]), None),
+        anew=mending[-1] if mending else None,
     )
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -80,12 +81,11 @@ def angles_of(
     slopes, unit = dynamics.torque_slopes(q, v, a), loads.unit(rows)
     gravity, inertial, residual = model.gravity[rows], model.inertial[rows], torque[rows] - model.total[rows]
     counts = used[rows] & np.isfinite(residual)
-    begins = [end - len(thinned[p]) for p, end in zip(enough, ends, strict=True)]
     for i in range(n):
         bodies = gravity[:, i] + inertial[:, i]
         free = nuisances(v[:, i], a[:, i], gravity[:, i], inertial[:, i], bodies, unit[:, :, i])
         sought = np.column_stack([residual[:, i], slopes[:, i]])
-        for p, begin, end in zip(enough, begins, ends, strict=True):
+        for p, (begin, end) in zip(enough, pairwise([0, *ends]), strict=True):
             u = begin + np.flatnonzero(counts[begin:end, i])
             if len(u) < FEWEST:
                 continue
@@ -166,42 +166,35 @@ def changed_zero(
         if not order:
             continue
         size = float(np.median(mean[recent], axis=0)[order[0]])
-        if _of_some_programs(change[:, order[0]], size, program, shift, shifts[k - SHIFTS + 1][1][0], rows[-1]):
+        begin, last = int(rows[0]), int(rows[-1])
+        if _of_some_programs(change[:, order[0]] / size, program, shift, begin, last):
             continue
-        return ChangedZero(tuple(order), size, int(shifts[k - SHIFTS + 1][1][0]), int(rows[-1]) + 1, first[order[0]])
+        return ChangedZero(tuple(order), size, begin, last + 1, first[order[0]])
     return None
 
 
-def _of_some_programs(
-    change: np.ndarray, size: float, program: np.ndarray, shift: np.ndarray, begin: int, last: int
-) -> bool:
+def _of_some_programs(share: np.ndarray, program: np.ndarray, shift: np.ndarray, begin: int, last: int) -> bool:
     """Return whether some program shows no change of a zero while others do: a part that they lacked before looks like
     one, and a joint that counts from another zero does so in every program.
 
     Parameters
     ----------
-    change : (w,) [rad] of the joint, NaN unknown. size : of the change [rad]. program : (w,), -1 unknown.
+    share : (w,) change of the joint over the one that is looked at, NaN unknown. program : (w,), -1 unknown.
     shift : (w,) labels. begin, last : windows of the shifts that show it.
     """
-    place, agrees = np.arange(len(change)), np.isfinite(change) & (program >= 0)
-    inside = agrees & (place >= begin) & (place <= last)
+    place, known = np.arange(len(share)), np.isfinite(share) & (program >= 0)
     since = begin
-    for p in np.unique(program[inside]):
+    for p in np.unique(program[known & (place >= begin) & (place <= last)]):
         # From when on the programs that ran show it, shift by shift back.
-        own = agrees & (program == p) & (place < begin)
+        own = known & (program == p) & (place < begin)
         for name in np.unique(shift[own])[::-1]:
             rows = np.flatnonzero(own & (shift == name))
-            if np.median(change[rows]) * np.sign(size) < SHOWS * abs(size):
+            if np.median(share[rows]) < SHOWS:
                 break
             since = min(since, int(rows[0]))
-    after = agrees & (place >= since) & (place <= last)
-    medians = [np.median(change[after & (program == p)]) for p in np.unique(program[after]) if _many(after, program, p)]
-    return any(m * np.sign(size) < SHOWS * abs(size) for m in medians)
-
-
-def _many(rows: np.ndarray, program: np.ndarray, name: int) -> bool:
-    """Return whether `rows` (w,) bool hold as many windows of a program as tell an angle."""
-    return int((rows & (program == name)).sum()) >= WINDOWS
+    after = known & (place >= since) & (place <= last)
+    seen = [share[after & (program == p)] for p in np.unique(program[after])]
+    return any(len(own) >= WINDOWS and np.median(own) < SHOWS for own in seen)
 
 
 def zero_finding(statistics: WindowStatistics, found: ChangedZero | None) -> list[dict[str, Any]]:

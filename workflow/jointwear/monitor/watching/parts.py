@@ -145,7 +145,7 @@ def viscous_growth(level: Watch, viscous: Watch, j: int, shift: np.ndarray, shar
 
 
 def viscous_part(
-    level: Watch, viscous: Watch, j: int, shift: np.ndarray, share: float
+    level: Watch, viscous: Watch, j: int, shift: np.ndarray, grown: ViscousGrowth
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the part (w,) of the growth of the level of axis `j` that is viscous, and its error, both 0 without any.
 
@@ -153,11 +153,12 @@ def viscous_part(
     friction what the same window shows of it is told apart (its shift, where the window shows none; else the shift
     before), in others the share that the whole episode shows. A level that leaves viscous friction out as it was is not
     known in episodes of viscous friction, as what it takes would be most of its growth: NaN.
+
+    Parameters
+    ----------
+    grown : of the axis, of :func:`viscous_growth`.
     """
-    if level.axes[j] is None:
-        return np.zeros(len(shift)), np.zeros(len(shift))
-    grown, growth = viscous_growth(level, viscous, j, shift, share), np.expm1(level.residual[:, j])
-    named = grown.named
+    growth, named = np.expm1(level.residual[:, j]), grown.named
     shared, doubt = (np.where(grown.taken > 0, x * growth, 0.0) for x in (grown.taken, grown.error))
     if not named.any():
         return shared, np.abs(doubt)

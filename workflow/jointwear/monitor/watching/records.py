@@ -89,9 +89,9 @@ class Teller:
         self.viscous_alarm = self._viscous_alarm()
         self._alarm = level.alarm | self.viscous_alarm
         share = series["friction"].share
-        grown = [viscous_growth(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))]
-        self._named = np.stack([g.named for g in grown], axis=1)
-        self._limits = Limits(level, viscous, share, grown, shift, statistics.end, limit)
+        self.grown = [viscous_growth(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))]
+        self._named = np.stack([g.named for g in self.grown], axis=1)
+        self._limits = Limits(level, viscous, share, self.grown, shift, statistics.end, limit)
         self.least = self._least_seen()
         self._told = self._spaced()
         self.status = self._states()
