@@ -191,6 +191,11 @@ def test_a_urdf_brings_limits_and_friction_and_the_robot_file_overrides(tmp_path
         ("name: x\nurdf: tow.udrf\n", URDF, ["tow.udrf", "does not exist", "did you mean 'two.urdf'"]),
         ("name: x\nurdf: two.urdf\n", "<robot", ["two.urdf", "not valid XML"]),
         ("name: x\nurdf: two.urdf\njoints: [{name: frist}]\n", URDF, ["'frist'", "did you mean 'first'"]),
+        (
+            "name: x\nurdf: two.urdf\njoints: [{name: first}, {name: first, viscous: 1}]\n",
+            URDF,
+            ["'joints[1].name' is 'first'", "an earlier joint has"],
+        ),
         ("name: x\nurdf: two.urdf\n", URDF.replace("continuous", "prismatic"), ["'second' (prismatic)", "fixed"]),
         ("name: x\nurdf: two.urdf\nlinks: []\n", URDF, ["'links' is only for robots given by 'dh'"]),
     ],

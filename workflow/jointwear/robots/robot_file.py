@@ -87,19 +87,24 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
             if len(data[key]) != count:
                 raise InputError(f"{path}: '{key}' has {counted(len(data[key]), 'entry', 'entries')}, 'dh' has {count}")
     data["joints"] = [_complete(path, i, joint) for i, joint in enumerate(data["joints"])]
-    names = [j["name"] for j in data["joints"]]
+    _check_names(path, data["joints"])
+    axes = len(data["joints"])
+    for i, entry in enumerate(data.get("effects", [])):
+        for key in ("axis", "source_axis"):
+            if entry.get(key) is not None and entry[key] > axes:
+                raise InputError(
+                    f"{path}: 'effects[{i}].{key}' is {entry[key]}; the robot has "
+                    f"{counted(axes, 'axis', 'axes')} (allowed: 1 to {axes}); the nearest valid value is {axes}"
+                )
+    return data
+
+
+def _check_names(path: Path, joints: list[dict[str, Any]]) -> None:
+    """Check that no two joints have one name; of two entries of a URDF's joint the later one would hide the first."""
+    names = [joint["name"] for joint in joints]
     for i, name in enumerate(names):
         if name in names[:i]:
             raise InputError(f"{path}: 'joints[{i}].name' is '{name}', which an earlier joint has")
-    for i, entry in enumerate(data.get("effects", [])):
-        for key in ("axis", "source_axis"):
-            if entry.get(key) is not None and entry[key] > len(names):
-                raise InputError(
-                    f"{path}: 'effects[{i}].{key}' is {entry[key]}; the robot has "
-                    f"{counted(len(names), 'axis', 'axes')} (allowed: 1 to {len(names)}); "
-                    f"the nearest valid value is {len(names)}"
-                )
-    return data
 
 
 def _check_lengths(path: Path, data: dict[str, Any]) -> None:
@@ -206,6 +211,7 @@ def _joints_of_urdf(path: Path, data: dict[str, Any]) -> list[dict[str, Any]]:
         raise InputError(f"{path}: 'urdf' names {data['urdf']}, which does not exist{hint}") from None
     found = {entry["name"]: entry for entry in entries}
     given = data.get("joints", [])
+    _check_names(path, given)
     for i, joint in enumerate(given):
         if joint["name"] not in found:
             raise InputError(
