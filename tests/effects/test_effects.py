@@ -1,5 +1,6 @@
 """The effect library: one file an effect, columns and torque agree, unordered samples, robots with effects."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -329,6 +330,10 @@ def test_payload_is_the_same_as_the_payload_of_the_robot(robot, state):
     np.testing.assert_allclose(torque, loaded - plain, atol=1e-9)
 
 
+def _corrected(knots, values):
+    return EffectEntry("stribeck_friction", 1, None, {"correction": {"knots": knots, "values": values}})
+
+
 @pytest.mark.parametrize(
     ("entry", "words"),
     [
@@ -338,12 +343,18 @@ def test_payload_is_the_same_as_the_payload_of_the_robot(robot, state):
         (EffectEntry("stribeck_friction", 1, None, {"exces": 1.0}), "did you mean 'excess'"),
         (EffectEntry("stribeck_friction", 1, None, {"excess": -1.0}), "nearest valid value is 0"),
         (EffectEntry("backlash", 1, None, {}), "no torque function"),
+        (EffectEntry("drive_coupling", 5, 5, {}), "source_axis' is 5, as is 'axis'"),
+        (_corrected([1.0, 0.0], [0.5, 0.5]), "correction.knots' is [1.0, 0.0]; knots must rise"),
+        (_corrected([0.0, 1.0], [0.5]), "correction' has 2 knots and 1 value"),
+        (_corrected([], []), "correction.knots' is [], must be a list of numbers"),
+        (_corrected([0.0, 1.0], ["a", "b"]), "correction.values' is"),
+        (EffectEntry("stribeck_friction", 1, None, {"correction": [1, 2]}), "must be a table of 'knots' and 'values'"),
     ],
 )
 def test_wrong_entries_are_named(robot, entry, words):
     from dataclasses import replace
 
-    with pytest.raises(InputError, match=words.replace("(", r"\(")):
+    with pytest.raises(InputError, match=re.escape(words)):
         effects.check_effects(replace(robot, effects=(entry,)))
 
 

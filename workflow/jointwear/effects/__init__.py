@@ -9,13 +9,16 @@ import importlib.util
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from jointwear.effects.effect import Bend, Effect, Parameter, correction_torque
 from jointwear.effects.state import Drive, State, make_state
-from jointwear.files.errors import InputError, nearest
+from jointwear.files.errors import InputError, nearest, shown
+from jointwear.files.wording import count
 from jointwear.robots.robot import Robot
 
 #: Folders whose files are effects too, besides :mod:`jointwear.effects.entries`.
@@ -115,9 +118,12 @@ def check_effects(robot: Robot) -> None:
             )
         if effect.needs_source and entry.source_axis is None:
             raise InputError(f"{where}.source_axis' is missing; '{entry.effect}' comes from another axis")
+        if effect.needs_source and entry.source_axis == entry.axis:
+            raise InputError(f"{where}.source_axis' is {entry.axis}, as is 'axis'; it must be another one")
         known = {p.name: p for p in effect.parameters}
         for key, value in entry.parameters.items():
             if key == "correction" and effect.shape is not None:
+                _check_table(f"{where}.parameters.correction'", value)
                 continue
             if key not in known:
                 raise InputError(
@@ -131,6 +137,21 @@ def check_effects(robot: Robot) -> None:
                     else ""
                 )
                 raise InputError(f"{where}.parameters.{key}' is {value!r} (allowed: >= {low} and <= {high}){near}")
+
+
+def _check_table(where: str, table: Any) -> None:
+    """Check a table ``{knots, values}``: between knots that fall an interpolation says anything."""
+    if not isinstance(table, dict) or set(table) != {"knots", "values"}:
+        raise InputError(f"{where} is {shown(table)}, must be a table of 'knots' and 'values'")
+    for key, numbers in table.items():
+        listed = isinstance(numbers, (list, np.ndarray)) and len(numbers) > 0
+        if not listed or not all(isinstance(x, (int, float)) for x in numbers):
+            raise InputError(f"{where[:-1]}.{key}' is {shown(numbers)}, must be a list of numbers")
+    knots, values = table["knots"], table["values"]
+    if len(knots) != len(values):
+        raise InputError(f"{where} has {count(len(knots), 'knot')} and {count(len(values), 'value')}; one for each")
+    if any(after < before for before, after in pairwise(knots)):
+        raise InputError(f"{where[:-1]}.knots' is {shown(knots)}; knots must rise")
 
 
 def effect_torque(robot: Robot, state: State) -> np.ndarray:
