@@ -1,12 +1,14 @@
 """A robot whose file knows no motor inertia is asked with the motors that the data show, and the verdict tells them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
+from jointwear.discovery.model.retuned import _known_to
 from jointwear.discovery.posing import pose_problem
 from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import split
@@ -67,3 +69,16 @@ def test_the_motors_are_told_and_written_and_the_gap_is_that_of_the_given_file(r
     assert written == pytest.approx([told[axis].value for axis in sorted(told)], rel=1e-5)
     gap = found.content.gap
     assert max(np.array(gap.retuned) / np.array(gap.nominal)) < 0.9
+
+
+@pytest.mark.parametrize(
+    ("held", "corrected", "std"),
+    [([2e-8], 2e-8, 0.03), ([6.0], 0.01, 0.01), ([], 0.0, 0.03)],
+    ids=["held at what was found", "fitted freely", "put back"],
+)
+def test_a_motor_that_is_held_at_what_was_found_is_known_no_better_than_it_was_found(held, corrected, std):
+    terms = [SimpleNamespace(drive=(0, 3), std=np.array([width])) for width in held]
+    final = SimpleNamespace(std_friction=np.array([[0.0, 0.0, 0.0, corrected]]), fit=SimpleNamespace(terms=terms))
+    assert _known_to(final, 0, 3, std_found=0.03) == std
+    # A parameter that the file gives is known as its correction is.
+    assert _known_to(final, 0, 3, std_found=0.0) == corrected

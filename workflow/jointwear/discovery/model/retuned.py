@@ -69,8 +69,7 @@ def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
     sign = -1.0 if FRICTION[k] == "coulomb_negative" else 1.0
     found, std_found = _found(problem, axis, k)
     nominal, change = _drive_of(problem, axis)[k] - found, found + sign * float(final.delta_friction[axis, k])
-    # Where its correction was put back it is what it was found as.
-    known = float(final.std_friction[axis, k]) or std_found
+    known = _known_to(final, axis, k, std_found)
     # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
     std = float(np.hypot(known, problem.settings.parameter_error * (nominal + found)))
     gear = abs(problem.robot.gear_ratio[axis])
@@ -82,6 +81,19 @@ def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
         FRICTION[k], axis + 1, six_digits(sign * nominal / side), value, six_digits(std / side), _FRICTION_UNITS[k]
     )
     return one, change / std, std
+
+
+def _known_to(final: Final, axis: int, k: int, std_found: float) -> float:
+    """Return the standard deviation to which the data know a parameter of a drive, joint side.
+
+    Where its correction was put back it is what it was found as. So it is where the correction was held narrower than
+    it was found: that prior lies about a value of the same data, and would make it certain whatever they say.
+    """
+    std = float(final.std_friction[axis, k])
+    if not std_found or final.fit is None:
+        return std or std_found
+    held = min((float(t.std[0]) for t in final.fit.terms if t.drive == (axis, k)), default=0.0)
+    return std if held >= std_found else std_found
 
 
 def _together(final: Final) -> list[Retuned]:
