@@ -18,7 +18,7 @@ from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.told_together import told_together
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.page import robot_item, write_fleet_page
-from jointwear.monitor.fleet.ranking import ORDER, REFUSED, as_of, ranked
+from jointwear.monitor.fleet.ranking import ASKS, ORDER, REFUSED, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.judging.open_alarms import OPEN_ALARM
@@ -367,6 +367,19 @@ def test_a_robot_whose_every_log_lacks_a_torn_row_is_judged_all_the_same():
     assert as_of(robot("x", logs=3, refused_logs=3), NOW)["urgency"] == HEALTHY
     assert as_of(robot("x", axis(1, UNJUDGED), logs=3, refused_logs=3), NOW)["urgency"] == UNJUDGED
     assert as_of(robot("x", axis(1, UNJUDGED), logs=3, refused_logs=3, refused_newest=3), NOW)["urgency"] == REFUSED
+
+
+@pytest.mark.parametrize(
+    ("dated", "last", "ahead"),
+    [(True, NOW + 400 * DAY, "400 days"), (True, NOW + 14 * 3600, ""), (False, NOW + 400 * DAY, ""), (True, None, "")],
+    ids=["a wrong clock", "a wrong time zone", "no dates", "no sample"],
+)
+def test_a_robot_whose_newest_log_is_dated_ahead_of_now_is_not_healthy(dated, last, ahead):
+    found = as_of(robot("x", dated=dated, last_sample=last), NOW)
+    assert found["urgency"] == (ASKS if ahead else HEALTHY)
+    assert [f["words"].partition(" ahead")[0] for f in found["findings"]] == (
+        [f"The newest sample is dated {ahead}"] if ahead else []
+    )
 
 
 def test_nights_and_weekends_count_into_the_rhythm_of_logs():

@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from jointwear.monitor.local_time import duration
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
-from jointwear.monitor.presentation.to_answer import ASKING, lasts
+from jointwear.monitor.presentation.to_answer import AHEAD, ASKING, lasts
 
 #: What a robot can be in, the most urgent first, and the words for it.
 REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
@@ -17,6 +18,8 @@ ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 BEING_WRITTEN = 2.0
 #: Silence [h] after which a robot counts as stale where the config does not say: longer than a weekend.
 STALE_AFTER_HOURS = 72.0
+#: Time [s] by which the newest sample may be dated ahead of now: more than a wrong time zone makes of it.
+MOST_AHEAD = 86400.0
 
 
 def silence_hours(row: Mapping[str, Any], now: float) -> float:
@@ -24,6 +27,21 @@ def silence_hours(row: Mapping[str, Any], now: float) -> float:
     if not row["dated"] or row["last_sample"] is None:
         return math.nan
     return max(now - row["last_sample"], 0.0) / 3600
+
+
+def dated_ahead(row: Mapping[str, Any], now: float) -> list[dict[str, Any]]:
+    """Return a finding on a newest sample of the time to come, none where it is of now or before.
+
+    Nobody would be told when the logs of such a robot stop, until its date has passed.
+    """
+    ahead = row["last_sample"] - now if row["dated"] and row["last_sample"] is not None else 0.0
+    if ahead <= MOST_AHEAD:
+        return []
+    words = (
+        f"The newest sample is dated {duration(ahead / 3600)} ahead of now: the clock of a log is wrong, or that of "
+        "this machine. Until that day it cannot be told whether new logs come; mend the dates or leave the log out."
+    )
+    return [{"time": None, "axes": [], "kind": AHEAD, "words": words}]
 
 
 def asks(row: Mapping[str, Any]) -> bool:
@@ -43,6 +61,7 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
     stale windows those that they would have filled, as many of each as before; both are 0 until the robot has been
     silent for `stale_after` hours.
     """
+    row = {**row, "findings": [*dated_ahead(row, now), *row["findings"]]}
     silence = silence_hours(row, now)
     stale = silence > stale_after
     overdue = max(1, math.floor(silence / row["rhythm_hours"])) if stale and row["rhythm_hours"] else int(stale)

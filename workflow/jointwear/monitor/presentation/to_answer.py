@@ -14,8 +14,10 @@ from jointwear.monitor.findings.thermometers import BROKEN
 from jointwear.monitor.judging.open_alarms import OPEN_ALARM
 from jointwear.monitor.reading.zeros import ZERO
 
+#: Kind of a finding on logs that are dated ahead of now.
+AHEAD = "dated_ahead"
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = (OPEN_ALARM, "scale", "clock", FELL, AT_ONCE, LOUD, ZERO)
+ASKING = (AHEAD, OPEN_ALARM, "scale", "clock", FELL, AT_ONCE, LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
 WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN)
