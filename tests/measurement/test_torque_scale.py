@@ -9,11 +9,12 @@ from jointwear.measurement.checks.late_torque import check_delay
 from jointwear.measurement.checks.model_size import check_model_size
 from jointwear.measurement.checks.silent_joints import moving_torques
 from jointwear.measurement.checks.torque_follows import check_follows
-from jointwear.measurement.checks.torque_scale import check_scale, check_scale_of_one, torque_factors
+from jointwear.measurement.checks.torque_scale import check_scale, check_scale_of_one, check_size, torque_factors
 from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import Refused
+from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import load_robot
 
@@ -209,3 +210,23 @@ def test_of_one_joint_alone_that_tells_its_unit_nothing_is_said_of_the_others(ex
     with pytest.raises(Refused, match=r"torque of joint 2 is \d+ times that of the model; it looks like mN m$") as told:
         check_scale_of_one(only)
     assert told.value.suggestion.startswith("state units: {torque: mN m} if all joints are, or give 'scale' with 0.")
+
+
+@pytest.mark.parametrize("unit", [1.0, 1000.0], ids=["N m", "mN m"])
+def test_a_turntable_whose_torque_is_its_friction_is_in_its_unit(example, unit):
+    _, robot, measured = example
+    friction = 0.01 * np.array(robot.coulomb_positive)
+    small = {"viscous": 0 * friction, "coulomb_positive": friction, "coulomb_negative": -friction}
+    bodies = Dynamics(robot).rigid_body_torque(measured.position, measured.velocity, measured.acceleration)
+    rubbing = 40.0 * np.sqrt(np.mean(bodies**2, axis=0))
+    turntable = replace(robot, **{**small, "coulomb_positive": rubbing, "coulomb_negative": -rubbing})
+    torque = unit * (bodies + turntable.coulomb(measured.velocity))
+    moved = replace(measured, torque=torque)
+    if unit == 1.0:
+        check_size(moved, turntable, "log")
+    else:
+        with pytest.raises(Refused, match="looks like another unit"):
+            check_size(moved, turntable, "log")
+    # Without that friction in the file nothing tells it from a unit.
+    with pytest.raises(Refused, match="times what the bodies"):
+        check_size(moved, replace(robot, **small), "log")

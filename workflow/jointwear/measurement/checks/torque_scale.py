@@ -224,22 +224,26 @@ def check_size(measured: Measured, robot: Robot, name: str) -> None:
     """Check that the torque of the joint that carries most of the bodies is of their size.
 
     The factors of :func:`factors` need a model that follows the torque; where a load or a drive is missing it does not.
+    Of a turntable friction is nearly all of the torque: what the file's friction explains is no other unit.
 
     Raises
     ------
     Refused : with the factor, and the keys that mend it.
     """
     rigid = Dynamics(robot).rigid_body_torque(measured.position, measured.velocity, measured.acceleration)
+    rubbed = rigid + robot.viscous * measured.velocity + robot.coulomb(measured.velocity)
     used = measured.usable & np.isfinite(measured.torque)
     count = used.sum(axis=0)
-    bodies, torque = (
-        np.sqrt(np.sum(np.where(used, x, 0.0) ** 2, axis=0) / np.maximum(count, 1)) for x in (rigid, measured.torque)
+    bodies, whole, torque = (
+        np.sqrt(np.sum(np.where(used, x, 0.0) ** 2, axis=0) / np.maximum(count, 1))
+        for x in (rigid, rubbed, measured.torque)
     )
     most = int(np.argmax(np.where(count >= FEWEST, bodies, -1.0)))
     if count[most] < FEWEST or not bodies[most] > 0 or not torque[most] > 0:
         return
     factor = torque[most] / bodies[most]
-    if abs(np.log(factor)) > np.log(FAR_OFF):
+    explained = factor > 1 and torque[most] < FRICTION * whole[most]
+    if abs(np.log(factor)) > np.log(FAR_OFF) and not explained:
         raise Refused(
             f"{name}: the torque of joint {most + 1} is about {significant(factor)} times what the bodies of the "
             "model ask there; it looks like another unit, a current or a share of a rating",
