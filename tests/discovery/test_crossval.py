@@ -40,3 +40,16 @@ def test_what_acts_in_few_blocks_is_asked_by_its_drop_for_each_change():
     assert lowered(drops, changes) < 0.99
     assert lowered(drops[:1], changes[:1]) < 0.99
     assert lowered(np.zeros(0), np.zeros(0)) == 0.5
+
+
+def test_the_certainty_of_what_acts_in_two_blocks_is_that_of_two():
+    """Their sum is three standard errors above zero: of many blocks that is sure, of two it is not."""
+    changes = np.concatenate([[100.0, 100.0], np.full(60, 1e-3)])
+    sense = np.where(np.arange(60) % 2, 1.0, -1.0)
+    drops = np.concatenate([[90.0, 110.0], 0.1 * sense * (1.0 + 0.01 * np.arange(60))])
+    rate = drops.sum() / changes.sum()
+    scatter = np.sum((drops - rate * changes) ** 2 / changes) / (len(changes) - 1)
+    assert rate * np.sqrt(changes.sum() / scatter) > 3.0
+    assert positive(drops) < 0.9
+    assert lowered(drops, changes) < 0.95
+    assert lowered(np.tile(drops[:2], 31), np.full(62, 100.0)) > 0.99

@@ -169,3 +169,11 @@ def test_a_role_that_some_chunks_lack_is_filled_for_a_stream_and_left_out_of_a_r
     assert whole.temperature is None
     assert whole.missing == {"torque": (0.0, 0.3)}
     assert len(whole.time) == 6
+
+
+@pytest.mark.parametrize(("missing", "gap"), [(3, False), (5, True)])
+def test_a_step_longer_than_five_usual_ones_is_a_gap(missing, gap):
+    time = np.concatenate([np.arange(20), np.arange(20 + missing, 40)]) * 0.1
+    _, stretch, flags = order(time)
+    assert (stretch[-1] > stretch[0]) == gap
+    assert bool(flags[20] & Flag.GAP) == gap

@@ -13,17 +13,18 @@ from jointwear.monitor.normal.dispersion import (
     Dispersion,
     ShiftMeans,
     between_shifts,
+    inflated,
     updated_between,
 )
 from jointwear.monitor.normal.normal_state import Noise, Posterior, fit_normal_state, taught
-from jointwear.monitor.normal.recent_shifts import AxisWindows
+from jointwear.monitor.normal.recent_shifts import AxisWindows, _unexplained
 from jointwear.monitor.normal.shift_scale import shift_scale
 from jointwear.monitor.normal.shifts import shift_labels
 from jointwear.monitor.normal.warm_up import warm_up_state
 from jointwear.monitor.reading.regimes import find_regimes
 from jointwear.monitor.watching.decision import STEP_WINDOWS, TOLERATED, shift_evidence
-from jointwear.monitor.watching.null_runs import Axis, null_thresholds
-from jointwear.monitor.watching.shared_error import shared_error, units_of_levels
+from jointwear.monitor.watching.null_runs import JUDGED, Axis, _draws, _maxima, null_thresholds
+from jointwear.monitor.watching.shared_error import SLOPE_SPREAD, _location, shared_error, units_of_levels
 from jointwear.monitor.watching.shift_forecast import TOLD, forecast_shifts
 from jointwear.monitor.watching.watching import outside_baseline
 
@@ -444,3 +445,52 @@ def test_growth_on_its_way_has_an_end_and_growth_at_rest_has_none():
     assert np.isfinite(told.high)
     assert open_ended.low > told.low
     assert not np.isfinite(open_ended.high)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2])
+def test_runs_on_which_nothing_happens_alarm_as_often_as_is_allowed(share):
+    axis = Axis(0.006, 0.2, 0.003, 0.002, 8).rounded()
+    a_window = -np.log1p(-share) / (JUDGED * axis.windows)
+    level, step = _maxima(axis)
+    of_level, of_step = null_thresholds(axis, a_window)
+    assert np.mean((level > of_level) | (step > of_step)) == pytest.approx(share, rel=0.1)
+
+
+def test_shifts_of_null_runs_scatter_as_is_stated():
+    drawn = _draws(8)
+    assert np.std(drawn.fresh) == pytest.approx(1.0, rel=0.1)
+    assert np.quantile(np.abs(drawn.fresh), 0.999) > 4.0
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.3, 0.9])
+def test_the_mean_of_windows_that_remember_each_other_varies_as_the_sum_of_their_covariances(memory):
+    for count in (1, 2, 8, 30):
+        place = np.arange(count)
+        covariance = memory ** np.abs(place[:, None] - place)
+        assert inflated(count, memory) == pytest.approx(covariance.sum() / count)
+
+
+def test_what_windows_scatter_beyond_their_noise_is_that_of_dersimonian_and_laird_less_what_chance_adds():
+    starts, weight = np.arange(9) == 0, np.full(9, 1e4)
+
+    def found(spread):
+        error = np.sqrt(spread / 9 / 1e4) * np.array([1.5, -1.5, 1.5, -1.5, 0, 0, 0, 0, 0]) * np.sqrt(9 / (4 * 1.5**2))
+        return _unexplained(error, weight, np.arange(1.0, 10.0), starts)[-1]
+
+    # Of nine windows the sum has eight degrees of freedom and scatters by four.
+    assert found(11.9) == 0.0
+    assert found(20.0) == pytest.approx((20.0 - 8.0 - 4.0) / (9e4 - 9e8 / 9e4))
+
+
+def test_where_axes_fall_into_two_camps_what_they_share_is_not_sure():
+    variance = np.full((1, 5), 1e-4)
+    one, two = (_location(np.array([x]), variance) for x in ([0.1] * 5, [0.1, 0.1, 0.1, 0.0, 0.0]))
+    assert two[1][0] > 4 * one[1][0]
+    assert two[1][0] > (np.mean([0.1, 0.1, 0.1, 0.0, 0.0]) - two[0][0]) ** 2
+
+
+def test_what_is_taken_off_an_axis_is_as_unsure_as_its_slope_over_what_all_share():
+    together = np.repeat(np.where(np.arange(60) < 40, 0.0, 0.1)[:, None], 6, axis=1)
+    result = shared_error(together, np.full((60, 6), 1e-8), np.arange(60) < 40, np.arange(60) // 20)
+    # Nothing had moved before that would tell the slopes of the axes.
+    assert np.sqrt(result.variance[45]) == pytest.approx(SLOPE_SPREAD * 0.1, rel=0.1)
