@@ -369,6 +369,11 @@ def test_a_robot_whose_every_log_lacks_a_torn_row_is_judged_all_the_same():
     assert as_of(robot("x", axis(1, UNJUDGED), logs=3, refused_logs=3, refused_newest=3), NOW)["urgency"] == REFUSED
 
 
+def test_a_log_counts_as_overdue_once_the_next_one_would_be_due_too():
+    found = as_of(robot("x", logs=10, windows=240, rhythm_hours=24.0, last_sample=NOW - 100 * 3600), NOW)
+    assert (found["stale_logs"], found["stale_windows"]) == (4, 96)
+
+
 @pytest.mark.parametrize(
     ("dated", "last", "ahead"),
     [(True, NOW + 400 * DAY, "400 days"), (True, NOW + 14 * 3600, ""), (False, NOW + 400 * DAY, ""), (True, None, "")],

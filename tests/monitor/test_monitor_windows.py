@@ -122,6 +122,33 @@ def test_standard_deviations_are_honest_under_coloured_noise():
     assert (found.effective_count[:, :5] < 0.2 * found.count[:, :5]).all()
 
 
+def test_scores_of_few_samples_are_raised_by_what_the_fit_took_of_them():
+    log = make_log(LENGTH, noise=0.05, seed=4)
+    every = slice(None, None, max(1, len(log.time) // 40))
+    few = replace(
+        log, **{n: getattr(log, n)[every] for n in ("time", "position", "velocity", "acceleration", "torque")}
+    )
+    found = statistics(few, replace(SETTINGS, reach=0, block=1e-3))
+    for j in range(5):
+        count, freedom = found.count[0, j], found.freedom[0, j]
+        assert 8 < count < 60
+        assert count > freedom > 0
+        # A block of one sample each: the sum of x x' e^2, of which the last two columns may be nothing.
+        whole = np.trace(found.score[0, j]) * freedom / count
+        fit = coefficients(found)[j]
+        torque = model()(few.position, few.velocity, few.acceleration)
+        used = np.abs(few.velocity[:, j]) > 0.01
+        turned = np.diff(few.velocity[:, j] > 0) != 0
+        used[1:] &= ~turned
+        used[:-1] &= ~turned
+        x = np.stack(
+            [few.velocity[:, j] > 0, -1.0 * (few.velocity[:, j] < 0), few.velocity[:, j], torque.gravity[:, j],
+             torque.inertial[:, j]], axis=1,
+        )  # fmt: skip
+        error = (few.torque - torque.total)[:, j] - x @ fit
+        assert whole == pytest.approx(np.sum((x[used] * error[used, None]) ** 2), rel=0.01)
+
+
 def test_a_file_holds_everything(tmp_path):
     found = statistics(make_log(24.0))
     write_statistics(found, tmp_path / "w.nc", "test", {"a": 1}, {"logs": "[]"})
