@@ -83,6 +83,14 @@ def test_a_heavy_load_is_no_unit(example):
     check(example, 1.0, np.einsum("mkn,k->mn", load, [20.0, 0.0, 0.0, 4.0]))
 
 
+def test_a_current_in_columns_of_another_order_is_told(example):
+    recording, robot, measured = example
+    swapped = 0.4 * measured.torque[:, [1, 0, 2, 3, 4, 5]]
+    (words,) = check_scale(torque_factors(recording, robot, replace(measured, torque=swapped)))
+    assert "another multiple of the model's" in words
+    assert "the columns have another order too" in words
+
+
 @pytest.mark.parametrize("turn", [lambda x: np.random.default_rng(0).permutation(x), lambda x: np.roll(x, 300, axis=0)])
 def test_torques_of_other_rows_are_told(example, turn):
     _, robot, measured = example

@@ -68,7 +68,8 @@ def torque_factors(recording: Recording, robot: Robot, measured: Measured) -> Fa
 def check_scale(found: Factors) -> list[str]:
     """Check that the torque of a recording has the size of the model's.
 
-    A factor that most joints share and that no unit explains comes back in words: masses may be as wrong.
+    A factor that most joints share and that no unit explains comes back in words, as masses may be as wrong; so do
+    factors that do not make the model fit better, as two faults at once hide each other.
 
     Raises
     ------
@@ -86,7 +87,8 @@ def check_scale(found: Factors) -> list[str]:
         return _shared(found.factor)
     if _is_likelier(found, _size(found) > np.log(FACTOR)):
         raise Refused(f"{found.name}: {scale.reason}", scale.remedy, by_keys=True)
-    return []
+    told = "corrected for that it fits no better: the arm carries another load, or the columns have another order too"
+    return [f"{scale.reason}; {told}"]
 
 
 def check_scale_of_one(found: Factors) -> None:
