@@ -94,3 +94,28 @@ def test_a_file_that_defines_no_effect_is_named(tmp_path, old, new, words):
     ):
         effects.library()
     assert "joint_spring" in effects.library()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "shape"),
+    [("** 2)[..., None]", "** 2)", r"\(\d+,\)"), ("** 2)[..., None]", "** 2)[..., None].T", r"\(1, \d+\)")],
+)
+def test_columns_of_another_shape_are_named(robot, tmp_path, old, new, shape):
+    """Columns of one dimension went through the fit without a word."""
+    (tmp_path / "housing_hump.py").write_text(NEW.replace(old, new), encoding="utf-8")
+    with (
+        effects.more_entries(tmp_path),
+        pytest.raises(
+            effects.InputError, match=rf"'housing_hump': 'columns' gives shape {shape} \(allowed: \(\d+, k\)"
+        ),
+    ):
+        discover(coarse(robot, seed=9, step=1e-6), robot)
+
+
+def test_columns_that_are_not_finite_are_told_as_not_tried(robot, tmp_path):
+    """They were a candidate that no evidence could ever speak for."""
+    (tmp_path / "housing_hump.py").write_text(NEW.replace("** 2)[..., None]", "** 2)[..., None] / 0"), "utf-8")
+    with effects.more_entries(tmp_path), np.errstate(divide="ignore"):
+        found = discover(coarse(robot, seed=9, step=1e-6), robot)
+    (untried,) = (one for one in found.content.not_tried if one.effect == "housing_hump")
+    assert (untried.axis, untried.reason) == (None, "its columns are not finite on these data")

@@ -15,6 +15,7 @@ from jointwear.discovery.problem.products import Products
 from jointwear.discovery.problem.whitening import White, link_mass_blocks
 from jointwear.discovery.structure import ORDERS, Basis
 from jointwear.effects import get_effect, library
+from jointwear.files.errors import InputError
 from jointwear.measurement.derived.filtering import limit
 
 LINK_MASS = "link_mass"
@@ -124,10 +125,22 @@ class Dictionary:
 
 
 def raw_columns(white: White, candidate: Candidate, band: float = 1.0) -> np.ndarray:
-    """Return the columns (N_train, k) of a single-axis candidate before whitening; `band` as of White.state_of."""
+    """Return the columns (N_train, k) of a single-axis candidate before whitening; `band` as of White.state_of.
+
+    Raises
+    ------
+    InputError : if the file of the effect gives columns of another shape.
+    """
     effect = get_effect(candidate.effect)
     state = white.state_of(effect, candidate.axis, candidate.nonlinear, band, candidate.wide)
-    return effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
+    columns = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
+    samples = len(state.position)
+    if np.ndim(columns) != 2 or len(columns) != samples:
+        raise InputError(
+            f"effect '{candidate.effect}': 'columns' gives shape {np.shape(columns)} (allowed: ({samples}, k), one row "
+            "a sample and one column a coefficient)"
+        )
+    return columns
 
 
 def on_all_axes(candidate: Candidate) -> bool:
@@ -285,7 +298,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
         if why:
             dictionary.not_tried.append((effect.identifier, axis, why))
             continue
-        unresolved = 0
+        unresolved = infinite = 0
         grid = effect.grid(state, axis)
         spreading: list[Candidate] = []
         for source in sources_of(axis, problem.robot.joints) if effect.needs_source else [None]:
@@ -301,6 +314,9 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
                     continue
                 columns = raw_columns(white, candidate)
                 size = _rms(white, axis, columns)
+                if not np.isfinite(size).all():
+                    infinite += 1
+                    continue
                 if not size.any():
                     continue
                 std = _std_of_size(white, candidate, size)
@@ -311,6 +327,8 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
             dictionary.spreading.append((spreading, _on_all_axes(white, spreading)))
         if unresolved and unresolved == len(grid):
             dictionary.not_tried.append((effect.identifier, axis, "its waves are faster than the sampling"))
+        if infinite and not any(one.effect == effect.identifier for one, *_ in found):
+            dictionary.not_tried.append((effect.identifier, axis, "its columns are not finite on these data"))
     # A few columns at a time are taken out again: each lies in one piece.
     dictionary.matrix[axis] = white.columns(axis, np.concatenate(rows).T)
     dictionary.entries[axis] = found
