@@ -22,6 +22,7 @@ Simoni et al. 2015 for warming): wide enough to learn any joint, narrow enough t
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -177,6 +178,25 @@ def _behind(conditions: Conditions) -> np.ndarray:
     return np.concatenate(states, axis=1)
 
 
+@dataclass
+class _Columns:
+    """Columns (w,) of a design, each with the standard deviation of its coefficient a priori."""
+
+    values: list[np.ndarray]
+    scales: list[float]
+
+    def add(self, values: Iterable[np.ndarray], scales: Iterable[float]) -> range:
+        """Add columns and return their places."""
+        before = len(self.values)
+        self.values.extend(values)
+        self.scales.extend(scales)
+        return range(before, len(self.values))
+
+    def prior(self) -> Posterior:
+        scale = np.array(self.scales)
+        return Posterior(np.zeros(len(scale)), np.diag(scale**2))
+
+
 def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.ndarray | None) -> Design:
     """Return the design of one axis.
 
@@ -184,66 +204,86 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     ----------
     axis : 0-based. baseline : (w,) bool, windows that set the middle. warm : (w,) warm-up state, or None.
     """
-    w = len(conditions.start)
-    columns, scales, beyond = [np.ones(w)], [CONSTANT], np.zeros(w)
+    columns = _Columns([np.ones(len(conditions.start))], [CONSTANT])
     temperature = conditions.temperature[:, axis]
     known = bool(np.isfinite(temperature[baseline]).any())
-    changing = np.zeros(w)
-    if known:
-        middle = float(np.nanmedian(temperature[baseline]))
-        changing = temperature - middle
-        columns += [changing, changing**2]
-        scales += [SLOPE, CURVE]
-        outside = _outside(temperature, baseline)
-        hurried = _outside(temperature - _lagged(temperature, conditions.start), baseline)
-        beyond = (BEYOND * outside) ** 2 + (TRANSIT * hurried) ** 2
-    if known and warm is None:
-        for behind in _behind(conditions).T:
-            columns.append(behind - float(np.mean(behind[baseline])))
-            scales.append(BEHIND)
-    if warm is not None:
-        columns.append(warm - float(np.mean(warm[baseline])))
-        turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)
-        columns += [np.cos(turn), np.sin(turn)]
-        scales += [WARM, DAY, DAY]
-    thermal = list(range(1, len(columns)))
+    warmer = temperature - float(np.nanmedian(temperature[baseline])) if known else None
+    thermal = _add_thermal(columns, conditions, baseline, warmer, warm)
     features = conditions.features[:, axis]
     usual = np.nanmedian(features[baseline], axis=0) if np.isfinite(features[baseline]).any() else np.zeros(5)
     centred = features - usual
-    columns += list(centred.T)
-    scales += list(FEATURES)
-    before = len(columns)
-    if known:
-        columns += list((centred * changing[:, None]).T)
-        scales += list(FEATURES * PRODUCT)
+    columns.add(centred.T, FEATURES)
+    if warmer is not None:
+        thermal += columns.add((centred * warmer[:, None]).T, FEATURES * PRODUCT)
     elif warm is not None:
-        columns += list((centred * columns[1][:, None]).T)
-        scales += list(FEATURES * PRODUCT_WARM)
-    thermal += range(before, len(columns))
-    programs: list[int] = []
+        thermal += columns.add((centred * columns.values[1][:, None]).T, FEATURES * PRODUCT_WARM)
+    programs = _add_programs(columns, conditions, baseline, centred[:, 0])
+    beyond = _beyond(conditions, temperature, baseline) if known else np.zeros(len(conditions.start))
+    return Design(np.stack(columns.values, axis=1), columns.prior(), beyond, tuple(programs), tuple(thermal))
+
+
+def _add_thermal(
+    columns: _Columns,
+    conditions: Conditions,
+    baseline: np.ndarray,
+    warmer: np.ndarray | None,
+    warm: np.ndarray | None,
+) -> list[int]:
+    """Add the columns of temperature, warming and hour and return their places.
+
+    Parameters
+    ----------
+    warmer : (w,) [K] than the middle of the baseline, None where no temperature is known. warm : (w,) warm-up state, or
+        None.
+    """
+    thermal: list[int] = []
+    if warmer is not None:
+        thermal += columns.add([warmer, warmer**2], [SLOPE, CURVE])
+    if warmer is not None and warm is None:
+        states = _behind(conditions).T
+        thermal += columns.add([one - float(np.mean(one[baseline])) for one in states], [BEHIND] * len(states))
+    if warm is not None:
+        turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)
+        waves = [warm - float(np.mean(warm[baseline])), np.cos(turn), np.sin(turn)]
+        thermal += columns.add(waves, [WARM, DAY, DAY])
+    return thermal
+
+
+def _beyond(conditions: Conditions, temperature: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+    """Return the variance (w,) of temperatures, and of changes of them, that the baseline did not have."""
+    outside = _outside(temperature, baseline)
+    hurried = _outside(temperature - _lagged(temperature, conditions.start), baseline)
+    return (BEYOND * outside) ** 2 + (TRANSIT * hurried) ** 2
+
+
+def _add_programs(columns: _Columns, conditions: Conditions, baseline: np.ndarray, speed: np.ndarray) -> list[int]:
+    """Add the columns of speeds that the baseline lacks, of the load and of programs.
+
+    Returns the places of those whose normal is learnt when they first run.
+
+    Parameters
+    ----------
+    speed : (w,) log of the speed less that of the baseline.
+    """
+    learnt: list[int] = []
     override = unseen_speed(conditions.features[..., 0], conditions.regime, baseline)
     if override.any():
-        programs.append(len(columns))
-        columns.append(override)
-        scales.append(OVERRIDE)
+        learnt += columns.add([override], [OVERRIDE])
     load = conditions.load - float(np.median(conditions.load[baseline]))
-    columns.append(load)
-    scales.append(LOAD)
-    if conditions.regime is not None:
-        names, counts = np.unique(conditions.regime[baseline & (conditions.regime >= 0)], return_counts=True)
-        usual_one = names[np.argmax(counts)] if len(names) else -1
-        for name in np.unique(conditions.regime[conditions.regime >= 0]):
-            if name != usual_one:
-                columns.append((conditions.regime == name).astype(float))
-                late = name not in names
-                scales.append(NAMED_PROGRAM if conditions.named else LATE_PROGRAM if late else PROGRAM)
-                if conditions.named or late:
-                    programs.append(len(columns) - 1)
-                inside = columns[-1]
-                columns += [load * inside, np.where(inside > 0, centred[:, 0], 0.0)]
-                scales += [LOAD_PROGRAM, SPEED_PROGRAM]
-        columns.append(np.where(conditions.regime >= 0, 0.0, np.nan))
-        scales.append(PROGRAM)
-    scale = np.array(scales)
-    prior = Posterior(np.zeros(len(scale)), np.diag(scale**2))
-    return Design(np.stack(columns, axis=1), prior, beyond, tuple(programs), tuple(thermal))
+    columns.add([load], [LOAD])
+    if conditions.regime is None:
+        return learnt
+    regime = conditions.regime
+    names, counts = np.unique(regime[baseline & (regime >= 0)], return_counts=True)
+    usual = names[np.argmax(counts)] if len(names) else -1
+    for name in np.unique(regime[regime >= 0]):
+        if name == usual:
+            continue
+        late = name not in names
+        inside = (regime == name).astype(float)
+        own = columns.add([inside], [NAMED_PROGRAM if conditions.named else LATE_PROGRAM if late else PROGRAM])
+        if conditions.named or late:
+            learnt += own
+        columns.add([load * inside, np.where(inside > 0, speed, 0.0)], [LOAD_PROGRAM, SPEED_PROGRAM])
+    columns.add([np.where(regime >= 0, 0.0, np.nan)], [PROGRAM])
+    return learnt
