@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from datetime import UTC, tzinfo
 from pathlib import Path
 from typing import Any
@@ -130,6 +131,38 @@ def _newest(episodes: list[Episode]) -> list[Episode]:
     return sorted(episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
 
 
+def _timelines(state: RobotState) -> dict[str, str]:
+    """Return the words of what is drawn over time, by name: what is known, and of some only what an alarm is of."""
+    alarmed = {SHOWN_BY.get(alarm["quantity"]) for alarm in state.alarms}
+    return {
+        name: words
+        for name, words in TIMELINES.items()
+        if (name not in SHOWN_BY.values() or name in alarmed) and np.isfinite(state.estimates[name][0]).any()
+    }
+
+
+def _draw(
+    state: RobotState, timelines: Iterable[str], warm: Sequence[int], folder: Path, zone: tzinfo
+) -> dict[str, Path]:
+    """Draw the figures of a page and return the file of each; `warm`: 0-based axes with a temperature."""
+    # The workflow waits for it, though nothing may be drawn of a robot of which nothing can be judged.
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {f"timeline_{name}": folder / f"timeline_{name}.svg" for name in timelines}
+    for name in timelines:
+        draw_timeline(state, name, files[f"timeline_{name}"], zone)
+    if warm:
+        files["temperature"] = folder / "temperature.svg"
+        draw_temperature(state, "friction", warm, files["temperature"])
+    return files
+
+
+def _flag_rows(state: RobotState) -> list[dict[str, Any]]:
+    """Return the flags that some window carries: words, and in how many windows of each axis."""
+    found = told_flags(state)
+    rows = [{"words": FLAG_WORDS[f], "windows": (found & int(f) != 0).sum(axis=0).tolist()} for f in Flag]
+    return [row for row in rows if any(row["windows"])]
+
+
 def write_page(
     state: RobotState,
     output: str | Path,
@@ -149,32 +182,14 @@ def write_page(
     ------
     InputError : if there is no such zone.
     """
-    folder, zone = Path(figures), zone_of(time_zone)
-    # The workflow waits for it, though nothing may be drawn of a robot of which nothing can be judged.
-    folder.mkdir(parents=True, exist_ok=True)
-    alarmed = {SHOWN_BY.get(alarm["quantity"]) for alarm in state.alarms}
-    shown = {
-        name: words
-        for name, words in TIMELINES.items()
-        if (name not in SHOWN_BY.values() or name in alarmed) and np.isfinite(state.estimates[name][0]).any()
-    }
-    files = {f"timeline_{name}": folder / f"timeline_{name}.svg" for name in shown}
-    for name in shown:
-        draw_timeline(state, name, files[f"timeline_{name}"], zone)
-    warm = temperature_rows(state)
-    if warm:
-        files["temperature"] = folder / "temperature.svg"
-        draw_temperature(state, "friction", [row["axis"] - 1 for row in warm], files["temperature"])
+    zone = zone_of(time_zone)
+    shown, warm = _timelines(state), temperature_rows(state)
+    files = _draw(state, shown, [row["axis"] - 1 for row in warm], Path(figures), zone)
     conditions, row = axis_conditions(state), standing(state)
     summaries = [axis_summary(state, c.axis - 1, zone, c) for c in conditions]
     whole = robot_episodes(state)
     since = "" if row["last_judged"] is None else when(state, row["last_judged"], zone)
     heading, sentences = headline(summaries, any(e.resolved is None for e in whole), row["refused_newest"], since)
-    found = told_flags(state)
-    flags = [
-        {"words": FLAG_WORDS[f], "windows": [int(np.sum(found[:, j] & int(f) != 0)) for j in range(state.axes)]}
-        for f in Flag
-    ]
     unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]
     past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
     told = finding_rows(row, state, zone)
@@ -198,7 +213,7 @@ def write_page(
         "baseline_end": when(state, state.end[state.baseline - 1], zone),
         # Where people read times in a zone of theirs, logs are likely to be written in it.
         "as_utc": row["dated"] and zone != UTC and state.entry.get("time_zone") is None,
-        "flags": [f for f in flags if any(f["windows"])],
+        "flags": _flag_rows(state),
         "logs": log_rows(state, zone),
         "counts": row,
         "figures": {name: inline_svg(path, name.replace("_", "-")) for name, path in files.items()},

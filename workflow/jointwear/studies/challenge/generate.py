@@ -172,27 +172,46 @@ def generate(case: Case, nominal: Robot, seed: int) -> tuple[CaseData, Truth]:
         "noise": deviation.tolist(),
         "wrong_parameter": wrong,
     }
-    held = np.flatnonzero(~train)
-    facts["effects"] = []
-    if hidden:
-        sieve = sieve_world(world, nominal, train, felt, tier.colour, INERTIAL_PRIOR)
-        plain = sieve_world(world, nominal, train, felt, 0.0, INERTIAL_PRIOR) if tier.colour else sieve
-        for k, (item, term) in enumerate(zip(hidden, terms, strict=True)):
-            # The second effect must stand out beside the first one.
-            other = [t for j, t in enumerate(terms) if j != k]
-            facts["effects"].append(_describe(item, term, other, sieve, plain, world))
-        if case.kind != "outside":
-            for item, term, entry in zip(hidden, terms, facts["effects"], strict=True):
-                entry["rivals"] = _rivals(item, term, world, sieve, rng) if entry["energy"] > IDENTIFIABLE else {}
+    facts["effects"] = _hidden_facts(case, hidden, terms, (world, nominal, train, felt, tier.colour), rng)
     if wrong:
         facts["wrong_parameter"]["energy"] = _energy_of_parameter(wrong, world, nominal, train, felt, tier.colour)
-    kept = held[::TRUTH_STRIDE]
+    kept = np.flatnonzero(~train)[::TRUTH_STRIDE]
     effects = np.array([t[kept] for t in terms]).reshape(len(terms), len(kept), nominal.joints)
     hide = ~_judged(world)[kept]
     s = world.state
     given = Arm(nominal).torque(s.position[kept], s.velocity[kept], s.acceleration[kept])
     shown = (np.where(hide, np.nan, x) for x in (torque[kept], effects, data.torque[kept], given))
     return data, Truth(facts, *shown)
+
+
+def _hidden_facts(
+    case: Case,
+    hidden: list[Hidden],
+    terms: list[np.ndarray],
+    seen: tuple[World, Robot, np.ndarray, np.ndarray, float],
+    rng: np.random.Generator,
+) -> list[dict[str, Any]]:
+    """Return the facts of what is hidden, one entry for each of it.
+
+    Parameters
+    ----------
+    terms : torque (m, n) of each. seen : world, nominal robot, samples (m,) of training, noise (n,) of the torque and
+        its colour.
+    """
+    if not hidden:
+        return []
+    world, nominal, train, felt, colour = seen
+    sieve = sieve_world(world, nominal, train, felt, colour, INERTIAL_PRIOR)
+    plain = sieve_world(world, nominal, train, felt, 0.0, INERTIAL_PRIOR) if colour else sieve
+    entries = []
+    for k, (item, term) in enumerate(zip(hidden, terms, strict=True)):
+        # The second effect must stand out beside the first one.
+        other = [t for j, t in enumerate(terms) if j != k]
+        entries.append(_describe(item, term, other, sieve, plain, world))
+    if case.kind != "outside":
+        for item, term, entry in zip(hidden, terms, entries, strict=True):
+            entry["rivals"] = _rivals(item, term, world, sieve, rng) if entry["energy"] > IDENTIFIABLE else {}
+    return entries
 
 
 def _judged(world: World) -> np.ndarray:
