@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,8 @@ from jointwear.files.text_files import replace_text
 from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.judging.judge import Judgement
 from jointwear.monitor.normal.friction import window_friction
-from jointwear.monitor.reading.assembly import History
+from jointwear.monitor.reading.assembly import History, Piece
+from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.records import Reason
 from jointwear.robots.robot import Robot
 
@@ -29,8 +30,8 @@ ALARM_COLUMNS = (
     "time", "axis", "quantity", "change", "change_low", "change_high", "unit", "probability_axis", "hours_to_limit",
     "hours_to_limit_low", "hours_to_limit_high", "detector",
 )  # fmt: skip
-
-
+#: Dimensions of most variables of a state file.
+PAIR = ("window", "axis")
 #: Begin of the names of the errors of now in a state file.
 NOW_ERROR = "error_now_"
 
@@ -64,54 +65,16 @@ def write_state(
     name: str,
 ) -> None:
     """Write the state of every axis in every window: status, estimates, what they rest on, and the logs."""
-    s, pair = history.statistics, ("window", "axis")
-    clock = "seconds since 1970-01-01T00:00:00Z" if s.dated else "s"
-    variables = {
-        "axis": Variable(("axis",), np.arange(1, s.axes + 1), "axis of the robot", "1"),
-        "joint": Variable(("axis",), np.array(robot.joint_names), "name of the joint"),
-        "start": Variable(("window",), s.start, "start of the window", clock),
-        "end": Variable(("window",), s.end, "end of the window", clock),
-        "status": Variable(pair, np.array(judgement.status), "state of the axis"),
-        "temperature": Variable(pair, s.temperature, "mean temperature, NaN where unknown", "degC"),
-        "share_used": Variable(pair, s.share_used, "share of the samples that show friction", "1"),
-        "count": Variable(pair, s.count, "samples that show friction", "1", kind="i4"),
-        "travel": Variable(pair, s.travel, "path of the joint", "rad"),
-        "torque_peak": Variable(pair, s.torque_peak, "largest absolute torque", "N m"),
-        "flags": Variable(pair, s.flags, "what was found in reading, a bit field", "1", kind="i4"),
-    }
+    s = history.statistics
     friction = window_friction(s, robot, baseline)
-    estimates = estimates_of(judgement) | {"friction": (friction.value, friction.std, "N m")}
-    variables["friction_speed"] = Variable(("axis",), friction.speed, "speed that `friction` is for", "rad/s")
-    for key, (values, std, unit) in estimates.items():
-        words = key.replace("_", " ")
-        variables[key] = Variable(pair, values, words, unit)
-        variables[f"{key}_std"] = Variable(pair, std, f"standard deviation of {words}", unit)
-    for k, end in enumerate(("", "_low", "_high")):
-        words = "hours to the limit at the last judged window; infinite where it may never be reached"
-        variables[f"hours_to_limit{end}"] = Variable(("axis",), judgement.hours_to_limit[:, k], words, "h")
-    for key, errors in judgement.now_error.items():
-        unit = judgement.units[key]
-        words = f"standard deviation of the mean of {key.replace('_', ' ')} over the last day"
-        variables[f"{NOW_ERROR}{key}"] = Variable(("axis",), errors, words, unit)
-    back = np.zeros(s.axes, dtype=bool) if judgement.back is None else judgement.back
-    variables["back"] = Variable(("axis",), back.astype(np.int32), "1 where what alarmed is as before", "1", kind="i4")
-    quantities = np.array(judgement.limited_by or [""] * s.axes, dtype=object)
-    variables["limited_by"] = Variable(("axis",), quantities, "quantity whose limit the hours are to")
-    variables["unjudged_reason"] = Variable(pair, judgement.reason, "why an axis is not judged", "1", kind="i4")
-    variables["unjudged_reason"].attributes.update(
-        flag_values=np.array([int(r) for r in Reason], dtype=np.int32),
-        flag_meanings=" ".join(r.name.lower() for r in Reason),
-    )
-    pieces = history.pieces
-    text = {
-        "log": ([p.log for p in pieces], "log"),
-        "log_refused": (["; ".join(p.refused) for p in pieces], "what was refused in the log, empty if nothing"),
-        "log_copy_of": ([p.copy_of for p in pieces], "log with the same samples, which count once; empty if none"),
+    variables = {
+        **_window_variables(s, robot),
+        "status": Variable(PAIR, np.array(judgement.status), "state of the axis"),
+        "friction_speed": Variable(("axis",), friction.speed, "speed that `friction` is for", "rad/s"),
+        **_estimate_variables(estimates_of(judgement) | {"friction": (friction.value, friction.std, "N m")}),
+        **_verdict_variables(judgement, s.axes),
+        **_log_variables(history.pieces, _clock(s)),
     }
-    for key, (values, meaning) in text.items():
-        variables[key] = Variable(("log",), np.array(values, dtype=object), meaning)
-    variables["log_first"] = Variable(("log",), np.array([p.first for p in pieces]), "first sample", clock)
-    variables["log_last"] = Variable(("log",), np.array([p.last for p in pieces]), "last sample", clock)
     attributes = provenance.attributes("state of every axis", dict(entry))
     attributes |= {
         "monitored": name,
@@ -123,6 +86,72 @@ def write_state(
         "findings": json.dumps(as_json(judgement.findings)),
     }
     write_dataset(path, variables, attributes)
+
+
+def _clock(statistics: WindowStatistics) -> str:
+    return "seconds since 1970-01-01T00:00:00Z" if statistics.dated else "s"
+
+
+def _window_variables(s: WindowStatistics, robot: Robot) -> dict[str, Variable]:
+    """Return what is known of the windows before they are judged."""
+    return {
+        "axis": Variable(("axis",), np.arange(1, s.axes + 1), "axis of the robot", "1"),
+        "joint": Variable(("axis",), np.array(robot.joint_names), "name of the joint"),
+        "start": Variable(("window",), s.start, "start of the window", _clock(s)),
+        "end": Variable(("window",), s.end, "end of the window", _clock(s)),
+        "temperature": Variable(PAIR, s.temperature, "mean temperature, NaN where unknown", "degC"),
+        "share_used": Variable(PAIR, s.share_used, "share of the samples that show friction", "1"),
+        "count": Variable(PAIR, s.count, "samples that show friction", "1", kind="i4"),
+        "travel": Variable(PAIR, s.travel, "path of the joint", "rad"),
+        "torque_peak": Variable(PAIR, s.torque_peak, "largest absolute torque", "N m"),
+        "flags": Variable(PAIR, s.flags, "what was found in reading, a bit field", "1", kind="i4"),
+    }
+
+
+def _estimate_variables(estimates: Mapping[str, tuple[np.ndarray, np.ndarray, str]]) -> dict[str, Variable]:
+    """Return the variables of estimates, name -> (values, standard deviations, unit)."""
+    variables = {}
+    for key, (values, std, unit) in estimates.items():
+        words = key.replace("_", " ")
+        variables[key] = Variable(PAIR, values, words, unit)
+        variables[f"{key}_std"] = Variable(PAIR, std, f"standard deviation of {words}", unit)
+    return variables
+
+
+def _verdict_variables(judgement: Judgement, axes: int) -> dict[str, Variable]:
+    """Return what is told of each axis, and why it is not judged where it is not."""
+    variables = {}
+    for k, end in enumerate(("", "_low", "_high")):
+        words = "hours to the limit at the last judged window; infinite where it may never be reached"
+        variables[f"hours_to_limit{end}"] = Variable(("axis",), judgement.hours_to_limit[:, k], words, "h")
+    for key, errors in judgement.now_error.items():
+        unit = judgement.units[key]
+        words = f"standard deviation of the mean of {key.replace('_', ' ')} over the last day"
+        variables[f"{NOW_ERROR}{key}"] = Variable(("axis",), errors, words, unit)
+    back = np.zeros(axes, dtype=bool) if judgement.back is None else judgement.back
+    variables["back"] = Variable(("axis",), back.astype(np.int32), "1 where what alarmed is as before", "1", kind="i4")
+    quantities = np.array(judgement.limited_by or [""] * axes, dtype=object)
+    variables["limited_by"] = Variable(("axis",), quantities, "quantity whose limit the hours are to")
+    variables["unjudged_reason"] = Variable(PAIR, judgement.reason, "why an axis is not judged", "1", kind="i4")
+    variables["unjudged_reason"].attributes.update(
+        flag_values=np.array([int(r) for r in Reason], dtype=np.int32),
+        flag_meanings=" ".join(r.name.lower() for r in Reason),
+    )
+    return variables
+
+
+def _log_variables(pieces: Sequence[Piece], clock: str) -> dict[str, Variable]:
+    """Return what is known of the logs; `clock`: the unit of their times."""
+    text = {
+        "log": ([p.log for p in pieces], "log"),
+        "log_refused": (["; ".join(p.refused) for p in pieces], "what was refused in the log, empty if nothing"),
+        "log_copy_of": ([p.copy_of for p in pieces], "log with the same samples, which count once; empty if none"),
+    }
+    return {
+        **{key: Variable(("log",), np.array(values, dtype=object), words) for key, (values, words) in text.items()},
+        "log_first": Variable(("log",), np.array([p.first for p in pieces]), "first sample", clock),
+        "log_last": Variable(("log",), np.array([p.last for p in pieces]), "last sample", clock),
+    }
 
 
 def estimates_of(judgement: Judgement) -> dict[str, tuple[np.ndarray, np.ndarray, str]]:
