@@ -72,7 +72,7 @@ def _scales(
     onset = [np.flatnonzero(c)[0] if c.any() else None for c in changed.T]
     result = []
     for window in sorted({s.window for s in steps}):
-        here = [s for s in steps if s.window == window]
+        here = sorted((s for s in steps if s.window == window), key=lambda s: s.axis)
         time = float(statistics.start[window])
         axes, factor = [s.axis + 1 for s in here], float(np.mean([s.factor for s in here]))
         words = (

@@ -40,6 +40,7 @@ from jointwear.monitor.watching.backlash import (
     raised_status,
 )
 from jointwear.monitor.watching.gain_of_all import gain_of_all
+from jointwear.monitor.watching.gain_of_axes import gains_of_axes, without_gain
 from jointwear.monitor.watching.parts import ViscousGrowth, viscous_part, viscous_scale
 from jointwear.monitor.watching.present import back_to_normal, error_now
 from jointwear.monitor.watching.records import CHANGED, Teller, paper_records
@@ -102,12 +103,12 @@ def judge(
     """
     if not statistics.windows:
         raise InputError("there is no window to judge")
-    seen = observe(statistics, baseline, settings)
+    statistics, seen, gains = _without_gains(statistics, baseline, settings)
     first, shift = seen.baseline, seen.shift
     normal = _normal_states(statistics, seen, {} if known is None else known, recall)
     stated = settings.false_alarms_per_1000_h
     rate = stated / 1000 * seen.conditions.hours
-    friction = _watch_level(normal, seen, stated, recall)
+    friction = _watch_level(normal, seen, stated, recall, gains)
     level, normal = friction.watch, friction.normal
     backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
@@ -145,6 +146,26 @@ def judge(
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
         ],
     )
+
+
+def _without_gains(
+    statistics: WindowStatistics, baseline: int | np.ndarray, settings: JudgeSettings
+) -> tuple[WindowStatistics, Observed, list[ScaleStep]]:
+    """Return the windows without gains of single axes that friction and bodies show by themselves, what they show then,
+    and these gains."""
+    seen, steps = observe(statistics, baseline, settings), []
+    for _ in range(MOST_STEPS):
+        quantities = seen.series["friction"], seen.scale
+        told = {(s.axis, s.window) for s in steps}
+        found = gains_of_axes(*quantities, seen.regime, seen.shift, seen.baseline, seen.events)
+        fresh = [s for s in found if (s.axis, s.window) not in told]
+        if not fresh:
+            break
+        for step in fresh:
+            statistics = without_gain(statistics, step, settings.coulomb[step.axis], float(settings.viscous[step.axis]))
+        steps += fresh
+        seen = observe(statistics, baseline, settings)
+    return statistics, seen, steps
 
 
 def _findings(
@@ -216,13 +237,17 @@ class _Level:
 
 
 def _watch_level(
-    normal: Mapping[str, list[AxisNormal | None]], seen: Observed, stated: float, recall: Recall | None
+    normal: Mapping[str, list[AxisNormal | None]],
+    seen: Observed,
+    stated: float,
+    recall: Recall | None,
+    gains: Sequence[ScaleStep],
 ) -> _Level:
     """Watch the level of friction at the `stated` rate [false alarms per 1,000 h], learnt anew where the scale of the
-    torque changed or the logs of another robot begin."""
-    steps: list[ScaleStep] = []
+    torque changed, as `gains` say or is found here, or the logs of another robot begin."""
+    steps: list[ScaleStep] = [*gains]
     exchanges: list[Exchange] = []
-    found: list[list[int]] = [[] for _ in normal["level"]]
+    found = _windows_of(steps, [], len(normal["level"]))
     scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
     allowed = LEVEL_SHARE * scale_rate
     alone = {"services": False, "common": False}
@@ -246,13 +271,18 @@ def _watch_level(
                 settled = True
                 break
             steps += fresh
-        begins = [(s.axis, s.window) for s in steps if s.window > 0]
-        begins += [(j, e.window) for e in exchanges if e.end is None for j in e.axes]
-        found = [sorted({window for axis, window in begins if axis == j}) for j in range(len(found))]
+        found = _windows_of(steps, exchanges, len(found))
     if not settled or stated != SCALE_RATE:
         rate = stated / 1000 * seen.conditions.hours
         level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall, unit=unit)
     return _Level(level, steps, exchanges, found, normal)
+
+
+def _windows_of(steps: Sequence[ScaleStep], exchanges: Sequence[Exchange], axes: int) -> list[list[int]]:
+    """Return for each axis the windows from which it is learnt anew."""
+    begins = [(s.axis, s.window) for s in steps if s.window > 0]
+    begins += [(j, e.window) for e in exchanges if e.end is None for j in e.axes]
+    return [sorted({window for axis, window in begins if axis == j}) for j in range(axes)]
 
 
 def _estimates(

@@ -1,0 +1,94 @@
+"""A gain of the torque of single axes is told from what is logged, before conditions of operation explain it away."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from monitor_logs import make_log, model
+from test_monitor_windows import statistics
+
+from jointwear.monitor.findings.findings import _scales
+from jointwear.monitor.normal.series import Series
+from jointwear.monitor.reading.windows import blank_statistics
+from jointwear.monitor.watching.gain_of_axes import gains_of_axes, without_gain
+from jointwear.monitor.watching.scale import ScaleStep
+
+#: Ten shifts of eight windows, four of them the baseline; the step begins at the third window of the sixth.
+SHIFT = np.arange(80) // 8
+BASELINE = SHIFT < 4
+BEGIN = 42
+
+
+def series(steps: dict[int, float], seed: int, scatter: float = 0.003) -> Series:
+    """Logs of six axes that step from `BEGIN` on."""
+    rng = np.random.default_rng(seed)
+    value = scatter * rng.standard_normal((80, 6))
+    for axis, size in steps.items():
+        value[BEGIN:, axis] += size
+    return Series(value, np.full((80, 6), scatter**2), np.ones(6), np.ones(6))
+
+
+def told(friction, bodies, events=None, regime=None):
+    return gains_of_axes(friction, bodies, regime, SHIFT, BASELINE, events or [[]] * 6)
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.05, 1.25])
+@pytest.mark.parametrize("axes", [(2,), range(6)], ids=["one axis", "all axes"])
+def test_friction_and_bodies_that_step_by_one_factor_are_a_gain(factor, axes):
+    both = dict.fromkeys(axes, float(np.log(factor)))
+    found = told(series(both, 1), series(both, 2))
+    assert [(s.axis, s.window) for s in found] == [(j, BEGIN) for j in axes]
+    assert [s.factor for s in found] == pytest.approx([factor] * len(found), abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("rubs", "moves"),
+    [
+        ({2: 0.2}, {}),
+        ({}, {2: 0.2}),
+        ({2: 0.2}, {2: 0.1}),
+        ({2: 0.1}, {2: -0.1}),
+        ({2: 0.02}, {2: 0.02}),
+        ({1: 0.1, 2: 0.03}, {1: 0.1, 2: 0.15, 4: 0.2}),
+    ],
+    ids=["wear", "bodies alone", "another share", "opposite", "small", "a load that one axis feels alike"],
+)
+def test_wear_and_loads_are_none(rubs, moves):
+    assert told(series(rubs, 1), series(moves, 2)) == []
+
+
+def test_one_shift_alone_or_after_an_event_or_in_a_new_program_is_none():
+    both = series({2: 0.2}, 1), series({2: 0.2}, 2)
+    assert told(*both)
+    assert told(*both, events=[[], [], [40], [], [], []]) == []
+    assert told(*both, events=[[], [40], [10], [], [], []])
+    assert told(*both, regime=np.where(np.arange(80) < BEGIN, 0, 1)) == []
+    passing = [replace(s, value=np.where((np.arange(80) >= 48)[:, None], 0.0, s.value)) for s in both]
+    assert told(*passing) == []
+    # A baseline that scatters by as much as the step says nothing.
+    assert told(series({2: 0.2}, 1, scatter=0.2), both[1]) == []
+
+
+def test_windows_without_a_gain_are_those_of_the_torque_divided_by_it():
+    log, arm = make_log(36.0, seed=3, noise=0.3), model()
+    factor, robot = 1.3, arm.robot
+    later = log.time >= 24.0
+    torque = log.torque.copy()
+    torque[later, 1] *= factor
+    gained = statistics(replace(log, torque=torque))
+    step = ScaleStep(1, 2, factor)
+    level = np.abs([robot.coulomb_positive[1], robot.coulomb_negative[1]])
+    mended = without_gain(gained, step, level, float(np.abs(robot.viscous[1])))
+    assert not np.allclose(gained.moment[2, 1], mended.moment[2, 1])
+    plain = statistics(log)
+    np.testing.assert_allclose(mended.moment, plain.moment, rtol=1e-4)
+    for name in ("square", "residual_square", "lag_square", "score", "pulse_near", "pulse_far", "torque_peak"):
+        np.testing.assert_allclose(getattr(mended, name), getattr(plain, name), rtol=1e-3, atol=1e-6, err_msg=name)
+
+
+def test_axes_of_one_gain_are_named_in_order():
+    blank = blank_statistics(np.arange(40) * 3600.0, 3600.0, np.ones(3), True)
+    steps = [ScaleStep(1, 20, 1.2), ScaleStep(2, 20, 1.2), ScaleStep(0, 20, 1.2)]
+    (one,) = _scales(blank, np.arange(40) // 4, steps, np.zeros((40, 3), dtype=bool))
+    assert one["axes"] == [1, 2, 3]
+    assert "torque of axes 1, 2 and 3 changed by 1.2" in one["words"]
