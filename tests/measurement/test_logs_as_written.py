@@ -149,6 +149,19 @@ def test_nanoseconds_in_parquet(tmp_path):
         assert chunk.time.tolist() == pytest.approx([1768456800.25, 1768456800.27], abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    "kind", [pa.string(), pa.large_string(), pa.string_view(), pa.dictionary(pa.int32(), pa.string())]
+)
+def test_times_as_text_of_any_type_in_parquet(tmp_path, kind):
+    """Writers differ in the type that they take for texts."""
+    times = pa.array(["2026-01-15T09:00:00.25Z", "2026-01-15T09:00:00.27Z"]).cast(kind)
+    columns = {"time": times, "position_1": [0.1, 0.2], "torque_1": [1.0, 2.0]}
+    parquet.write_table(pa.table(columns), tmp_path / "a.parquet")
+    chunk = one(tmp_path / "a.parquet")
+    assert chunk.dated
+    assert chunk.time.tolist() == pytest.approx([1768467600.25, 1768467600.27], abs=1e-6)
+
+
 def test_currents_need_a_torque_constant(tmp_path):
     path = write(tmp_path / "a.csv", [",".join(HEADER), "s,rad,A", "0,0.1,2.0", "1,0.2,-9999"])
     with pytest.raises(InputError, match="'torque_constant' in N m/A"):

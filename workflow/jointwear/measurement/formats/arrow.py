@@ -34,8 +34,8 @@ def chunk_of(
         arrays = []
         for name in names:
             column = batch.column(name)
-            if role == "time" and pa.types.is_string(column.type):
-                column = stamps(path, column)
+            if role == "time" and holds_text(column.type):
+                column = stamps(path, column.cast(pa.string()))
             if role == "time" and pa.types.is_timestamp(column.type):
                 arrays.append(stamped.seconds(column))
                 dated = True
@@ -128,6 +128,12 @@ def _labels(column: pa.Array | pa.ChunkedArray) -> np.ndarray:
     coded = whole.dictionary_encode() if not pa.types.is_dictionary(whole.type) else whole
     names = np.array([*(label_of(v) for v in coded.dictionary.to_pylist()), ""])
     return names[coded.indices.fill_null(len(names) - 1).to_numpy(zero_copy_only=False)]
+
+
+def holds_text(kind: pa.DataType) -> bool:
+    """Whether a column of this type holds texts; writers differ in which of the types they take for them."""
+    inner = kind.value_type if pa.types.is_dictionary(kind) else kind
+    return pa.types.is_string(inner) or pa.types.is_large_string(inner) or pa.types.is_string_view(inner)
 
 
 def holds_numbers(kind: pa.DataType) -> bool:
