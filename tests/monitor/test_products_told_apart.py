@@ -101,6 +101,15 @@ def test_each_program_has_products_of_its_own():
     np.testing.assert_array_equal(program[48:], 2 + regime[48:])
 
 
+@pytest.mark.parametrize(("factor", "told"), [(0.4, 1), (2.2, 1), (1.4, 0)])
+def test_a_program_that_the_baseline_lacks_gets_a_part_that_its_first_shift_did_not_have(factor, told):
+    """Bodies below what tells another load, noise of twice as much: it became viscous friction of one axis."""
+    program, products = asked(month((0, 2), factor, since=56), np.where(SHIFTS < 6, 0, 1))
+    assert len(products) == told
+    assert {int(p) for p in program[48:56]} == {1}
+    assert ({int(p) for p in program[56:]} == {1}) == (told == 0)
+
+
 def test_products_that_come_again_are_one_and_others_another():
     s = month()
     for shift, factor in ((4, 1.5), (5, 2.4), (6, 1.5)):
