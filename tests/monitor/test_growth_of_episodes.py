@@ -13,6 +13,7 @@ from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.watching.limits import Limits
 from jointwear.monitor.watching.parts import viscous_growth, viscous_part
 from jointwear.monitor.watching.present import back_to_normal
+from jointwear.monitor.watching.records import Teller
 from jointwear.monitor.watching.watched_axis import Start
 
 
@@ -172,3 +173,21 @@ def test_axes_that_move_together_say_until_when():
     (told,) = _shared(hours, SHIFT, np.arange(64) < 8, level)
     assert "end" not in told
     assert "to this day" in told["words"]
+
+
+@pytest.mark.parametrize(
+    ("mean", "name"),
+    [
+        (0.1, VISCOUS_FRICTION),
+        (0.005, COULOMB_FRICTION),
+        (-0.04, COULOMB_FRICTION),
+        (np.nan, COULOMB_FRICTION),
+    ],
+)
+def test_what_no_longer_shows_in_the_viscous_part_is_no_alarm_of_it(mean, name):
+    """An alarm told that viscous friction had changed by -0.04 N m s/rad, with a probability of 0.99."""
+    axis = SimpleNamespace(source="coulomb")
+    level = SimpleNamespace(alarm=np.array([[True]]), mean=np.array([[0.2]]), mean_std=np.array([[0.01]]), axes=[axis])
+    viscous = SimpleNamespace(mean=np.array([[mean]]), mean_std=np.array([[0.01]]))
+    teller = SimpleNamespace(_level=level, _viscous=viscous, _named=np.array([[True]]))
+    assert Teller._parts(teller, 0, 0)[:2] == (name, mean if name == VISCOUS_FRICTION else 0.2)

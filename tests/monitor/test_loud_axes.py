@@ -34,6 +34,12 @@ def test_one_axis_that_is_loud_shift_after_shift_is_told():
     assert "answered" not in found
 
 
+def test_how_large_it_is_says_what_its_loud_hours_are():
+    """The median of all hours since was told, which may be as quiet as before: "1 times as large"."""
+    (found,) = _findings(_loud([1], [4, 5]))
+    assert float(found["words"].split(" is ")[1].split(" times")[0]) > 5
+
+
 def test_an_event_answers_it():
     (found,) = _findings(_loud([1], [5, 6, 7]), ((), (50,), ()))
     assert found["answered"]

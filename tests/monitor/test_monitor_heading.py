@@ -189,6 +189,19 @@ def test_growth_over_the_limit_without_an_alarm_is_not_called_healthy(monitored)
     assert axis_summary(with_estimates(calm, coulomb_percent=25.0), 0)["remark"].startswith("Coulomb friction +25.0")
 
 
+def test_an_axis_that_is_no_longer_judged_is_not_told_as_unchanged(monitored):
+    folder, _, _ = monitored
+    state = replace(read_state(folder / "state.nc"), alarms=[])
+    status = np.full_like(state.status, HEALTHY)
+    status[-6:, 0] = UNJUDGED
+    state = replace(state, status=status)
+    sentences = headline([axis_summary(state, j) for j in (0, 1)])[1]
+    assert sentences == [
+        "No change: axis 2.",
+        "No change when last judged, but not judged of late: axis 1; the reasons are in the table.",
+    ]
+
+
 def test_viscous_growth_beyond_its_limit_has_reached_it(monitored):
     folder, _, _ = monitored
     state = changed(read_state(folder / "state.nc"), "viscous friction")

@@ -63,7 +63,9 @@ def loud_findings(
             if run < SHIFTS:
                 continue
             begin = int(rows[k - SHIFTS + 1][0])
-            times = float(known_median(noise[begin:, j][moved[begin:, j]], axis=0) / usual[j])
+            # It may have been mended, or have turned out to come and go.
+            odd = (loud & moved)[begin:, j]
+            times = float(np.median(noise[begin:, j][odd]) / usual[j])
             answered = {"answered": True} if any(window >= begin for window in events[j]) else {}
             words = (
                 f"What the model leaves of the torque of axis {j + 1} is {times:.2g} times as large as in the normal "

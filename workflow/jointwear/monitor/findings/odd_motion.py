@@ -37,9 +37,10 @@ from jointwear.statistics.known import known_median
 
 #: Kinds of the findings.
 CLOCK_SPEED, STOPPED, EXCHANGED = "clock_speed", "stopped", "exchanged_joints"
-#: Smallest change (log) of a clock that is told, and the part of it that speeds may be off by: a program that windows
-#: hold parts of differs by a tenth from shift to shift, both ways (one of 100 simulated months).
-SMALLEST, AGREES = 0.2, 1 / 3
+#: Smallest change (log) of a clock that is told, a fifth less what a shift may be off by, and the part that speeds
+#: may be off by: a program that windows hold parts of differs by a tenth from shift to shift, both ways (one of 100
+#: simulated months).
+SMALLEST, AGREES = 0.17, 1 / 3
 #: Part of the spread of a torque in motion from which on no arm stands still, on most axes.
 SPREAD, MOST = 0.5, 0.5
 #: Shifts in a row that show it, and windows of each.

@@ -63,7 +63,8 @@ def axis_summary(
     after = judged[judged >= state.baseline]
     remark = ""
     # Of an axis that was never judged the reason stands in the table of what cannot be judged.
-    if len(after) and after[-1] < len(state.start) - FEWEST_NOW:
+    late = bool(len(after)) and bool(after[-1] < len(state.start) - FEWEST_NOW)
+    if late:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
     elif condition.loud:
@@ -87,6 +88,7 @@ def axis_summary(
         "unknown": _unknown(state, j),
         "windows": len(judged),
         "coarse": coarse is not None,
+        "late": late,
     }
 
 
@@ -180,7 +182,9 @@ def headline(
 
     changed, unresolved, unjudged = map(named, (CHANGED, UNRESOLVED, UNJUDGED))
     over = name_axes([s["axis"] for s in summaries if s["label"] == OVER])
-    healthy = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["label"] != OVER])
+    sound = [s for s in summaries if s["status"] == HEALTHY and s["label"] != OVER]
+    healthy = name_axes([s["axis"] for s in sound])
+    judged, late = (name_axes([s["axis"] for s in sound if s["late"] == wanted]) for wanted in (False, True))
     coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
     if changed:
         play = [s["axis"] for s in summaries if s["status"] == CHANGED and s["quantity"] == BACKLASH]
@@ -213,8 +217,10 @@ def headline(
         )
     if over:
         sentences.append(f"Over the limit without an alarm: {over}; what to check stands below the table.")
-    if healthy:
-        sentences.append(f"No change{' until then' if refused else ''}: {healthy}.")
+    if judged:
+        sentences.append(f"No change{' until then' if refused else ''}: {judged}.")
+    if late:
+        sentences.append(f"No change when last judged, but not judged of late: {late}; the reasons are in the table.")
     if coarse:
         sentences.append(f"Only changes beyond the limit can be seen: {coarse}.")
     if unjudged:

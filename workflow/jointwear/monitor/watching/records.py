@@ -164,7 +164,8 @@ class Teller:
         part = VISCOUS, float(viscous.mean[k, j]), float(viscous.mean_std[k, j])
         if not level.alarm[k, j]:
             return part
-        named = self._named[k, j]
+        # An episode keeps its name, but what no longer shows in the viscous part is none of it.
+        named = self._named[k, j] and part[1] > part[2]
         if named and level.axes[j].source == "coulomb":
             return part
         return (VISCOUS if named else COULOMB), float(level.mean[k, j]), float(level.mean_std[k, j])
