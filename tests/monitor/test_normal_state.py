@@ -22,7 +22,7 @@ from jointwear.monitor.normal.shift_scale import shift_scale
 from jointwear.monitor.normal.shifts import shift_labels
 from jointwear.monitor.normal.warm_up import warm_up_state
 from jointwear.monitor.reading.regimes import find_regimes
-from jointwear.monitor.watching.decision import STEP_WINDOWS, TOLERATED, shift_evidence
+from jointwear.monitor.watching.decision import DOUBT, STEP_WINDOWS, TOLERATED, shift_evidence
 from jointwear.monitor.watching.null_runs import JUDGED, Axis, _draws, _maxima, null_thresholds
 from jointwear.monitor.watching.shared_error import SLOPE_SPREAD, _location, shared_error, units_of_levels
 from jointwear.monitor.watching.shift_forecast import TOLD, forecast_shifts
@@ -150,6 +150,7 @@ def evidence(
     loud=1.0,
     calm=True,
     noise=1e-5,
+    least=0.0,
 ):
     shift = np.repeat(np.arange(len(level)), 8)
     w = len(shift)
@@ -166,7 +167,7 @@ def evidence(
         scale=np.full(w, loud),
         calm=np.full(w, calm),
     )
-    return shift_evidence(windows, [Posterior(np.zeros(1), np.full((1, 1), known))], START.memory)
+    return shift_evidence(windows, [Posterior(np.zeros(1), np.full((1, 1), known))], START.memory, least)
 
 
 def test_growth_and_falls_count_beyond_what_is_tolerated():
@@ -176,6 +177,18 @@ def test_growth_and_falls_count_beyond_what_is_tolerated():
     assert grown.growth[-1] == pytest.approx((grown.mean[-1] - TOLERATED) / grown.std[-1])
     assert fallen.fall[-1] == pytest.approx((-fallen.mean[-1] - TOLERATED) / fallen.std[-1])
     assert evidence(np.full(6, 0.99 * TOLERATED)).growth[-1] == -np.inf
+
+
+def test_growth_on_which_nobody_has_to_act_yet_has_to_be_clearer():
+    small, large = np.full(6, 0.015), np.full(6, 0.025)
+    for level, times in ((small, DOUBT), (large, 1.0)):
+        whole, counted = evidence(level), evidence(level, least=0.02)
+        assert counted.growth[-1] == pytest.approx(whole.growth[-1] / times)
+        np.testing.assert_array_equal(counted.fall, whole.fall)
+    # Growth since the shifts before counts so as well, wherever it began.
+    begun = np.array([-0.02] * 6 + [0.003] * 3)
+    assert evidence(begun, least=0.02).step[-1] == pytest.approx(evidence(begun).step[-1])
+    assert evidence(begun, least=0.03).step[-1] == pytest.approx(evidence(begun).step[-1] / DOUBT)
 
 
 def test_a_large_step_in_weather_waits_for_a_second_shift():

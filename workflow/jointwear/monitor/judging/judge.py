@@ -39,6 +39,7 @@ from jointwear.monitor.watching.backlash import (
     backlash_series,
     raised_status,
 )
+from jointwear.monitor.watching.decision import LEAST
 from jointwear.monitor.watching.gain_of_all import gain_of_all
 from jointwear.monitor.watching.gain_of_axes import gains_of_axes, without_gain
 from jointwear.monitor.watching.parts import ViscousGrowth, viscous_part, viscous_scale
@@ -108,7 +109,8 @@ def judge(
     normal = _normal_states(statistics, seen, {} if known is None else known, recall)
     stated = settings.false_alarms_per_1000_h
     rate = stated / 1000 * seen.conditions.hours
-    friction = _watch_level(normal, seen, stated, recall, gains)
+    limit = settings.limit_percent / 100
+    friction = _watch_level(normal, seen, stated, recall, gains, LEAST * limit)
     level, normal = friction.watch, friction.normal
     backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
@@ -116,7 +118,6 @@ def judge(
     # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.
     unit = np.array([1.0 / viscous_scale(float(share)) for share in seen.series["viscous"].share])
     viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall, unit=unit)
-    limit = settings.limit_percent / 100
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
@@ -242,9 +243,12 @@ def _watch_level(
     stated: float,
     recall: Recall | None,
     gains: Sequence[ScaleStep],
+    least: float,
 ) -> _Level:
     """Watch the level of friction at the `stated` rate [false alarms per 1,000 h], learnt anew where the scale of the
-    torque changed, as `gains` say or is found here, or the logs of another robot begin."""
+    torque changed, as `gains` say or is found here, or the logs of another robot begin; `least`: growth from
+    which on somebody has to act.
+    """
     steps: list[ScaleStep] = [*gains]
     exchanges: list[Exchange] = []
     found = _windows_of(steps, [], len(normal["level"]))
@@ -254,7 +258,7 @@ def _watch_level(
     by_itself = np.array([axis is not None and axis.source == "coulomb" for axis in normal["level"]])
     unit = units_of_levels(seen.series["friction"].share, by_itself)
     for _ in range(MOST_STEPS):
-        level = _watched(normal["level"], seen, allowed, found, recall, unit=unit)
+        level = _watched(normal["level"], seen, allowed, found, recall, unit=unit, least=least)
         scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
         plain = _watched(normal["level"], seen, allowed, found, recall, **alone)
         one = first_exchange(plain, seen.shift, seen.baseline)
@@ -274,7 +278,7 @@ def _watch_level(
         found = _windows_of(steps, exchanges, len(found))
     if not settled or stated != SCALE_RATE:
         rate = stated / 1000 * seen.conditions.hours
-        level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall, unit=unit)
+        level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall, unit=unit, least=least)
     return _Level(level, steps, exchanges, found, normal)
 
 

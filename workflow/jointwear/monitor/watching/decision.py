@@ -11,6 +11,8 @@ shift counts by how far off the other axes are in it (:mod:`.shift_scale`). An a
 - z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once,
   unless all axes move together in that shift: what one of them has beyond the others is then weather too.
 
+Growth that asks nobody to act yet (:data:`LEAST` of the limit) has to be clearer: its z counts by :data:`DOUBT` less.
+
 A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts. The threshold
 is that of :mod:`.null_runs`.
 """
@@ -27,6 +29,9 @@ from jointwear.monitor.normal.recent_shifts import BACK, AxisWindows, RecentShif
 
 #: Shifts looked back at; growth that is tolerated; growth and windows of a large step.
 SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.001, 0.025, 6
+#: Share of the limit below which growth asks nobody to act, as the friction of healthy axes wanders by as much over
+#: days, and what z is divided by there.
+LEAST, DOUBT = 0.1, 1.5
 #: Growth up to which friction that had alarmed counts as back to normal.
 NORMAL = 0.002
 #: Fewest shifts before the last ones that these are held against.
@@ -49,19 +54,20 @@ class Evidence:
     shifts: np.ndarray
 
 
-def shift_evidence(windows: AxisWindows, normal: Sequence[Posterior], memory: float) -> Evidence:
+def shift_evidence(windows: AxisWindows, normal: Sequence[Posterior], memory: float, least: float = 0.0) -> Evidence:
     """Return the evidence at every window.
 
     Parameters
     ----------
     windows : a fall counts in shifts that mostly are `inside`; one shift is no large step where it is not `calm`.
-    normal : normal states. memory : lag-1 correlation of windows within a shift.
+    normal : normal states. memory : lag-1 correlation of windows within a shift. least : growth from which on somebody
+    has to act, as a log.
     """
     recent = recent_shifts(windows, normal, memory)
     told = recent.judged[:, None] & recent.known[:, :SHIFTS]
     mean, std = _common_means(recent, told)
     up, down = _admitted(recent, mean, windows.calm)
-    growth = np.where(told & up, (mean - TOLERATED) / std, -np.inf)
+    growth = np.where(told & up, _counted(mean, std, least), -np.inf)
     fall = np.where(told & down, (-mean - TOLERATED) / std, -np.inf)
     either = np.maximum(growth, fall)
     # Where neither is admitted, the mean of most shifts is told.
@@ -70,7 +76,7 @@ def shift_evidence(windows: AxisWindows, normal: Sequence[Posterior], memory: fl
     return Evidence(
         growth.max(axis=1),
         fall.max(axis=1),
-        _steps(recent).max(axis=1),
+        _steps(recent, least).max(axis=1),
         np.where(best < 0, 0.0, mean[row, best]),
         np.where(best < 0, np.inf, std[row, best]),
         best + 1,
@@ -91,6 +97,11 @@ def _common_means(recent: RecentShifts, told: np.ndarray) -> tuple[np.ndarray, n
         mean[rows, k - 1] = np.einsum("wk,wk->w", solved, recent.residual[rows, :k]) / information
         std[rows, k - 1] = 1.0 / np.sqrt(information)
     return mean, std
+
+
+def _counted(growth: np.ndarray, error: np.ndarray, least: float) -> np.ndarray:
+    """Return what z of growth counts, of arrays of one shape: less up to `least`."""
+    return (growth - TOLERATED) / (error * np.where(growth > least, 1.0, DOUBT))
 
 
 def _admitted(recent: RecentShifts, mean: np.ndarray, calm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -115,8 +126,11 @@ def _both_up(recent: RecentShifts) -> np.ndarray:
     return (recent.known & (recent.residual > TOLERATED))[:, :2].all(axis=1)
 
 
-def _steps(recent: RecentShifts) -> np.ndarray:
-    """Return z (w, SHIFTS) of the last K shifts less those before them; -inf where the last two are not both up."""
+def _steps(recent: RecentShifts, least: float) -> np.ndarray:
+    """Return z (w, SHIFTS) of the last K shifts less those before them; -inf where the last two are not both up.
+
+    `least` : as of :func:`shift_evidence`.
+    """
     result = np.full((len(recent.count), SHIFTS), -np.inf)
     enough = recent.known.sum(axis=1) >= 2 + FEWEST_BEFORE
     rows = np.flatnonzero(recent.judged & _both_up(recent) & enough)
@@ -132,7 +146,7 @@ def _steps(recent: RecentShifts) -> np.ndarray:
         determinant = a * d - b**2
         difference = (d * p - b * q - a * q + b * p) / determinant
         error = np.sqrt((a + 2 * b + d) / determinant)
-        result[rows, k - 1] = np.where(old, (difference - TOLERATED) / error, -np.inf)
+        result[rows, k - 1] = np.where(old, _counted(difference, error, least), -np.inf)
     return result
 
 

@@ -47,8 +47,10 @@ class Start:
 class WatchedAxis:
     """One axis with its segments: the residual of every window against the normal state that holds for it."""
 
-    def __init__(self, normal: AxisNormal, baseline: np.ndarray, shift: np.ndarray, starts: Sequence[Start]) -> None:
-        self.normal, self.shift = normal, shift
+    def __init__(
+        self, normal: AxisNormal, baseline: np.ndarray, shift: np.ndarray, starts: Sequence[Start], least: float
+    ) -> None:
+        self.normal, self.shift, self.least = normal, shift, least
         w = len(shift)
         matrix = normal.design.matrix
         self.residual, self.predicted = np.full(w, np.nan), np.full(w, np.nan)
@@ -186,7 +188,7 @@ class WatchedAxis:
             calm=calm,
         )
         memory = self.normal.dispersion.memory
-        parts = [shift_evidence(windows.part(rows), self.states, memory) for rows in self.segments]
+        parts = [shift_evidence(windows.part(rows), self.states, memory, self.least) for rows in self.segments]
         return Evidence(*(np.concatenate(p) for p in zip(*(vars(e).values() for e in parts), strict=True)))
 
 
