@@ -156,7 +156,7 @@ def _passed(robot: Robot, unit: str, restrictions: Sequence[str]) -> Iterator[st
     yield f"{robot.joints} joints, as the robot"
     yield f"positions are in {POSITION_WORDS[spelled('position', unit)]}"
     if UNASKED not in restrictions:
-        yield "no other sign, order, zero or side of the axes fits the model better"
+        yield "no other sign, order or side of the axes, nor a zero a quarter turn off, fits the model better"
 
 
 def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Shown], list[Shown]]:

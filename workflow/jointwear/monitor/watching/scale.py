@@ -224,8 +224,9 @@ def _end(k: int, shift: np.ndarray) -> int:
 
 
 def mean_residual(watched: Watch, rows: slice | np.ndarray, j: int, shift: np.ndarray) -> tuple[float, float]:
-    """Return the mean residual of the 0-based axis `j` over windows and its standard error, each shift counting as one.
+    """Return the mean residual of the 0-based axis `j` over windows and its standard error.
 
+    In the error each shift counts as one, however many windows it has.
     NaN and infinite where fewer than two `rows` are judged; `shift` (w,) labels.
     """
     value, variance, label = watched.residual[rows, j], watched.noise[rows, j], shift[rows]
