@@ -50,3 +50,12 @@ def test_torques_in_another_unit_are_no_other_clock(plain, puma):
 def test_noise_without_inertial_torque_tells_nothing(plain, puma):
     noise = np.random.default_rng(5).standard_normal(plain.torque.shape)
     ask(replace(plain, torque=plain.torque.std(axis=0) * noise), puma)
+
+
+def test_a_belt_that_slips_is_no_other_clock(plain, puma):
+    """Its position moves where no torque does, at the largest accelerations of the log; the others keep their size."""
+    time = plain.time - plain.time[0]
+    slips = np.linspace(0.1, 0.9, 9) * np.ptp(time)
+    slipped = plain.position.copy()
+    slipped[:, 1] += 0.06 * np.clip((time[:, None] - slips) / 0.05, 0.0, 1.0).sum(axis=1)
+    ask(replace(plain, position=slipped), puma)

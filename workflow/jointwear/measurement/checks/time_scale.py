@@ -19,6 +19,8 @@ from jointwear.robots.robot import Robot
 LARGEST, STEP = 4.0, 1.1
 #: How closely it is found, as a share of it.
 CLOSELY = 1e-3
+#: Share of the accelerations of a joint that are ordinary, and samples beside the others that are left out with them.
+ORDINARY, BESIDE = 0.9, 2
 #: Powers of the factor in position, velocity, acceleration and torque.
 POWERS = np.array([0.0, 1.0, 2.0, 0.0])
 
@@ -27,8 +29,8 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
     """Check that time passed as fast as the recording says.
 
     Another clock has to be as much likelier as another zero, to fit better in size, to be likelier than every other
-    reading of the axes, and to change inertial torques by more than three standard deviations of a nominal model's
-    inertial parameters.
+    reading of the axes, to show at ordinary accelerations too, and to change inertial torques by more than three
+    standard deviations of a nominal model's inertial parameters.
 
     Parameters
     ----------
@@ -49,7 +51,7 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
     before, after = (total_left(explained(given, p, usable), 1e-12) for p in (parts, other))
     if not before > after:
         return
-    if best_reading(bodies, parts, usable)[0] > nats:
+    if best_reading(bodies, parts, usable)[0] > nats or not _everywhere(bodies, parts, usable):
         return
     raise Refused(
         f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "
@@ -66,6 +68,19 @@ def keeps_time(robot: Robot, parts: np.ndarray, usable: np.ndarray) -> bool:
     parts, usable : as of :func:`check_time_scale`, (m, 4, n) and (m, n).
     """
     return _within_errors(_likeliest(Dynamics(robot.without_drives()), parts, usable)[0])
+
+
+def _everywhere(bodies: Dynamics, parts: np.ndarray, usable: np.ndarray) -> bool:
+    """Return whether ordinary accelerations show another clock as well.
+
+    A wrong clock holds in every sample. A belt or a coupling that slips moves the position of its joint where no torque
+    does: the largest accelerations of the log are then none.
+    """
+    size = np.abs(parts[:, 2])
+    large = (size > np.quantile(size, ORDINARY, axis=0)).any(axis=1)
+    near = np.convolve(large, np.ones(2 * BESIDE + 1), mode="same") > 0.5
+    rest = usable & ~near[:, None]
+    return bool(rest.sum() < FEWEST) or not _within_errors(_likeliest(bodies, parts, rest)[0])
 
 
 def _within_errors(log_factor: float) -> bool:

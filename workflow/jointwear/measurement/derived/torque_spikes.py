@@ -111,8 +111,12 @@ def without_spikes(samples: S, found: np.ndarray) -> S:
 
 def spikes_in_words(found: np.ndarray) -> list[str]:
     """Return in words which joints have spikes (m, n) bool, and where the first is."""
-    return [
-        f"{count(int(found[:, j].sum()), 'torque')} of joint {j + 1} differ from those beside them by more than the "
-        f"whole range of all others, first at sample {np.argmax(found[:, j]) + 1}: left out"
-        for j in np.flatnonzero(found.any(axis=0))
-    ]
+    words = []
+    for j in np.flatnonzero(found.any(axis=0)):
+        torques = int(found[:, j].sum())
+        differ = "differs from those beside it" if torques == 1 else "differ from those beside them"
+        words.append(
+            f"{count(torques, 'torque')} of joint {j + 1} {differ} by more than the whole range of all others, first "
+            f"at sample {np.argmax(found[:, j]) + 1}: left out"
+        )
+    return words
