@@ -134,11 +134,12 @@ def raw_columns(white: White, candidate: Candidate, band: float = 1.0) -> np.nda
     effect = get_effect(candidate.effect)
     state = white.state_of(effect, candidate.axis, candidate.nonlinear, band, candidate.wide)
     columns = effect.columns(state, candidate.axis, candidate.source, candidate.nonlinear)
-    samples = len(state.position)
-    if np.ndim(columns) != 2 or len(columns) != samples:
+    wanted = np.shape(state.position) if effect.whole_arm else np.shape(state.position)[:1]
+    if np.shape(columns)[:-1] != wanted:
+        asked = ", ".join(map(str, wanted))
         raise InputError(
-            f"effect '{candidate.effect}': 'columns' gives shape {np.shape(columns)} (allowed: ({samples}, k), one row "
-            "a sample and one column a coefficient)"
+            f"effect '{candidate.effect}': 'columns' gives shape {np.shape(columns)} (allowed: ({asked}, k), one row a "
+            "sample and one column a coefficient)"
         )
     return columns
 

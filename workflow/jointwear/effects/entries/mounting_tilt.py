@@ -11,6 +11,7 @@ from jointwear.files.errors import InputError
 _LARGEST = 0.35
 #: What bad mounting is likely to be [rad].
 _LIKELY = np.radians(2.0)
+_SENSE = "right-handed turn of gravity as the base has it (the base leans the other way)"
 
 
 def _level(gravity):
@@ -66,7 +67,7 @@ EFFECT = Effect(
     name="Mounting tilt",
     equation="G(q; R g) - G(q; g) with R a turn of gravity by two angles",
     parameters=(
-        Parameter("about_x", "rad", -_LARGEST, _LARGEST, "turn of gravity about the level direction next to base x"),
+        Parameter("about_x", "rad", -_LARGEST, _LARGEST, f"{_SENSE}, about the level direction next to base x"),
         Parameter("about_y", "rad", -_LARGEST, _LARGEST, "the same next to base y"),
     ),
     confused_with=("payload", "joint_spring"),
