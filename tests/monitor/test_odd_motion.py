@@ -38,7 +38,8 @@ def findings(s, regime=PROGRAM, events=((), (), ())):
 
 
 @pytest.mark.parametrize(
-    ("factor", "regime"), [(0.5, PROGRAM), (0.7, PROGRAM), (0.8, PROGRAM), (1.2, PROGRAM), (2.0, PROGRAM), (2.0, None)]
+    ("factor", "regime"),
+    [(0.5, PROGRAM), (0.7, PROGRAM), (0.8, PROGRAM), (1.2, PROGRAM), (2.0, PROGRAM), (0.5, None), (2.0, None)],
 )
 def test_a_clock_at_another_speed_is_told_while_it_runs(factor, regime):
     (found,) = findings(month(speed=1 / factor, step=factor), regime)
