@@ -1,0 +1,64 @@
+"""Programs that the motion shows, in the baseline and after it."""
+
+import numpy as np
+
+from jointwear.monitor.reading.regimes import find_regimes
+
+
+def test_programs_are_told_apart_and_an_unseen_one_is_said_so():
+    first, second, third = np.zeros(6), np.full(6, 1.0), np.full(6, -1.0)
+    signature = np.stack([*[first] * 10, *[second] * 10, *[third] * 3])
+    regime = find_regimes(signature, np.arange(23) < 20)
+    assert len(set(regime[:20])) == 2
+    assert (regime[20:] == -1).all()
+    # From the fourth window on it is a program of its own.
+    longer = find_regimes(np.concatenate([signature, third[None]]), np.arange(24) < 20)
+    assert np.array_equal(longer[:20], regime[:20])
+    assert (longer[20:] == 2).all()
+    mixed = np.random.default_rng(4).uniform(-3, 3, (20, 6))
+    assert find_regimes(mixed, np.ones(20, dtype=bool)) is None
+
+
+def test_a_later_program_near_a_known_one_is_no_part_of_it():
+    random = np.random.default_rng(3)
+    one, other = np.zeros(6), np.full(6, 1.0)
+    baseline = np.arange(48) < 40
+    # Windows differ by 0.03 about their program, and its neighbour is 0.22 away.
+    signature = np.repeat([one, other, one], [20, 20, 8], axis=0) + 0.03 * random.uniform(-1, 1, (48, 6))
+    signature[40:, 2] += 0.22
+    regime = find_regimes(signature, baseline)
+    assert set(regime[:40]) == {0, 1}
+    assert (regime[40:] == 2).all()
+    # Three of them may be windows of the known one that hold a part of its cycle, as may more that do not follow each
+    # other, or that lie on both sides.
+    assert (find_regimes(signature[:43], baseline[:43])[40:] == 0).all()
+    apart = signature.copy()
+    apart[[42, 45]] = one
+    assert (find_regimes(apart, baseline)[40:] == 0).all()
+    about = signature.copy()
+    about[41::2, 2] -= 0.44
+    assert (find_regimes(about, baseline)[40:] == 0).all()
+
+
+def test_an_axis_without_a_torque_makes_no_new_program():
+    speed = np.array([[1.0, 2.0, 0.5], [0.6, 0.7, 2.0]])
+    hidden = np.zeros((28, 3), dtype=bool)
+    hidden[20:, 1] = True
+    which = np.array([0, 1] * 14)
+
+    def told(logs):
+        share = logs - np.nan_to_num(logs).mean(axis=1, keepdims=True)
+        return np.concatenate([share, np.where(np.isnan(logs), np.nan, 0.2)], axis=1)
+
+    logs = np.where(hidden, np.nan, np.log(speed[which]))
+    baseline = np.arange(28) < 20
+    regime = find_regimes(told(logs), baseline, hidden)
+    assert np.array_equal(regime[20:], regime[:8])
+    assert set(regime) == {0, 1}
+    # At rest it is another program.
+    assert not set(find_regimes(told(logs), baseline)[20:]) & {0, 1}
+    # One that never shows a torque is like one that always rests.
+    never = np.zeros((28, 3), dtype=bool)
+    never[:, 1] = True
+    logs = np.where(never, np.nan, np.log(speed[which]))
+    assert np.array_equal(find_regimes(told(logs), baseline, never), find_regimes(told(logs), baseline))
