@@ -156,9 +156,8 @@ def _without_gains(
     and these gains."""
     seen, steps = observe(statistics, baseline, settings), []
     for _ in range(MOST_STEPS):
-        quantities = seen.series["friction"], seen.scale
-        told = {(s.axis, s.window) for s in steps}
-        found = gains_of_axes(*quantities, seen.regime, seen.shift, seen.baseline, seen.events)
+        friction, told = seen.series["friction"], {(s.axis, s.window) for s in steps}
+        found = gains_of_axes(friction, seen.scale, seen.regime, seen.shift, seen.baseline, seen.events)
         fresh = [s for s in found if (s.axis, s.window) not in told]
         if not fresh:
             break

@@ -208,6 +208,7 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     temperature = conditions.temperature[:, axis]
     known = bool(np.isfinite(temperature[baseline]).any())
     warmer = temperature - float(np.nanmedian(temperature[baseline])) if known else None
+    warm = None if warm is None else warm - float(np.mean(warm[baseline]))
     thermal = _add_thermal(columns, conditions, baseline, warmer, warm)
     features = conditions.features[:, axis]
     usual = np.nanmedian(features[baseline], axis=0) if np.isfinite(features[baseline]).any() else np.zeros(5)
@@ -216,7 +217,7 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     if warmer is not None:
         thermal += columns.add((centred * warmer[:, None]).T, FEATURES * PRODUCT)
     elif warm is not None:
-        thermal += columns.add((centred * columns.values[1][:, None]).T, FEATURES * PRODUCT_WARM)
+        thermal += columns.add((centred * warm[:, None]).T, FEATURES * PRODUCT_WARM)
     programs = _add_programs(columns, conditions, baseline, centred[:, 0])
     beyond = _beyond(conditions, temperature, baseline) if known else np.zeros(len(conditions.start))
     return Design(np.stack(columns.values, axis=1), columns.prior(), beyond, tuple(programs), tuple(thermal))
@@ -233,8 +234,8 @@ def _add_thermal(
 
     Parameters
     ----------
-    warmer : (w,) [K] than the middle of the baseline, None where no temperature is known. warm : (w,) warm-up state, or
-        None.
+    warmer : (w,) [K] than the middle of the baseline, None where no temperature is known. warm : (w,) warm-up state
+        less that of the baseline, or None.
     """
     thermal: list[int] = []
     if warmer is not None:
@@ -244,8 +245,7 @@ def _add_thermal(
         thermal += columns.add([one - float(np.mean(one[baseline])) for one in states], [BEHIND] * len(states))
     if warm is not None:
         turn = 2 * np.pi * (0.5 * (conditions.start + conditions.end) / 86400.0)
-        waves = [warm - float(np.mean(warm[baseline])), np.cos(turn), np.sin(turn)]
-        thermal += columns.add(waves, [WARM, DAY, DAY])
+        thermal += columns.add([warm, np.cos(turn), np.sin(turn)], [WARM, DAY, DAY])
     return thermal
 
 

@@ -63,7 +63,7 @@ def axis_summary(
     after = judged[judged >= state.baseline]
     remark = ""
     # Of an axis that was never judged the reason stands in the table of what cannot be judged.
-    late = bool(len(after)) and bool(after[-1] < len(state.start) - FEWEST_NOW)
+    late = len(after) > 0 and bool(after[-1] < len(state.start) - FEWEST_NOW)
     if late:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
