@@ -80,6 +80,10 @@ class Robot:
         """Return the Coulomb friction [N m] of every joint at velocities (..., n), 0 at rest."""
         return np.where(velocity > 0, self.coulomb_positive, 0.0) + np.where(velocity < 0, self.coulomb_negative, 0.0)
 
+    def friction(self, velocity: np.ndarray) -> np.ndarray:
+        """Return the viscous and Coulomb friction [N m] of every joint at velocities (..., n) [rad/s]."""
+        return self.viscous * velocity + self.coulomb(velocity)
+
     @property
     def joints(self) -> int:
         """Number of joints."""

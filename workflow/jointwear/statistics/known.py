@@ -1,4 +1,4 @@
-"""Medians of what is known: NaN where nothing is, without a warning."""
+"""Medians and sizes of what is known, without a warning where nothing is."""
 
 from __future__ import annotations
 
@@ -22,3 +22,10 @@ def known_median(values: np.ndarray, axis: int | None = None) -> np.ndarray:
     low, high = (np.take_along_axis(ordered, np.maximum(k, 0) // 2, -1)[..., 0] for k in (count - 1, count))
     # Without any, the first of the ordered values is NaN.
     return 0.5 * (low + high)
+
+
+def known_rms(values: np.ndarray, fewest: int = 0) -> np.ndarray:
+    """Return the root mean square (n,) of the finite ones of values (k, n), infinite where fewer than `fewest` are; 0
+    where none is and none is asked for."""
+    count = np.isfinite(values).sum(axis=0)
+    return np.where(count >= fewest, np.sqrt(np.nansum(values**2, axis=0) / np.maximum(count, 1)), np.inf)

@@ -46,7 +46,7 @@ def check_model_size(measured: Measured, robot: Robot, name: str, behind_gears: 
     parts = {
         "the bodies": rigid - rotor,
         "motor inertia": rotor,
-        "friction": robot.viscous * samples.velocity + robot.coulomb(samples.velocity),
+        "friction": robot.friction(samples.velocity),
     }
     ratio = np.full(robot.joints, np.nan)
     error = samples.torque - sum(parts.values())

@@ -233,7 +233,7 @@ def check_size(measured: Measured, robot: Robot, name: str) -> None:
     Refused : with the factor, and the keys that mend it.
     """
     rigid = Dynamics(robot).rigid_body_torque(measured.position, measured.velocity, measured.acceleration)
-    rubbed = rigid + robot.viscous * measured.velocity + robot.coulomb(measured.velocity)
+    rubbed = rigid + robot.friction(measured.velocity)
     used = measured.usable & np.isfinite(measured.torque)
     count = used.sum(axis=0)
     bodies, whole, torque = (

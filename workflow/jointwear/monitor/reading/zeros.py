@@ -27,7 +27,7 @@ from jointwear.monitor.reading.torque_lag import normalised, nuisances
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.publishing.report.numbers import number
 from jointwear.robots.dynamics import Dynamics
-from jointwear.statistics.known import known_median
+from jointwear.statistics.known import known_median, known_rms
 
 #: Kind of the finding.
 ZERO = "zero"
@@ -140,14 +140,11 @@ def changed_zero(
     early = np.array([baseline[rows].all() for _, rows in shifts])
     if early.sum() < USUAL:
         return None
-    many = np.isfinite(mean[early]).sum(axis=0)
-    spread = np.sqrt(np.nansum(mean[early] ** 2, axis=0) / np.maximum(many, 1))
-    spread[many < USUAL] = np.inf
+    spread = known_rms(mean[early], USUAL)
     # A part that is carried in some windows and found in some of these turns their angles to either side: the median
     # of a few windows of a shift then jumps, that of many in the baseline does not.
     off = [change[rows] - middle for (_, rows), middle in zip(shifts, mean, strict=True)]
-    usual_off = np.concatenate([off[k] for k in np.flatnonzero(early)])
-    scatter = np.sqrt(np.nansum(usual_off**2, axis=0) / np.maximum(np.isfinite(usual_off).sum(axis=0), 1))
+    scatter = known_rms(np.concatenate([off[k] for k in np.flatnonzero(early)]))
     counted = np.array([np.isfinite(own).sum(axis=0) for own in off])
     error = OF_MEDIAN * scatter / np.sqrt(np.maximum(counted, 1))
     first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]

@@ -16,11 +16,11 @@ import numpy as np
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.monitor.watching.scale import AGAINST, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_of
+from jointwear.monitor.watching.scale import AGAINST, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_beside
 from jointwear.monitor.watching.shared_error import FINDING
-from jointwear.statistics.known import known_median
+from jointwear.statistics.known import known_median, known_rms
 
-#: Least scatter of the medians of shifts, as of the normal state; how many shifts of the baseline tell it.
+#: Least scatter of the medians of shifts, and how many shifts of the baseline tell it.
 FLOOR, USUAL = 0.005, 2
 #: By which share of it friction and bodies may differ from one factor; factors of two shifts in a row too.
 ALIKE = 0.2
@@ -70,10 +70,10 @@ def gains_of_axes(
         if steady.any():
             a = int(np.argmax(steady))
             size = float(np.median(moved[a : a + 2, j]))
-            rows = np.flatnonzero((place >= max(a - 1, 0)) & (place <= a) & ~baseline)
-            values = np.stack([rubs[rows, j], moves[rows, j]], axis=1)
-            spread = np.stack([rub_error[a, j] ** 2 + noise[0][rows, j], move_error[a, j] ** 2 + noise[1][rows, j]], 1)
-            found.append(ScaleStep(j, int(rows[cut_of(values, spread, size)]), float(np.exp(size))))
+            values = np.stack([rubs[:, j], moves[:, j]], axis=1)
+            spread = np.stack([rub_error[a, j] ** 2 + noise[0][:, j], move_error[a, j] ** 2 + noise[1][:, j]], axis=1)
+            begin = cut_beside(values, spread, size, shift, names[max(a - 1, 0) : a + 1], baseline)
+            found.append(ScaleStep(j, begin, float(np.exp(size))))
     return found
 
 
@@ -89,9 +89,7 @@ def _of_shifts(
     shifts = [values[place == a] for a in range(len(early))]
     middle = np.array([known_median(own, axis=0) for own in shifts])
     spread = np.array([known_median(variance[place == a], axis=0) for a in range(len(early))])
-    known = np.isfinite(middle[early]).sum(axis=0)
-    scatter = np.sqrt(np.nansum(middle[early] ** 2, axis=0) / np.maximum(known, 1))
-    scatter = np.where(known >= USUAL, np.maximum(scatter, FLOOR), np.inf)
+    scatter = np.maximum(known_rms(middle[early], USUAL), FLOOR)
     count = np.array([np.maximum(np.isfinite(own).sum(axis=0), 1) for own in shifts])
     return middle, np.sqrt(scatter**2 + spread / count)
 
