@@ -32,9 +32,9 @@ def residuals(windows: int, growth: np.ndarray, seed: int, extra: np.ndarray | f
     return growth[:, None] * friction + noise + extra
 
 
-def statistics_of(residual: np.ndarray, still: int | None = None):
-    """Window statistics of residual torque; axis `still` is at rest."""
-    x, w = motion(), len(residual)
+def statistics_of(residual: np.ndarray, still: int | None = None, x: np.ndarray | None = None):
+    """Window statistics of residual torque; axis `still` is at rest; `x` (s, n, 5) regressors, :func:`motion`."""
+    x, w = motion() if x is None else x, len(residual)
     s = blank_statistics(3600.0 * np.arange(w), 3600.0, np.full(3, 20.0))
     gram = np.einsum("snp,snq->npq", x, x)
     moment = np.einsum("wsn,snp->wnp", residual, x)

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from monitor_logs import make_log, model
+from monitor_windows import COULOMB, NOISE, PER_WINDOW, SETTINGS, VISCOUS, motion, statistics_of
 from test_monitor_windows import statistics
 
 from jointwear.monitor.findings.findings import _scales
+from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.reading.windows import blank_statistics
 from jointwear.monitor.watching.gain_of_axes import gains_of_axes, without_gain
@@ -67,6 +69,53 @@ def test_one_shift_alone_or_after_an_event_or_in_a_new_program_is_none():
     assert told(*passing) == []
     # A baseline that scatters by as much as the step says nothing.
     assert told(series({2: 0.2}, 1, scatter=0.2), both[1]) == []
+
+
+def test_a_gain_of_an_axis_that_wears_is_told_beside_its_wear():
+    """As of all axes of a robot of the shop floor (`choose` 513) whose sixth had grown by 6 %."""
+    rubs, moves = series({}, 1), series({}, 2)
+    gained = 0.1 * (np.arange(80) >= 66)[:, None] * np.isin(np.arange(6), (2, 3))
+    worn = np.interp(np.arange(80), [32, 56], [0.0, 0.06])[:, None] * (np.arange(6) == 2)
+    found = told(replace(rubs, value=rubs.value + gained + worn), replace(moves, value=moves.value + gained))
+    assert [(s.axis, s.window) for s in found] == [(2, 66), (3, 66)]
+    assert [s.factor for s in found] == pytest.approx([np.exp(0.1)] * 2, abs=0.01)
+    assert told(replace(rubs, value=rubs.value + worn), moves) == []
+
+
+def test_a_gain_of_most_axes_is_told_of_those_whose_bodies_say_little():
+    """As on an arm whose wrist carries parts by lots: its bodies move by half of themselves from shift to shift."""
+    rubs, moves = (series(dict.fromkeys(range(6), 0.14), seed) for seed in (1, 2))
+    parts = moves.value.copy()
+    parts[:, 4:] += np.where(SHIFT % 2, 0.3, -0.3)[:, None]
+    found = told(rubs, replace(moves, value=parts))
+    assert [(s.axis, s.window) for s in found] == [(j, BEGIN) for j in range(6)]
+    # Friction that stays, bodies that stay or something that was done to it speak against it.
+    other = series(dict.fromkeys(range(5), 0.14), 1)
+    assert [s.axis for s in told(other, replace(moves, value=parts))] == list(range(5))
+    still = series(dict.fromkeys(range(4), 0.14), 2)
+    assert [s.axis for s in told(rubs, still)] == list(range(4))
+    events = [[], [], [], [], [], [40]]
+    assert [s.axis for s in told(rubs, replace(moves, value=parts), events=events)] == list(range(5))
+    # Two of six are no common cause.
+    light = replace(moves, value=np.where(np.arange(6) < 2, parts, parts[:, 4:5]))
+    assert [s.axis for s in told(rubs, light)] == [0, 1]
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.15])
+def test_a_gain_is_told_where_gravity_turns_with_the_motion_and_looks_like_friction(factor):
+    """As of an axis that lifts one way and lowers the other in its only cycle (one of six, 0.9): gravity is held in its
+    estimate of friction, which a gain then moves by a third more than the bodies."""
+    x = motion()
+    x[:, 1, 3] = 6.0 * np.sign(x[:, 1, 2]) + np.random.default_rng(2).normal(0, 3, PER_WINDOW)
+    torque = x[..., 0] * COULOMB[:, 0] + x[..., 1] * COULOMB[:, 1] + x[..., 2] * VISCOUS + x[..., 3] + x[..., 4]
+    residual = 0.1 * NOISE * np.random.default_rng(3).standard_normal((200, PER_WINDOW, 3))
+    residual[120:, :, 1] += (factor - 1) * torque[:, 1]
+    judgement = judge(statistics_of(residual, x=x), 80, SETTINGS)
+    (scale,) = [f for f in judgement.findings if f["kind"] == "scale"]
+    assert (scale["axes"], scale["time"]) == ([2], 120 * 3600.0)
+    assert f"of axis 2 changed by {factor:.3g}:" in scale["words"]
+    assert judgement.alarms == []
+    assert abs(judgement.estimates["coulomb_percent"][-1, 1]) < 1.0
 
 
 def test_windows_without_a_gain_are_those_of_the_torque_divided_by_it():

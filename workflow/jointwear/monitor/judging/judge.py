@@ -156,7 +156,7 @@ def _without_gains(
     and these gains."""
     seen, steps = observe(statistics, baseline, settings), []
     for _ in range(MOST_STEPS):
-        friction, told = seen.series["friction"], {(s.axis, s.window) for s in steps}
+        friction, told = seen.series["beside_bodies"], {(s.axis, s.window) for s in steps}
         found = gains_of_axes(friction, seen.scale, seen.regime, seen.shift, seen.baseline, seen.events)
         fresh = [s for s in found if (s.axis, s.window) not in told]
         if not fresh:

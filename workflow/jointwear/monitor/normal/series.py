@@ -3,6 +3,7 @@
 `coulomb`: log of the Coulomb level over the nominal one. `friction`: log of Coulomb and viscous friction at the usual
 speed of the axis, which a short window shows far better than either part; `viscous`: the viscous part at that speed,
 over the friction of the baseline. Nuisances (offset, gravity, inertia) are estimated along as :mod:`.estimate` says.
+`beside_bodies`: as `friction`, with gravity and inertia free in every window, whatever that costs.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ COARSEST = 0.25
 #: Standard errors by which friction that is not known must lie nearer to none than to that of the baseline.
 DRIVES = 5.0
 _VISCOUS = COLUMNS.index("viscous")
+_BODIES = [COLUMNS.index("gravity"), COLUMNS.index("inertial")]
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,10 @@ def friction_series(
     # A robot file without friction says nothing of its parts. Where the motion tells them no better, all of it counts.
     share = np.clip(np.nan_to_num(0.5 * (of_coulomb + nominal_share), nan=1.0), 0.1, 1.0)
     friction = _logs(at_speed, variance, level, share)
+    loose = free.copy()
+    loose[:, _BODIES] = True
+    value, variance = column_estimate(turned, usual.held, loose, usual.variance)
+    beside = _logs(nominal + viscous * speed / level + value, variance, level, share)
     with np.errstate(invalid="ignore"):
         none = at_speed + DRIVES * np.sqrt(variance) < 0.5 * usual_level
     size = np.where(speed > 0, speed / level / middle, np.nan)
@@ -104,6 +110,7 @@ def friction_series(
         "coulomb": replace(coulomb_level, added=_leak(first, plain.free, speed, level) * level * middle),
         "friction": replace(friction, driving=none & ~np.isfinite(friction.value), added=level * middle),
         "viscous": Series(_known(part, of_slope), of_slope, level * middle, share),
+        "beside_bodies": beside,
     }
 
 

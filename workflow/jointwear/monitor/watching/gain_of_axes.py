@@ -3,7 +3,8 @@
 The normal state knows conditions of operation, and a gain looks like one: the gravity torque of its axis grows as with
 a load. Where a robot repeats one cycle no window of the baseline had such a load, so that its axis is not judged, and
 :mod:`.scale` has nothing to look at. But a gain multiplies friction and bodies of an axis by the same factor and leaves
-those of the others, which neither wear nor a load does.
+those of the others, which neither wear nor a load does. Friction is told beside bodies that are free in every window:
+where they are held, as they look like friction in the only cycle, a gain of them moves it too.
 """
 
 from __future__ import annotations
@@ -16,7 +17,15 @@ import numpy as np
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.monitor.watching.scale import AGAINST, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_beside
+from jointwear.monitor.watching.scale import (
+    AGAINST,
+    FEWEST_TOGETHER,
+    MOST,
+    TOGETHER,
+    ScaleStep,
+    cut_beside,
+    usual_before,
+)
 from jointwear.monitor.watching.shared_error import FINDING
 from jointwear.statistics.known import known_median, known_rms
 
@@ -34,13 +43,13 @@ def gains_of_axes(
     baseline: np.ndarray,
     events: Sequence[Sequence[int]],
 ) -> list[ScaleStep]:
-    """Return the first gain after the baseline of each axis that shows one in two shifts in a row.
+    """Return the first gain after the baseline of each axis that shows one in two shifts in a row, or has that of most.
 
     Parameters
     ----------
-    friction, scale : of friction and of what moves the bodies, as logs. regime : (w,) program of each window, -1
-        unknown, or None for one. shift : (w,) labels. baseline : (w,) bool. events : for each axis the windows at which
-        something was done to it, from the first of which on it is not held against before.
+    friction, scale : of friction beside free bodies and of what moves the bodies, as logs. regime : (w,) program of
+        each window, -1 unknown, or None for one. shift : (w,) labels. baseline : (w,) bool. events : for each axis the
+        windows at which something was done to it, from the first of which on it is not held against before.
     """
     w, n = friction.value.shape
     program = programs_or_one(regime, w)
@@ -53,28 +62,87 @@ def gains_of_axes(
     (rubbed, rub_error), (moved, move_error) = (
         _of_shifts(values, variance, place, early) for values, variance in zip((rubs, moves), noise, strict=True)
     )
-    with np.errstate(invalid="ignore"):
-        alike = np.abs(rubbed - moved) < np.maximum(ALIKE * np.abs(moved), AGAINST * rub_error)
-        bodies = (np.abs(moved) > np.maximum(FINDING, TOGETHER * move_error)) & ~early[:, None]
-        both = bodies & alike & (np.abs(rubbed) > TOGETHER * rub_error) & (rubbed * moved > 0)
-    # A load moves the bodies of several axes, and their friction by another share.
-    loaded = (bodies & ~both).sum(axis=1) + 1 >= FEWEST_TOGETHER
-    both &= ~loaded[:, None]
-    found = []
+    levels = np.stack([rubbed, moved], axis=-1)
+    errors = np.stack([rub_error, move_error], axis=-1)
+    # Of a worn axis friction lies off its baseline already: the shifts before tell what a gain has added.
+    pairs = [_pairs(levels, errors, early, usual) for usual in (np.zeros_like(levels), usual_before(levels))]
+    found: list[ScaleStep] = []
+    first: dict[int, int] = {}
+    ends = [[k for k in own if not baseline[k]] for own in events]
+    last = np.array([place[min(own)] if own else len(names) for own in ends])
     for j in range(n):
-        ends = [k for k in events[j] if not baseline[k]]
-        last = place[min(ends)] if ends else len(names)
-        steady = both[1:last, j] & both[: max(last - 1, 0), j]
-        with np.errstate(invalid="ignore"):
-            steady &= np.abs(np.diff(moved[:last, j])) < ALIKE * np.abs(moved[1:last, j])
-        if steady.any():
-            a = int(np.argmax(steady))
-            size = float(np.median(moved[a : a + 2, j]))
-            values = np.stack([rubs[:, j], moves[:, j]], axis=1)
-            spread = np.stack([rub_error[a, j] ** 2 + noise[0][:, j], move_error[a, j] ** 2 + noise[1][:, j]], axis=1)
-            begin = cut_beside(values, spread, size, shift, names[max(a - 1, 0) : a + 1], baseline)
+        until = max(last[j] - 1, 0)
+        shown = [(int(np.argmax(p[0][:until, j])), k) for k, p in enumerate(pairs) if p[0][:until, j].any()]
+        if shown:
+            first[j], k = min(shown)
+            size, usual = (x[first[j], j] for x in pairs[k][1:])
+            values = np.stack([rubs[:, j], moves[:, j]], axis=1) - usual
+            spread = np.stack(
+                [s[first[j], j] ** 2 + v[:, j] for s, v in zip((rub_error, move_error), noise, strict=True)], axis=1
+            )
+            begin = cut_beside(values, spread, float(size), shift, names[max(first[j] - 1, 0) : first[j] + 1], baseline)
             found.append(ScaleStep(j, begin, float(np.exp(size))))
+    return _together(found, first, levels, errors, last)
+
+
+def _together(
+    found: list[ScaleStep], first: dict[int, int], levels: np.ndarray, errors: np.ndarray, last: np.ndarray
+) -> list[ScaleStep]:
+    """Return the steps, with one that at least half of the axes show at once as a step of each axis that may have it.
+
+    Its friction has to step alike, and its bodies must say nothing against: they may be light, or carry what changes.
+
+    Parameters
+    ----------
+    first : the shift in which each axis of `found` begins. levels, errors : (s, n, 2) of friction and bodies. last :
+        (n,) the shift with the first event of each axis after the baseline.
+    """
+    n = len(last)
+    for one in found:
+        a, size = first[one.axis], float(np.log(one.factor))
+        near = [s for s in found if abs(first[s.axis] - a) <= 1 and abs(np.log(s.factor) - size) < ALIKE * abs(size)]
+        if len(near) < max(FEWEST_TOGETHER, MOST * n):
+            continue
+        size = float(np.mean([np.log(s.factor) for s in near]))
+        off = np.abs(levels[a : a + 2] - usual_before(levels)[a] - size)
+        tolerated = np.maximum(ALIKE * abs(size), AGAINST * errors[a : a + 2])
+        alike, against = (off < tolerated)[..., 0].all(axis=0), (off > tolerated)[..., 1].any(axis=0)
+        window = int(np.median([s.window for s in near]))
+        own = {s.axis for s in near}
+        rest = [j for j in range(n) if j not in own and alike[j] and not against[j] and last[j] > a + 1]
+        others = [s for s in found if s.axis not in own | set(rest)]
+        common = [replace(s, window=window) for s in near] + [ScaleStep(j, window, float(np.exp(size))) for j in rest]
+        return sorted([*others, *common], key=lambda s: s.axis)
     return found
+
+
+def _pairs(
+    levels: np.ndarray, errors: np.ndarray, early: np.ndarray, usual: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return of each shift but the last whether (s - 1, n) it and the next show a gain, of which size, beyond what.
+
+    Parameters
+    ----------
+    levels, errors : (s, n, 2) of friction and bodies. early : (s,) bool, shifts of the baseline. usual : (s, n, 2) what
+        a shift and the next are held against.
+    """
+    usual = usual[:-1]
+    shown, sizes = [], []
+    for rows in (slice(None, -1), slice(1, None)):
+        rubbed, moved = np.moveaxis(levels[rows] - usual, -1, 0)
+        rub_error, move_error = np.moveaxis(errors[rows], -1, 0)
+        with np.errstate(invalid="ignore"):
+            alike = np.abs(rubbed - moved) < np.maximum(ALIKE * np.abs(moved), AGAINST * rub_error)
+            bodies = (np.abs(moved) > np.maximum(FINDING, TOGETHER * move_error)) & ~early[rows, None]
+            both = bodies & alike & (np.abs(rubbed) > TOGETHER * rub_error) & (rubbed * moved > 0)
+        # A load moves the bodies of several axes, and their friction by another share.
+        loaded = (bodies & ~both).sum(axis=1) + 1 >= FEWEST_TOGETHER
+        shown.append(both & ~loaded[:, None])
+        sizes.append(moved)
+    first, second = sizes
+    with np.errstate(invalid="ignore"):
+        steady = shown[0] & shown[1] & (np.abs(second - first) < ALIKE * np.abs(second))
+    return steady, (first + second) / 2, usual
 
 
 def _of_shifts(

@@ -136,15 +136,20 @@ def _common(plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
         alike = np.abs(friction - size[:, None]) < ALIKE * np.abs(size)[:, None]
     clear &= (apart & (weight > 0)).sum(axis=1) <= len(named) // 3
     clear &= alike.sum(axis=1) > MOST * np.isfinite(friction).sum(axis=1)
-    pairs = clear[1:] & clear[:-1] & (np.sign(size[1:]) == np.sign(size[:-1]))
-    if not pairs.any():
+    a = first_pair(clear, size)
+    if a is None:
         return []
-    a = int(np.argmax(pairs))
     value, variance = scale.residual[:, named], scale.noise[:, named]
     begin = cut_beside(value, variance, float(size[a + 1]), shift, names[max(a - 1, 0) : a + 1], baseline)
     factor = float(np.exp(size[a + 1]))
     against = {j for k, j in enumerate(named) if apart[a : a + 2, k].all()}
     return [ScaleStep(j, begin, factor) for j in range(n) if plain.axes[j] is not None and j not in against]
+
+
+def first_pair(shown: np.ndarray, size: np.ndarray) -> int | None:
+    """Return the first shift that, with the next, is `shown` (s,) to step to the same side; None where none is."""
+    pairs = shown[1:] & shown[:-1] & (np.sign(size[1:]) == np.sign(size[:-1]))
+    return int(np.argmax(pairs)) if pairs.any() else None
 
 
 def _evidence(step: float, size: float, error: float) -> float:
@@ -255,8 +260,14 @@ def shift_steps(
     for a, s in enumerate(names):
         for j in axes:
             means[a, j] = mean_residual(watched, shift == s, j, shift)
-    usual = np.full((len(names), n), np.nan)
-    for a in range(1, len(names)):
-        usual[a] = known_median(means[max(a - BEFORE, 0) : a, :, 0], axis=0)
+    usual = usual_before(means[..., 0])
     usual[np.isnan(usual)] = unknown
     return usual, np.stack([means[..., 0] - usual, means[..., 1]], axis=-1)
+
+
+def usual_before(values: np.ndarray) -> np.ndarray:
+    """Return what was usual before each shift: the median of `values` (s, ...) over :data:`BEFORE` shifts before it."""
+    usual = np.full(values.shape, np.nan)
+    for a in range(1, len(values)):
+        usual[a] = known_median(values[max(a - BEFORE, 0) : a], axis=0)
+    return usual
