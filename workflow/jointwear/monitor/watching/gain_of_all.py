@@ -9,7 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.monitor.watching.scale import ALIKE, FEWEST_TOGETHER, TOGETHER, ScaleStep, cut_beside, shift_steps
+from jointwear.monitor.watching.scale import (
+    ALIKE,
+    FEWEST_TOGETHER,
+    TOGETHER,
+    ScaleStep,
+    cut_beside,
+    first_pair,
+    shift_steps,
+)
 from jointwear.monitor.watching.shared_error import FINDING
 from jointwear.monitor.watching.watching import Watch
 
@@ -48,10 +56,9 @@ def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
     good = (np.abs(sizes) > FINDING) & (known.sum(axis=1) >= FEWEST_TOGETHER) & ~np.isin(names, shift[baseline])
     good &= alike.sum(axis=1) > MOST * known.sum(axis=1)
     good &= (shown.sum(axis=1) >= np.maximum(2, SOME * told)) & (against.sum(axis=1) <= SOME * told)
-    pairs = good[1:] & good[:-1] & (np.sign(sizes[1:]) == np.sign(sizes[:-1]))
-    if not pairs.any():
+    a = first_pair(good, sizes)
+    if a is None:
         return []
-    a = int(np.argmax(pairs))
     value, variance = level.residual[:, axes] - usual[a, axes], level.noise[:, axes]
     begin = cut_beside(value, variance, float(sizes[a + 1]), shift, names[max(a - 1, 0) : a + 1], baseline)
     factor = float(np.exp(np.median(bodies[a + 1, shown[a + 1], 0])))
