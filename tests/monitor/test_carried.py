@@ -1,11 +1,13 @@
 """The load at the flange that no log tells."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.reading.carried import LoadsOnMotion, _positive, find_load, near_switch, with_loads
+from jointwear.monitor.reading.carried import LoadsOnMotion, _positive, find_load, near_switch, together, with_loads
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
@@ -126,7 +128,7 @@ def test_friction_and_noise_are_no_load_and_a_load_becomes_part_of_the_model(mot
     assert find_load(torque, columns_of(velocity), unit.sum(axis=0), used, STEP) is None
     zeros = np.zeros_like(velocity)
     plain = ModelTorque(zeros, zeros, zeros)
-    whole = [slice(0, 300)]
+    whole = [[slice(0, 300)]]
     same, clear = with_loads(plain, torque, velocity, used, whole, STEP, along)
     assert not same.total.any()
     assert clear.all()
@@ -138,11 +140,47 @@ def test_friction_and_noise_are_no_load_and_a_load_becomes_part_of_the_model(mot
     assert 0 < (~clear[:, 0]).sum() < 20
 
 
+@pytest.mark.parametrize(("begin", "end"), [(25, 65), (40, 70), (235, 262)])
+def test_a_hole_hides_no_load_of_the_short_piece_beside_it(motion, begin, end):
+    velocity, unit = motion[1], motion[3]
+    along = LoadsOnMotion(FlangeLoad(robot_of(robot_data(LIGHT))), *motion[:3])
+    used = np.abs(velocity) > 0.02
+    carried = np.sin(0.12 * np.arange(300) + 0.3) > 0
+    load = 5.0 * unit.sum(axis=0)[:, 0] * carried[:, None]
+    torque = 4.0 * np.sign(velocity) + 0.3 * np.random.default_rng(1).standard_normal(velocity.shape) + load
+    zeros = np.zeros_like(velocity)
+    pieces = [slice(0, begin), slice(end, 300)]
+    groups = together(pieces, np.zeros(300), np.arange(300) >= end, STEP)
+    found, clear = with_loads(ModelTorque(zeros, zeros, zeros), torque, velocity, used, groups, STEP, along)
+    known = clear[:, 0] & ((np.arange(300) < begin) | (np.arange(300) >= end))
+    wrong = (np.abs(found.total - load) > 0.05 * np.abs(load).max()).any(axis=1)
+    # A switch within a quarter of a second of a hole is not seen.
+    assert wrong[known].mean() < 0.02
+    assert known[: pieces[0].stop].any()
+    assert known[pieces[1].start :].any()
+
+
+def test_pieces_too_short_to_show_a_load_go_with_what_is_beside_them():
+    def lengths(pieces, window, stretch):
+        ends = np.cumsum([0, *pieces])
+        slices = [slice(a, b) for a, b in itertools.pairwise(ends)]
+        labels = [np.repeat(x, pieces) for x in (window, stretch)]
+        return [[s.stop - s.start for s in group] for group in together(slices, *labels, STEP)]
+
+    assert lengths([300, 44, 300], [0, 0, 0], [0, 1, 2]) == [[300], [44, 300]]
+    assert lengths([220, 44, 300], [0, 0, 1], [0, 1, 2]) == [[220, 44], [300]]
+    assert lengths([30, 300], [0, 1], [0, 0]) == [[30, 300]]
+    assert lengths([30, 300], [0, 1], [0, 1]) == [[30], [300]]
+    assert lengths([100, 100, 100, 100], [0, 0, 0, 0], [0, 1, 2, 3]) == [[100, 100], [100, 100]]
+    assert together([], np.zeros(0), np.zeros(0), STEP) == []
+
+
 def test_samples_around_a_switch_are_left_out():
     near = near_switch(np.arange(100) >= 50, 0.02)
     assert near[50]
     assert not near[:30].any()
     assert near.sum() < 40
+    assert near_switch(np.arange(7) >= 5, 0.02).all()
 
 
 def test_a_switch_does_not_turn_on_round_off_at_rest():

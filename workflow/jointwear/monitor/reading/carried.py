@@ -17,7 +17,7 @@ number in each second, found with the nuisances free.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -36,6 +36,8 @@ SMOOTH, EDGE = 0.5, 0.3
 CLEAR = 4.0
 #: Time [s] between samples that suffices to find a load. Fewest of them.
 STEP, FEWEST = 0.1, 60
+#: Time [s] of samples that shows a load: two to four cycles of a robot.
+SUFFICES = 20.0
 #: Time [s] over which a switch that is any number keeps its value, rounds of finding it, and what is added to its
 #: normal equations, of their mean diagonal: the nuisances hardly tell a load that is carried throughout from none.
 SEGMENT, RELAXED_ROUNDS, RELAXED_RIDGE = 1.0, 4, 1e-3
@@ -102,7 +104,7 @@ def with_loads(
     residual: np.ndarray,
     velocity: np.ndarray,
     used: np.ndarray,
-    pieces: Sequence[slice],
+    groups: Sequence[Sequence[slice]],
     step: float,
     torques: UnitTorques,
     least: float = 0.0,
@@ -112,32 +114,38 @@ def with_loads(
     Parameters
     ----------
     model : torques (m, n) without the loads. residual : (m, n) torque less that of the model. used : (m, n) samples
-        that count, moving ones. pieces : uninterrupted samples in which one load may be. step : [s] between samples.
-    torques : of loads at samples. least : smallest mass [kg].
+        that count, moving ones. groups : pieces of uninterrupted samples, those together in which one load may be.
+    step : [s] between samples. torques : of loads at samples. least : smallest mass [kg].
     """
     clear = np.ones(used.shape, dtype=bool)
     every = max(round(STEP / step), 1)
-    index = [np.arange(piece.start, piece.stop, every) for piece in pieces]
+    index = [np.arange(piece.start, piece.stop, every) for group in groups for piece in group]
     rows = np.concatenate(index) if index else np.zeros(0, dtype=int)
     if not len(rows):
         return model, clear
     v, on = velocity[rows], used[rows]
-    # What no axis is asked of says nothing of a load.
+    # What no axis is asked of says nothing of a load. A last row, of nothing, lies between the pieces of a group.
     asked = on.any(axis=1)
-    units = np.zeros((4, used.shape[1], len(rows))).transpose(2, 0, 1)
-    units[asked] = torques.unit(rows[asked])
+    units = np.zeros((4, used.shape[1], len(rows) + 1)).transpose(2, 0, 1)
+    units[:-1][asked] = torques.unit(rows[asked])
     columns = np.stack([v > 0, -(v < 0).astype(float), v, model.gravity[rows], model.inertial[rows]])
-    columns = np.where(on, columns, 0.0).transpose(2, 0, 1)
-    moments, at = np.zeros((len(used), 4)), 0
-    for piece, samples in zip(pieces, index, strict=True):
-        own = slice(at, at + len(samples))
-        at = own.stop
-        load = find_load(residual[samples], columns[:, :, own], units[own], on[own], every * step, least)
+    columns = _with_nothing(np.where(on, columns, 0.0).transpose(1, 2, 0)).transpose(1, 2, 0)
+    left, on = _with_nothing(residual[rows]), _with_nothing(on)
+    moments, places = np.zeros((len(used), 4)), _places(index)
+    apart = np.full(max(round(SMOOTH / (every * step)), 1), -1)
+    for group in groups:
+        own = [next(places) for _ in group]
+        at = np.concatenate([part for place in own for part in (place, apart)][:-1])
+        load = find_load(left[at], columns[:, :, at], units[at], on[at], every * step, least)
         if load is None:
             continue
-        carried = np.repeat(load.carried, every)[: piece.stop - piece.start]
-        moments[piece] = carried[:, None] * load.moments
-        clear[piece] &= ~near_switch(carried, step)[:, None]
+        begin = 0
+        for piece, place in zip(group, own, strict=True):
+            there = load.carried[begin : begin + len(place)]
+            begin += len(place) + len(apart)
+            carried = np.repeat(there, every)[: piece.stop - piece.start]
+            moments[piece] = carried[:, None] * load.moments
+            clear[piece] &= ~near_switch(carried, step)[:, None]
     loaded = np.flatnonzero(moments.any(axis=1))
     if not len(loaded):
         return model, clear
@@ -146,6 +154,57 @@ def with_loads(
     for part, more in zip(parts, (gravity + inertial, gravity, inertial), strict=True):
         part[loaded] += more
     return ModelTorque(*parts), clear
+
+
+def together(pieces: Sequence[slice], window: np.ndarray, stretch: np.ndarray, step: float) -> list[list[slice]]:
+    """Return the pieces in groups that one load is looked for in: those too short to show one with what is beside them.
+
+    Parameters
+    ----------
+    pieces : uninterrupted samples of one window each, in order. window, stretch : (m,) labels. step : [s] between
+        samples.
+
+    Notes
+    -----
+    A hole cuts a piece off from what its window shows. Of its few moves most fit a load no better than friction: with
+    none taken off, or a wrong one, parts of 5 to 14 kg turned into 30 to 70 % of friction beside holes of seconds.
+    """
+
+    def beside(one: slice, other: slice) -> bool:
+        return window[one.start] == window[other.start] or stretch[one.start] == stretch[other.start]
+
+    groups: list[list[slice]] = []
+    for piece in pieces:
+        if groups and _seconds(groups[-1], step) < SUFFICES and beside(groups[-1][-1], piece):
+            groups[-1].append(piece)
+            continue
+        _join_short(groups, beside, step)
+        groups.append([piece])
+    _join_short(groups, beside, step)
+    return groups
+
+
+def _join_short(groups: list[list[slice]], beside: Callable[[slice, slice], bool], step: float) -> None:
+    """Put the last group, where it is too short and nothing follows beside it, to the one before it."""
+    if len(groups) > 1 and _seconds(groups[-1], step) < SUFFICES and beside(groups[-2][-1], groups[-1][0]):
+        groups[-2:] = [groups[-2] + groups[-1]]
+
+
+def _seconds(group: Sequence[slice], step: float) -> float:
+    return step * sum(piece.stop - piece.start for piece in group)
+
+
+def _with_nothing(values: np.ndarray) -> np.ndarray:
+    """Return values (k, ...) and a row of zeros after them."""
+    return np.concatenate([values, np.zeros_like(values[:1])])
+
+
+def _places(index: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+    """Yield the places that each of the `index` has where they are put together."""
+    at = 0
+    for samples in index:
+        yield np.arange(at, at + len(samples))
+        at += len(samples)
 
 
 def find_load(
@@ -349,5 +408,6 @@ def _smooth(values: np.ndarray, width: int) -> np.ndarray:
 
 def near_switch(carried: np.ndarray, step: float) -> np.ndarray:
     """Return the samples (m,) within :data:`EDGE` of picking up or putting down."""
-    turn = np.concatenate([[False], carried[1:] != carried[:-1]])
-    return _smooth(turn.astype(float), 2 * round(EDGE / step) + 1) > 0.5
+    turn, reach = np.concatenate([[False], carried[1:] != carried[:-1]]), round(EDGE / step)
+    # A piece beside a hole may be shorter than what is smoothed over.
+    return np.convolve(turn.astype(float), np.ones(2 * reach + 1))[reach : reach + len(turn)] > 0.5

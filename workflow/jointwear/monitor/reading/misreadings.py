@@ -19,7 +19,7 @@ from jointwear.measurement.checks.time_scale import check_time_scale, keeps_time
 from jointwear.measurement.checks.torque_scale import WrongScale, a_load_explains, check_size, thinned, wrong_scale
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import Refused
-from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, with_loads
+from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, together, with_loads
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
@@ -159,9 +159,10 @@ def without_load(measured: Measured, robot: Robot) -> Measured | None:
     model = TorqueModel(robot)(q, v, a)
     cuts = [0, *(np.flatnonzero(np.diff(measured.trajectory)) + 1).tolist(), len(q)]
     pieces = [slice(begin, end) for begin, end in pairwise(cuts)]
+    groups = together(pieces, np.zeros(len(q)), measured.trajectory, float(np.median(steps)))
     residual = np.nan_to_num(measured.torque - model.total)
     loads, least = LoadsOnMotion(FlangeLoad(robot), q, v, a), least_mass(robot)
-    loaded, clear = with_loads(model, residual, v, measured.usable, pieces, float(np.median(steps)), loads, least)
+    loaded, clear = with_loads(model, residual, v, measured.usable, groups, float(np.median(steps)), loads, least)
     torque = loaded.total - model.total
     if not torque.any():
         return None

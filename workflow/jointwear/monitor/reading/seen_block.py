@@ -10,7 +10,7 @@ import numpy as np
 from jointwear.measurement.clock import Ordered
 from jointwear.measurement.derived.even_steps import reaches
 from jointwear.monitor.reading.accumulate import WindowSettings, moving
-from jointwear.monitor.reading.carried import LoadsOnMotion, with_loads
+from jointwear.monitor.reading.carried import LoadsOnMotion, together, with_loads
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.survey import SLOWEST_RATE, Survey
@@ -57,7 +57,7 @@ class SeenBlock:
         """
         residual = torque - model.total
         used, step = self._moved(usable & np.isfinite(residual)), 1 / max(self.survey.rate, 1e-3)
-        return with_loads(model, residual, self.motion.velocity, used, self._pieces, step, self._along, self.least)
+        return with_loads(model, residual, self.motion.velocity, used, self._groups, step, self._along, self.least)
 
     def lag(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray, every: int = 1) -> Lag:
         """Return how late a torque (m, n) [N m] is against the motion, by one of `every` windows; `model` with the
@@ -108,6 +108,11 @@ class SeenBlock:
     @cached_property
     def _pieces(self) -> list[slice]:
         return pieces_of(self.around.chunk.time, self.around.stretch, self.settings.length)
+
+    @cached_property
+    def _groups(self) -> list[list[slice]]:
+        window = np.floor(self.around.chunk.time / self.settings.length)
+        return together(self._pieces, window, self.around.stretch, 1 / max(self.survey.rate, 1e-3))
 
     @cached_property
     def _along(self) -> LoadsOnMotion:

@@ -23,7 +23,7 @@ from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.formats.chunk import RowsLeftOut, joined
 from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.reading.accumulate import moving
-from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, with_loads
+from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, together, with_loads
 from jointwear.monitor.reading.derivation import Motion, derive_motion
 from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.plausibility import check_first
@@ -227,9 +227,11 @@ def _lag(first: _First, length: float) -> Lag:
     part = slice(0, LAG_LOOK)
     residual, used = first.left(part)
     q, v, a = motion.position[part], motion.velocity[part], motion.acceleration[part]
-    robot, pieces = first.model.robot, pieces_of(first.chunk.time[part], first.stretch[part], length)
+    robot, time, stretch = first.model.robot, first.chunk.time[part], first.stretch[part]
+    pieces = pieces_of(time, stretch, length)
+    groups = together(pieces, np.floor(time / length), stretch, 1 / rate)
     along = LoadsOnMotion(FlangeLoad(robot), q, v, a)
-    torque, clear = with_loads(first.torque, residual, v, used, pieces, 1 / rate, along, least_mass(robot))
+    torque, clear = with_loads(first.torque, residual, v, used, groups, 1 / rate, along, least_mass(robot))
     return lag_of(first.chunk.torque[part], torque, (v, a), used & clear, pieces, 1 / rate, along)
 
 

@@ -111,7 +111,7 @@ def _statistics(
     used &= moving(whole(velocity), every, settings.dead_band, settings.guard)
     phase, square = signals.phase.ravel(), np.repeat(signals.override**2, m)
 
-    pieces = [slice(k * m, k * m + int(count)) for k, count in enumerate(signals.samples)]
+    pieces = [[slice(k * m, k * m + int(count))] for k, count in enumerate(signals.samples)]
     model, clear = with_loads(
         ModelTorque(whole(total), whole(gravity), whole(inertial)),
         residual,
