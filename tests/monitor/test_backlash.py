@@ -12,10 +12,19 @@ from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.normal.series import friction_series, known_coulomb
 from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.reading.model import ModelTorque
+from jointwear.monitor.reading.program_labels import label_text
 from jointwear.monitor.reading.reversals import SLOWEST, pulses, reach_of
 from jointwear.monitor.reading.windows import merge
-from jointwear.monitor.watching.backlash import BACKLASH, FEWEST_TURNS, backlash_series, hidden_because
+from jointwear.monitor.watching.backlash import (
+    BACKLASH,
+    COARSEST,
+    FEWEST_TURNS,
+    _outlasts_a_batch,
+    backlash_series,
+    hidden_because,
+)
 from jointwear.monitor.watching.records import CHANGED
+from jointwear.monitor.watching.watched_axis import UNSEEN
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.closed_loop import RATE, SAMPLES, Runs, at_phase
 from jointwear.studies.shop_floor.gear import NEW_GAP
@@ -185,6 +194,54 @@ def test_growing_play_alarms_under_its_own_name_and_steady_play_does_not():
     assert worn.estimates[BACKLASH][-1, 1] == pytest.approx(100, abs=40)
     for seed in range(3):
         assert not alarms_of(judge(with_pulses(np.zeros(WINDOWS), seed), 72, SETTINGS))
+
+
+def in_batches(statistics, hours):
+    """The same windows, of two programs that take turns every so many hours."""
+    batch = np.arange(WINDOWS) // hours
+    statistics.labels[:] = [label_text(np.full(50, name)) for name in np.array(["weld", "pick"])[batch % 2]]
+    return statistics
+
+
+def test_pulses_that_come_and_go_with_a_batch_are_no_play():
+    """Poses taught anew for a batch move them as much as a gap does, until the next batch."""
+    place = np.arange(WINDOWS)
+    batch = 0.45 * ((place >= 96) & (place < 120))
+    assert alarms_of(judge(with_pulses(batch), 72, SETTINGS))
+    assert not alarms_of(judge(in_batches(with_pulses(batch), 24), 72, SETTINGS))
+    play = 0.45 * (place >= 96)
+    found = alarms_of(judge(in_batches(with_pulses(play), 24), 72, SETTINGS))
+    assert [a["axis"] for a in found] == [2]
+    assert found[0]["time"] >= 120 * 3600
+
+
+def test_what_lasts_over_the_next_batch_or_for_long_outlasts_a_batch():
+    def outlasts(growth, program, since=0):
+        growth, program = np.repeat(growth, 8), np.repeat(program, 8)
+        return _outlasts_a_batch(growth, program, np.arange(len(growth)) // 8, since)
+
+    nan = np.nan
+    assert not outlasts([0, 0, 0.4], [0, 1, 0])
+    assert not outlasts([0, 0.4, 0], [0, 1, 0])
+    assert outlasts([0, 0.4, 0.3], [0, 1, 0])
+    # A batch that is not judged lies between; none that is known does.
+    assert outlasts([0, 0.4, nan, 0.3], [0, 1, 0, 1])
+    assert not outlasts([0, 0.4, nan, 0.3], [0, 1, -1, 1])
+    # A program that goes on and on is held against itself no more, nor is the only one there is.
+    assert not outlasts([0, *[0.4] * 5], [0, *[1] * 5])
+    assert outlasts([0, *[0.4] * 6], [0, *[1] * 6])
+    assert outlasts([0.4], [0])
+    # What was before a service does not count.
+    assert not outlasts([0, 0.4, 0.4], [0, 1, 0], since=16)
+    # Programs that take turns all the time are no batches.
+    assert _outlasts_a_batch(np.full(40, 0.4), np.arange(40) // 2 % 2, np.arange(40) // 8, 0)
+
+
+def test_after_a_baseline_of_little_pulses_are_judged_as_they_are_known_well_enough_for_what_alarms():
+    assert COARSEST > UNSEEN
+    found = judge(in_batches(with_pulses(np.zeros(WINDOWS)), 24), 24, SETTINGS)
+    assert np.isfinite(found.estimates[BACKLASH][24:]).mean() > 0.9
+    assert not alarms_of(found)
 
 
 def test_axes_whose_backlash_cannot_be_judged_are_named_with_the_reason():

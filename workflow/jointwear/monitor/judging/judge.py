@@ -34,9 +34,11 @@ from jointwear.monitor.watching.allowance import BACKLASH_SHARE, LEVEL_SHARE, VI
 from jointwear.monitor.watching.another_robot import Exchange, first_exchange, without_exchange
 from jointwear.monitor.watching.backlash import (
     BACKLASH,
+    COARSEST,
     backlash_findings,
     backlash_records,
     backlash_series,
+    lasting,
     raised_status,
 )
 from jointwear.monitor.watching.decision import LEAST
@@ -112,7 +114,10 @@ def judge(
     limit = settings.limit_percent / 100
     friction = _watch_level(normal, seen, stated, recall, gains, LEAST * limit)
     level, normal = friction.watch, friction.normal
-    backlash = _watched(normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False)
+    backlash = _watched(
+        normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False, coarsest=COARSEST
+    )
+    backlash = lasting(backlash, seen.regime, shift)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
     fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
     # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.

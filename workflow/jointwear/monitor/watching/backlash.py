@@ -3,13 +3,14 @@
 The pulses (:mod:`.reversals`) are judged as friction is: the log of their ratio, window by window, is
 held against its normal state under the conditions of the window, and growth over the last shifts is decided on. It
 alarms where that growth also exceeds :data:`LEAST`: a pulse follows the cube root of the gap, so that what is worth a
-look at the gear shows at least so much. The change that is told is that of the pulses [%]; how large the gap is would
-take a second encoder.
+look at the gear shows at least so much; and where it outlasts a batch (:func:`lasting`). The change that is told is
+that of the pulses [%]; how large the gap is would take a second encoder.
 """
 
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,12 @@ from jointwear.monitor.watching.watching import Watch
 BACKLASH = "backlash"
 #: Growth of the log of the pulses that is worth an alarm: by a quarter.
 LEAST = float(np.log(1.25))
+#: Standard deviation of what a window's conditions let expect beyond which it is not judged: growth that is worth an
+#: alarm is two of them. By that of friction, a quarter of it, an axis whose pulses grew to three times their size was
+#: judged in 15 % of its windows.
+COARSEST = LEAST / 2
+#: Fewest windows of a batch, and shifts after which one stands for itself.
+FEWEST_OF_BATCH, LONG = 3, 6
 #: Hours after which an alarm that lasts is told again.
 REPEAT_HOURS = 168.0
 #: Samples near and far of a window that suffice; samples that count as one, because the quick part is smooth.
@@ -94,6 +101,59 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
         else:
             reasons.append("")
     return reasons
+
+
+def lasting(watched: Watch, program: np.ndarray | None, shift: np.ndarray) -> Watch:
+    """Return what was watched, with those alarms alone that outlast a batch: the run of one program.
+
+    Poses that are taught anew for a batch, by a third of a degree, move the pulses by a quarter or more until the next
+    one; a gap in the gear stays. An alarm is one of growth beyond :data:`LEAST` that the batch before shows too, or
+    that has lasted for :data:`LONG` shifts of this one.
+
+    Parameters
+    ----------
+    program : (w,) of each window, -1 unknown, or None for one. shift : (w,) labels.
+    """
+    with np.errstate(invalid="ignore"):
+        alarm = watched.alarm & (watched.mean > LEAST)
+    if program is not None:
+        for j, starts in enumerate(watched.starts):
+            for k in np.flatnonzero(alarm[:, j]):
+                since = max([s.window for s in starts if s.window <= k], default=0)
+                until = slice(0, k + 1)
+                alarm[k, j] = _outlasts_a_batch(watched.residual[until, j], program[until], shift[until], since)
+    return replace(watched, alarm=alarm)
+
+
+def _outlasts_a_batch(growth: np.ndarray, program: np.ndarray, shift: np.ndarray, since: int) -> bool:
+    """Return whether the growth (w,), NaN unknown, at the last window is more than that of one batch.
+
+    Where there is one program, or programs take turns all the time, nothing tells of batches.
+
+    Parameters
+    ----------
+    program, shift : (w,) labels. since : window from which on the axis is as it is now.
+    """
+    batches = _batches(program)
+    if len({int(program[run[0]]) for run in batches}) < 2:
+        return True
+    shown = [run[(run >= since) & np.isfinite(growth[run])] for run in batches]
+    shown = [run for run in shown if len(run) >= FEWEST_OF_BATCH]
+    if not shown or not np.mean(growth[shown[-1]]) > LEAST:
+        return False
+    lasted = len(np.unique(shift[shown[-1]])) >= LONG
+    return lasted or (len(shown) > 1 and bool(np.mean(growth[shown[-2]]) > LEAST))
+
+
+def _batches(program: np.ndarray) -> list[np.ndarray]:
+    """Return the windows in runs of one program (w,), as if runs of few windows, or of none that is known, were not."""
+
+    def runs(of: np.ndarray) -> list[np.ndarray]:
+        cuts = np.flatnonzero(np.diff(program[of])) + 1
+        return [run for run in np.split(of, cuts) if len(run) >= FEWEST_OF_BATCH]
+
+    long = runs(np.flatnonzero(program >= 0))
+    return runs(np.concatenate(long)) if long else []
 
 
 def backlash_alarms(watched: Watch) -> np.ndarray:

@@ -23,7 +23,7 @@ FAR, LATEST_SHIFTS = 0.01, 8
 #: Windows of a program that the baseline lacks before its level is learnt: the first ones follow on another program,
 #: whose heat is still in the joint.
 FEWEST_NEW = 3
-#: Standard deviation of a prediction beyond which the conditions count as unseen.
+#: Standard deviation of a prediction of friction beyond which the conditions count as unseen.
 UNSEEN = 0.06
 
 
@@ -48,9 +48,15 @@ class WatchedAxis:
     """One axis with its segments: the residual of every window against the normal state that holds for it."""
 
     def __init__(
-        self, normal: AxisNormal, baseline: np.ndarray, shift: np.ndarray, starts: Sequence[Start], least: float
+        self,
+        normal: AxisNormal,
+        baseline: np.ndarray,
+        shift: np.ndarray,
+        starts: Sequence[Start],
+        least: float,
+        coarsest: float,
     ) -> None:
-        self.normal, self.shift, self.least = normal, shift, least
+        self.normal, self.shift, self.least, self.coarsest = normal, shift, least, coarsest
         w = len(shift)
         matrix = normal.design.matrix
         self.residual, self.predicted = np.full(w, np.nan), np.full(w, np.nan)
@@ -83,7 +89,9 @@ class WatchedAxis:
                 self.which[rows] = len(self.states)
                 self.states.append(posterior)
                 fresh = rows[~learnt[rows]]
-                waiting, new = _new_programs(normal.design, posterior, a + np.flatnonzero(~learnt[a : rows[-1] + 1]))
+                waiting, new = _new_programs(
+                    normal.design, posterior, a + np.flatnonzero(~learnt[a : rows[-1] + 1]), coarsest
+                )
                 fresh = np.setdiff1d(fresh, waiting)
                 # A window tells of a level once, also where the level stays unsure.
                 new = new[~told[new]]
@@ -101,7 +109,7 @@ class WatchedAxis:
         self.residual[own] = normal.fit.left_out[own]
         self.predicted[own] = normal.fit.left_out_variance[own]
         with np.errstate(invalid="ignore"):
-            beyond = (self.predicted > UNSEEN**2) | bad
+            beyond = (self.predicted > coarsest**2) | bad
             self.unseen = beyond & np.isfinite(normal.series_value) & ~own
         hidden = self.unseen | self.learning
         self.residual[hidden] = np.nan
@@ -110,7 +118,7 @@ class WatchedAxis:
     def _known(self, a: int, b: int, strange: np.ndarray) -> np.ndarray:
         """Return the windows from `a` to before `b` that are held against a known normal state; none of `strange`."""
         place = np.arange(a, b)
-        told = np.isfinite(self.residual[place]) & (self.predicted[place] <= UNSEEN**2)
+        told = np.isfinite(self.residual[place]) & (self.predicted[place] <= self.coarsest**2)
         return np.setdiff1d(place[told], strange)
 
     def grown_between(self, a: int, b: int, shared: np.ndarray, extra: np.ndarray) -> tuple[float, float] | None:
@@ -192,7 +200,9 @@ class WatchedAxis:
         return Evidence(*(np.concatenate(p) for p in zip(*(vars(e).values() for e in parts), strict=True)))
 
 
-def _new_programs(design: Design, posterior: Posterior, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _new_programs(
+    design: Design, posterior: Posterior, rows: np.ndarray, coarsest: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return which windows of `rows`, all so far, run a program that is not known yet: of one with hardly any windows,
     and of one with enough to learn its level from.
 
@@ -207,7 +217,7 @@ def _new_programs(design: Design, posterior: Posterior, rows: np.ndarray) -> tup
             continue
         usual = design.matrix[rows[own]].copy()
         usual[:, list(design.thermal)] = 0.0
-        unknown = posterior.predict(usual)[1] > UNSEEN**2
+        unknown = posterior.predict(usual)[1] > coarsest**2
         if unknown.any():
             target = new if own.sum() >= FEWEST_NEW else waiting
             target[np.flatnonzero(own)[unknown]] = True

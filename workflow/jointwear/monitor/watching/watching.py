@@ -16,7 +16,7 @@ from jointwear.monitor.normal.shifts import running_sums, shift_starts
 from jointwear.monitor.watching.decision import Evidence
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
 from jointwear.monitor.watching.shared_error import ALIKE, FINDING, SharedError, shared_error
-from jointwear.monitor.watching.watched_axis import Start, WatchedAxis
+from jointwear.monitor.watching.watched_axis import UNSEEN, Start, WatchedAxis
 
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
 FALL_RATE = 0.5
@@ -70,6 +70,7 @@ def watch(
     common: bool = True,
     unit: np.ndarray | float = 1.0,
     least: float = 0.0,
+    coarsest: float = UNSEEN,
     recall: Recall | None = None,
 ) -> Watch:
     """Watch one quantity.
@@ -83,7 +84,8 @@ def watch(
         such an alarm tells of goes on.
     services : whether falls propose services. common : whether what all axes have in common is taken out.
     unit : (n,) what the axes have in common comes to each in these units, such as its share of viscous friction.
-    least : growth from which on somebody has to act, in units of the series.
+    least : growth from which on somebody has to act, in units of the series. coarsest : standard deviation of a
+        prediction beyond which a window is not judged.
     recall : of thresholds that were simulated before.
     """
     none: list[list[int]] = [[]] * len(axes)
@@ -92,7 +94,7 @@ def watch(
     limits = _limits(axes, shift, baseline, rate, fall_rate, recall or Recall())
     if not services:
         limits = replace(limits, fall=np.full(len(axes), np.inf))
-    states, beside, evidence = _settled(axes, starts, limits, baseline, shift, common, unit, least)
+    states, beside, evidence = _settled(axes, starts, limits, baseline, shift, common, unit, least, coarsest)
     shape = (len(shift), len(axes))
     nothing = {"growth": -np.inf, "fall": -np.inf, "step": -np.inf, "mean": np.nan, "std": np.nan, "shifts": 0}
     told = {
@@ -129,6 +131,7 @@ def _settled(
     common: bool,
     unit: np.ndarray | float,
     least: float,
+    coarsest: float,
 ) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence]]:
     """Return the axes that are judged, what they tell of each other and their evidence, once no more falls propose a
     service; those that are found are added to `starts`, and what has grown goes on over those that are kept.
@@ -136,13 +139,13 @@ def _settled(
     Parameters
     ----------
     limits : of the evidence, that of falls infinite where none proposes a service. baseline, shift, common, unit,
-    least : as of :func:`watch`.
+    least, coarsest : as of :func:`watch`.
     """
     states: dict[int, WatchedAxis] = {}
     again = [j for j, axis in enumerate(axes) if axis is not None]
     # Services change what comes after them: found one after the other, until none is left.
     for _ in range(_MOST_TURNS):
-        states |= {j: WatchedAxis(axes[j], baseline, shift, starts[j], least) for j in again}
+        states |= {j: WatchedAxis(axes[j], baseline, shift, starts[j], least, coarsest) for j in again}
         beside = _beside(states, len(axes), baseline, shift, common, unit)
         evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
         again = []
