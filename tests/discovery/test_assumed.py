@@ -24,13 +24,14 @@ OTHERS = {
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS noise.POINTS
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
+        building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE
         instruments.LOWER peak_torque.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
     "what a filter does": """
         reversals.RINGS
     """,
     "a bound on time": """
-        leftovers.SPEEDS
+        building_up.SAMPLES leftovers.SPEEDS
         base.MOST_FREE base.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
         posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS
@@ -39,14 +40,14 @@ OTHERS = {
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
         noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
-        shared_drives.FEWEST shared_drives.FEWEST_EACH spectra.FEWEST noise.FEWEST noise.FEWEST_EACH
-        residual_lines.FEWEST
+        shared_drives.FEWEST shared_drives.FEWEST_EACH building_up.FEWEST_EACH spectra.FEWEST noise.FEWEST
+        noise.FEWEST_EACH residual_lines.FEWEST
     """,
     "rounding, of numbers and of their digits in a log": """
         base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL
         encoder_step.CLOSE encoder_step.FLOATS encoder_step.FINEST fast_waves.LEAST instruments.RIDGE peak_torque.STILL
-        problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE ridge_fit.RIDGE ridge_fit.FEW_DIGITS noise.SETTLE
-        sound_links.ENOUGH sound_links.NOTHING structure.STILL
+        building_up.LEAST problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE ridge_fit.RIDGE ridge_fit.FEW_DIGITS
+        noise.SETTLE sound_links.ENOUGH sound_links.NOTHING structure.STILL
         base.BELOW base.STILL_BELOW references.FINEST references.DIGITS peak_torque.LEAST_SPREAD
         peak_torque.LARGEST_SPREAD largest_torque.LEAST_MOTION identifiability.RIDGE linear.FREE whitening.TOLD
     """,

@@ -17,6 +17,7 @@ from jointwear.discovery.noise.noise_spectrum import drives
 from jointwear.discovery.noise.ridge_fit import RidgeFit
 from jointwear.discovery.noise.shaken import shaken_shares
 from jointwear.discovery.noise.spectra import frequencies
+from jointwear.discovery.problem.building_up import BuiltUp, built_up_friction, with_whole_friction
 from jointwear.discovery.problem.reversals import leave_out_reversals, leave_out_ringing
 from jointwear.discovery.problem.shared_drives import sticking
 from jointwear.discovery.settings import Settings
@@ -73,6 +74,8 @@ class Problem:
     body_prior : identifier -> prior standard deviations of an effect on the whole arm, where they are not the usual.
     still : that nothing which shakes the arm is noise.
     motors : what `robot` has of motors that its file does not know; None where it knows all.
+    built_up : how the friction of each axis builds up with its speed, None of one that turns over with the sign of the
+        velocity. In `measured` its torque is whole, but for samples that are not usable.
     """
 
     robot: Robot
@@ -94,6 +97,7 @@ class Problem:
     body_prior: Mapping[str, np.ndarray] = field(default_factory=dict)
     still: bool = False
     motors: FoundMotors | None = None
+    built_up: tuple[BuiltUp | None, ...] = ()
     #: (axis, cut-off [Hz]) -> training samples; see :func:`jointwear.discovery.problem.instruments.limited_state`.
     limited_states: dict[tuple[int, float], State] = field(init=False, repr=False, default_factory=dict)
 
@@ -429,6 +433,10 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     moving_train, missing = measured.usable & train[:, None], measured.torque - nominal
     stuck = sticking(moving_train, v, a, missing, inertial, settings.noise_sigmas)
     measured = replace(measured, usable=measured.usable & ~stuck)
+    coulomb = np.stack([state.drive.coulomb(axis, v[:, axis]) for axis in range(robot.joints)], axis=1)
+    judged = measured.usable & train[:, None]
+    built_up = built_up_friction(judged, v, a, missing, inertial, coulomb, settings.accept, settings.form_error)
+    measured = with_whole_friction(measured, built_up, settings.form_error)
     counts = np.sum(measured.usable[train], axis=0)
     return Problem(
         robot=robot,
@@ -447,6 +455,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         judged=tuple(int(j) for j in np.flatnonzero(counts >= FEWEST_SAMPLES)),
         positions=tuple(recording.position.T),
         encoder_step=recording.encoder_step,
+        built_up=tuple(built_up),
     )
 
 

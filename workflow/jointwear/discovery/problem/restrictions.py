@@ -6,12 +6,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from jointwear.discovery.problem.building_up import IN_PROPORTION
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate
 from jointwear.discovery.problem.problem import FRICTION, Problem
 from jointwear.discovery.problem.reversals import unseen_slow_motion
 from jointwear.effects import get_effect
 from jointwear.effects.temperature import SMALLEST_SPREAD
-from jointwear.files.wording import numbered
+from jointwear.files.wording import listed, numbered
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.possible import likely_unit
 from jointwear.measurement.refused import Refused
@@ -47,6 +48,7 @@ def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
             by_keys=True,
         )
     found = _not_judged(problem) + unseen_slow_motion(problem.measured, problem.judged) + _at_rest_in_test(problem)
+    found += _built_up(problem)
     return found + _late_velocities(problem.measured) + _of_temperature(problem) + _motors_not_in_file(problem)
 
 
@@ -72,6 +74,22 @@ def _at_rest_in_test(problem: Problem) -> list[str]:
     if not moving.any():
         return ["no joint moves in the test trajectories: the gap on held-out motion is unknown"]
     return [f"joint {axis + 1} is at rest in the test trajectories" for axis in problem.judged if not moving[axis]]
+
+
+def _built_up(problem: Problem) -> list[str]:
+    """Return in words of which joints the friction builds up with speed, and what was made of it."""
+    ways: dict[str, list[str]] = {}
+    for axis in problem.judged:
+        way = problem.built_up[axis] if problem.built_up else None
+        if way is not None:
+            form = way.form if way.form == IN_PROPORTION else f"{way.form} of the speed"
+            ways.setdefault(form, []).append(f"{way.speed:.2g} rad/s on joint {axis + 1}")
+    return [
+        f"Coulomb friction builds up {form} over {listed(speeds)}, as in simulators that round the sign of the "
+        "velocity, and where a joint sticks from one sample to the next: no robot file can hold that; the torque was "
+        "put right, as if friction were whole at every speed"
+        for form, speeds in ways.items()
+    ]
 
 
 def _late_velocities(measured: Measured) -> list[str]:
