@@ -25,7 +25,7 @@ OTHERS = {
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
         building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE
-        instruments.LOWER peak_torque.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
+        instruments.LOWER curvature.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
     "what a filter does": """
         reversals.RINGS
@@ -35,7 +35,8 @@ OTHERS = {
         base.MOST_FREE base.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
         posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS
-        time_lines.MOST gear_waves.MOST base.ROUNDS noise_spectrum.ROUNDS_OF_LAGS refine.ROUNDS
+        time_lines.MOST gear_waves.MOST base.ROUNDS noise_spectrum.ROUNDS_OF_LAGS refine.ROUNDS curvature.MOVES
+        curvature.GAINED
     """,
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
@@ -48,8 +49,8 @@ OTHERS = {
         encoder_step.CLOSE encoder_step.FLOATS encoder_step.FINEST fast_waves.LEAST instruments.RIDGE peak_torque.STILL
         building_up.LEAST problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE ridge_fit.RIDGE ridge_fit.FEW_DIGITS
         noise.SETTLE sound_links.ENOUGH sound_links.NOTHING structure.STILL
-        base.BELOW base.STILL_BELOW references.FINEST references.DIGITS peak_torque.LEAST_SPREAD
-        peak_torque.LARGEST_SPREAD largest_torque.LEAST_MOTION identifiability.RIDGE linear.FREE whitening.TOLD
+        base.BELOW base.STILL_BELOW references.FINEST references.DIGITS curvature.LEAST_SPREAD
+        curvature.LARGEST_SPREAD largest_torque.LEAST_MOTION identifiability.RIDGE linear.FREE whitening.TOLD
     """,
     "half, which is most of something, or no price at all": """
         decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED shared_drives.UNEXPLAINED

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.estimates import peak_torque
 from jointwear.discovery.estimates.fast_waves import draw_unfiltered, lost_to_speed
 from jointwear.discovery.estimates.peak_torque import DRAWS, draw_beyond, draw_form_errors, zeros_of
 from jointwear.discovery.linear import Fit, Term
@@ -105,26 +104,3 @@ def test_a_peak_beside_reversals_may_be_higher_not_lower():
     assert np.quantile(sharp, 0.975) > 2.0
     assert np.quantile(sharp, 0.025) > 0.8
     assert abs(np.median(plain) - 1.0) < 0.02
-
-
-@pytest.mark.parametrize("edge", [0.0, 1.0])
-def test_a_torque_that_would_have_to_turn_round_says_nothing_of_its_parameter(monkeypatch, edge):
-    """Evidence ends there: its curvature is none, or without bound."""
-
-    def evidence_at(white, fit, candidate, any_size):
-        assert any_size
-        stiffness = candidate.nonlinear["stiffness"]
-        return -np.inf if stiffness >= edge else -0.5 * (np.log(stiffness) / 0.2) ** 2
-
-    monkeypatch.setattr(peak_torque, "evidence_at", evidence_at)
-    one = Candidate("joint_flexibility", 0, None, {"stiffness": 1.0})
-    assert peak_torque.spread(None, None, one, SimpleNamespace(name="stiffness")) == peak_torque.LARGEST_SPREAD
-
-
-def test_the_curvature_of_the_evidence_is_the_spread_of_a_parameter(monkeypatch):
-    def evidence_at(white, fit, candidate, any_size):
-        return -0.5 * (np.log(candidate.nonlinear["stiffness"]) / 0.2) ** 2
-
-    monkeypatch.setattr(peak_torque, "evidence_at", evidence_at)
-    one = Candidate("joint_flexibility", 0, None, {"stiffness": 1.0})
-    assert peak_torque.spread(None, None, one, SimpleNamespace(name="stiffness")) == pytest.approx(0.2)

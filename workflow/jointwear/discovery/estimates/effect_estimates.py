@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.discovery.estimates.beyond_band import within_band
+from jointwear.discovery.estimates.curvature import Spreads, spreads_of
 from jointwear.discovery.estimates.fast_waves import lost_to_speed
 from jointwear.discovery.estimates.forms import Form, companion
 from jointwear.discovery.estimates.largest_torque import Fitted, all_columns, largest_torque
 from jointwear.discovery.estimates.noisy_columns import noise_share
 from jointwear.discovery.estimates.outcome import Named
-from jointwear.discovery.estimates.peak_torque import spread
-from jointwear.discovery.estimates.refine import evidence_at, free_parameters
+from jointwear.discovery.estimates.refine import evidence_at
 from jointwear.discovery.estimates.refined_model import RefinedEffect
 from jointwear.discovery.linear import Fit, Term, posterior_mean
 from jointwear.discovery.problem.candidates import Candidate, on_all_axes, prior_std, raw_torques, whitened
@@ -121,21 +121,15 @@ def _fitted(white: White, fit: Fit, candidate: Candidate) -> dict[str, float]:
     return get_effect(candidate.effect).parameters_of(candidate.nonlinear, mean)
 
 
-def _followed(
-    white: White, fit: Fit, candidate: Candidate, spreads: dict[str, float], names: set[str]
-) -> dict[str, float]:
+def _followed(white: White, fit: Fit, candidate: Candidate, spreads: Spreads, names: set[str]) -> dict[str, float]:
     """Return the standard deviation of each linear parameter because the nonlinear ones are fitted too.
 
     A coefficient follows an exponent or a place on which the columns depend: what holds for the best values of these
     alone is too narrow.
     """
     square = dict.fromkeys(names, 0.0)
-    for p in free_parameters(candidate):
-        ends = []
-        for sign in (1, -1):
-            value = float(np.clip(candidate.nonlinear[p.name] * np.exp(sign * spreads[p.name]), p.lower, p.upper))
-            moved = replace(candidate, nonlinear={**candidate.nonlinear, p.name: value})
-            ends.append(_fitted(white, fit, moved))
+    for step in np.eye(len(spreads.names)):
+        ends = [_fitted(white, fit, spreads.moved(candidate, sign * step)) for sign in (1, -1)]
         for name in names:
             square[name] += (0.5 * (ends[0][name] - ends[1][name])) ** 2
     return {name: float(np.sqrt(s)) for name, s in square.items()}
@@ -236,21 +230,20 @@ def _where_the_form_bends(
     candidate: Candidate,
     form: Form | None,
     coefficients: np.ndarray,
-    spreads: dict[str, float],
-) -> dict[str, float]:
-    """Return the spread of the logarithm of each nonlinear parameter, no less than beside a form that may bend.
+    spreads: Spreads,
+) -> Spreads:
+    """Return the spreads of the nonlinear parameters, no less than beside a form that may bend.
 
     The order of a wave with flat crests is that of the sine which comes nearest on the travel that was seen: known to a
     hundredth, and off by more. What the bend can make up for is not known of it.
     """
-    if form is None or not spreads:
+    if form is None or not spreads.names:
         return spreads
     torque = raw_torques(white, candidate)[candidate.axis]
     used = white.problem.usable[:, candidate.axis]
     size = float(np.sqrt(np.mean((torque @ coefficients[: torque.shape[1]])[used] ** 2)))
     bent = white.fit([*others, companion(white, form, size)])
-    free = {p.name: p for p in free_parameters(candidate)}
-    return {name: max(s, spread(white, bent, candidate, free[name])) for name, s in spreads.items()}
+    return spreads.at_least(spreads_of(white, bent, candidate))
 
 
 def estimate_effect(
@@ -281,7 +274,7 @@ def estimate_effect(
     form_std = {name: _form_std(white, fit, candidate, parameters, name, set(std), lost) for name in std}
     std = {name: float(np.hypot(s, form_std[name])) for name, s in std.items()}
     rest = white.fit(others)
-    spreads = {p.name: spread(white, rest, candidate, p) for p in free_parameters(candidate)}
+    spreads = spreads_of(white, rest, candidate)
     spreads = _where_the_form_bends(white, others, candidate, form, coefficients, spreads)
     if std:
         unknown = [
@@ -294,7 +287,7 @@ def estimate_effect(
         if not scaled:
             unknown.append(_followed(white, without, candidate, spreads, set(std)))
         std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
-    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.items() if name != scaled}
+    std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.std.items() if name != scaled}
     fitted = Fitted(
         candidate=candidate,
         form=form,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.discovery.estimates.curvature import Spreads
 from jointwear.discovery.estimates.fast_waves import draw_unfiltered
 from jointwear.discovery.estimates.forms import Form, changed_in_holes
 from jointwear.discovery.estimates.peak_torque import DRAWS, draw_form_errors, draw_torque, height
@@ -31,7 +32,7 @@ class Fitted:
     Attributes
     ----------
     coefficients, covariance : (p,) and (p, p) of its columns, `own` of them, and behind them of its `form` if it bends.
-    parameters, std : by name. spreads : standard deviation of the logarithm of the nonlinear ones that are free.
+    parameters, std : by name. spreads : of the nonlinear ones that are free.
     lost : share of a wave that logs take of fast motion.
     """
 
@@ -42,7 +43,7 @@ class Fitted:
     own: int
     parameters: dict[str, float]
     std: dict[str, float]
-    spreads: dict[str, float]
+    spreads: Spreads
     lost: float
 
     def torque(self, state: State) -> np.ndarray:

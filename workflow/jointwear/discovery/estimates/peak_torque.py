@@ -15,9 +15,9 @@ from itertools import product
 
 import numpy as np
 
+from jointwear.discovery.estimates.curvature import Spreads
 from jointwear.discovery.estimates.forms import Form, companion, form_of
 from jointwear.discovery.estimates.references import BEYOND
-from jointwear.discovery.estimates.refine import evidence_at, free_parameters
 from jointwear.discovery.estimates.scan import possible
 from jointwear.discovery.linear import Fit, Term, gain
 from jointwear.discovery.problem.candidates import Candidate, prior_std
@@ -32,28 +32,6 @@ STEPS_OF_ONE, STEPS_OF_MANY = np.linspace(-2.5, 2.5, 11), np.linspace(-2.0, 2.0,
 ZEROS = 13
 #: Share of the largest carrier of an effect below which a sample says nothing of its argument but rounding.
 STILL = 0.01
-#: Step of the logarithm of a parameter over which the curvature of the evidence is taken, and the least and the largest
-#: standard deviation of it that is believed.
-STEP, LEAST_SPREAD, LARGEST_SPREAD = 0.05, 1e-4, 1.0
-
-
-def spread(white: White, fit: Fit, candidate: Candidate, parameter) -> float:
-    """Return the standard deviation of the logarithm of a nonlinear parameter from the curvature of the evidence.
-
-    It is the largest one where the torque would have to turn round: nothing is known of it there.
-    """
-
-    def at(shift):
-        value = float(candidate.nonlinear[parameter.name]) * np.exp(shift)
-        moved = replace(candidate, nonlinear={**candidate.nonlinear, parameter.name: value})
-        # A size at its bound has a slope there, and no edge.
-        return evidence_at(white, fit, moved, any_size=True)
-
-    below, here, above = at(-STEP), at(0.0), at(STEP)
-    if not np.isfinite([below, here, above]).all():
-        return LARGEST_SPREAD
-    curvature = -(above - 2 * here + below) / STEP**2
-    return float(np.clip(1 / np.sqrt(max(curvature, 1e-9)), LEAST_SPREAD, LARGEST_SPREAD))
 
 
 @dataclass(frozen=True)
@@ -122,7 +100,7 @@ def zeros_of(state: State, candidate: Candidate, used: np.ndarray) -> list[np.nd
     return list(np.stack(result, axis=1))
 
 
-def shapes(white: White, candidate: Candidate, spreads: dict[str, float]) -> Iterator[Shape]:
+def shapes(white: White, candidate: Candidate, spreads: Spreads) -> Iterator[Shape]:
     """Yield the possibilities that the data may leave for the columns of an effect."""
     problem, effect = white.problem, get_effect(candidate.effect)
     state = white.state_of(effect, candidate.axis, candidate.nonlinear)
@@ -132,15 +110,14 @@ def shapes(white: White, candidate: Candidate, spreads: dict[str, float]) -> Ite
             for drive in ("", "other", "own") if nonlinear["own"] else ("",):
                 yield Shape(one, drive=drive)
         return
-    axes: list[list[tuple[str, float]]] = []
-    free = free_parameters(candidate)
-    steps = STEPS_OF_ONE if len(free) == 1 else STEPS_OF_MANY
-    for p in free:
-        centre = float(candidate.nonlinear[p.name])
-        values = np.clip(centre * np.exp(spreads[p.name] * steps), p.lower, p.upper)
-        axes.append([(p.name, float(v)) for v in np.unique(values)])
-    for moved in product(*axes):
-        one = replace(candidate, nonlinear={**candidate.nonlinear, **dict(moved)})
+    free = len(spreads.names)
+    steps = STEPS_OF_ONE if free == 1 else STEPS_OF_MANY
+    # At a bound several steps lead to the same place.
+    places = {}
+    for taken in product(steps, repeat=free):
+        one = spreads.moved(candidate, np.array(taken))
+        places.setdefault(tuple(float(one.nonlinear[name]) for name in spreads.names), one)
+    for one in places.values():
         for zero in zeros_of(state, one, problem.usable[:, candidate.axis]):
             yield Shape(one, zero)
 
@@ -182,7 +159,7 @@ def draw_torque(
     white: White,
     base: list[Term],
     candidate: Candidate,
-    spreads: dict[str, float],
+    spreads: Spreads,
     size: float,
     reach: float,
     test: State,

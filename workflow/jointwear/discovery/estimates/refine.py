@@ -83,12 +83,7 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
     candidate = best_start(white, fit, candidate)
     best, value = candidate, evidence_at(white, fit, candidate)
     step = {p.name: FIRST_STEP for p in free}
-    bounds = {p.name: (p.lower, p.upper) for p in free}
-    if on_all_axes(candidate):
-        # A swing outside the range of the grid is none that these data could show.
-        grid = effect.grid(white.problem.train_state, candidate.axis)
-        sizes = [g[effect.scaled] for g in grid if set(g) == set(candidate.nonlinear)]
-        bounds[effect.scaled] = (min(sizes), max(sizes))
+    bounds = limits(white, candidate)
     for _ in range(ROUNDS):
         for p in free:
             for sign in (1.0, -1.0):
@@ -102,6 +97,18 @@ def refine(white: White, fit: Fit, candidate: Candidate, other_form: bool = Fals
             else:
                 step[p.name] *= SHORTER
     return best
+
+
+def limits(white: White, candidate: Candidate) -> dict[str, tuple[float, float]]:
+    """Return between which values every nonlinear parameter of a candidate is searched."""
+    effect = get_effect(candidate.effect)
+    bounds = {p.name: (p.lower, p.upper) for p in free_parameters(candidate)}
+    if on_all_axes(candidate):
+        # A swing outside the range of the grid is none that these data could show.
+        grid = effect.grid(white.problem.train_state, candidate.axis)
+        sizes = [g[effect.scaled] for g in grid if set(g) == set(candidate.nonlinear)]
+        bounds[effect.scaled] = (min(sizes), max(sizes))
+    return bounds
 
 
 def _likeliest(white: White, fit: Fit, found: list[Candidate]) -> Candidate:

@@ -9,6 +9,7 @@ import numpy as np
 
 from jointwear.discovery.estimates.base import likely_base
 from jointwear.discovery.estimates.beyond_band import beyond_band, with_gears
+from jointwear.discovery.estimates.curvature import moved_together
 from jointwear.discovery.estimates.effect_estimates import Estimate, misfits
 from jointwear.discovery.estimates.forms import Form, companion, form_of
 from jointwear.discovery.estimates.misfit import divided, misfit_of, tempered
@@ -137,7 +138,7 @@ def _refined(plain: White, named: list[Named]) -> tuple[White, RefinedModel]:
         for i, one in enumerate(effects):
             others = [e.term for e in refined] + [t for n in effects[i + 1 :] for t in n.terms] + mass_terms
             fit = white.fit(others)
-            candidate = simplest(white, fit, refine(white, fit, candidates[i]))
+            candidate = simplest(white, fit, moved_together(white, fit, refine(white, fit, candidates[i])))
             refined.append(RefinedEffect(one, candidate, effect_term(white, candidate, one.term)))
         if white is plain:
             break
