@@ -105,7 +105,7 @@ def test_an_axis_without_anything_to_give_up_is_left():
 
 
 def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_kept():
-    zeros, fitted = np.zeros((2, 4)), np.array([[0.1, 0.0, 0.0, 0.0], [0.0] * 4])
+    zeros, fitted = np.zeros((3, 4)), np.array([[0.1, 0.0, 0.0, 0.0], [0.0] * 4, [0.0] * 4])
     spring = SimpleNamespace(named=SimpleNamespace(candidate=SimpleNamespace(axis=0, effect="joint_spring")))
     final = SimpleNamespace(
         fallbacks=(
@@ -115,15 +115,19 @@ def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_k
             PutBack("augmented", 1, 1.1, OF_LINKS[0].words),
             PutBack("augmented", 2, 1.6, OF_LINKS[0].words),
             PutBack("augmented", 2, 1.3, OF_LINKS[0].words),
+            PutBack("augmented", 3, 1.0, DRIVE),
+            PutBack("augmented", 3, 1.0, OF_LINKS[-1].words),
+            PutBack("retuned", 3, 1.0, EVERYTHING),
         ),
         estimates=(spring,),
         delta_friction=fitted,
         retuned_friction=zeros,
-        delta_inertial=np.zeros(20),
-        retuned_inertial=np.ones(20),
+        delta_inertial=np.zeros(30),
+        retuned_inertial=np.ones(30),
     )
-    gap = Gap((2.0, None), (1.5, None), (1.0, None), (0.5, None))
-    one, two, held, other = told_fallbacks(final, gap)
+    gap = Gap((2.0, None, 1.0), (1.5, None, 1.0), (1.0, None, 1.0), (0.5, None, 1.0))
+    # Nothing is told of parameters of the third joint that changed nothing; of effects it is.
+    one, two, held, other, third = told_fallbacks(final, gap)
     assert (one.model, one.axis, one.held_out) == ("augmented", 1, 0.5)
     assert one.kept == "friction and motor inertia as fitted, inertia of the links as given, joint_spring"
     assert (two.axis, two.ratio, two.held_out) == (2, 1.2, None)
@@ -136,3 +140,4 @@ def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_k
         "retuned",
         "friction and motor inertia as given, inertia of the links as fitted",
     )
+    assert (third.model, third.axis, third.step) == ("retuned", 3, EVERYTHING)

@@ -29,6 +29,11 @@ def test_the_check_says_what_the_motion_shows(case, robot, tmp_path):
     assert [t.role for t in check.trajectories] == ["train"] * 3 + ["test"]
     assert check.joints[0].encoder_step == pytest.approx(2e-6, rel=0.01)
     assert ("position_dependent_friction", 3) in {(s.effect, s.axis) for s in check.shown}
+    assert {(s.axis is None, s.unit) for s in check.shown} == {
+        (True, "kg"),
+        (True, "rad"),
+        (False, "share of the friction of the joint"),
+    }
     reasons = {(s.effect, s.axis): s.reason for s in check.not_shown}
     assert "temperature" in reasons["torque_constant_temperature", None]
     assert any("temperature" in line for line in check.advice)
@@ -47,6 +52,17 @@ def test_the_check_of_a_wrong_recording_says_so_and_stops_nothing(case, robot, t
     write_check("case", entry, "config/robots/puma560.yaml", Settings(), *outputs)
     assert "look like degrees" in json.loads(outputs[0].read_text())["refused"]
     assert "look like degrees" in outputs[1].read_text()
+
+
+def test_the_page_has_shares_in_percent_and_other_sizes_in_their_unit(case, robot, tmp_path):
+    write_recording(split(case), tmp_path / "case.nc", {"dataset": "case"})
+    page = tmp_path / "check.html"
+    entry = {"measured": str(tmp_path / "case.nc")}
+    found = write_check("case", entry, "config/robots/puma560.yaml", Settings(), tmp_path / "check.json", page)
+    shown = {(s.effect, s.axis): s.smallest_size for s in found.shown}
+    text = page.read_text()
+    assert f"whole arm: {shown['payload', None]:.2g} kg" in text
+    assert f"<td>{100 * shown['position_dependent_friction', 3]:.2g}&nbsp;%</td>" in text
 
 
 def test_it_is_told_of_which_motors_the_file_has_no_inertia(case, robot):

@@ -37,6 +37,8 @@ from jointwear.publishing.report.numbers import number
 from jointwear.publishing.report.rendering import render_page
 from jointwear.robots.robot import Robot, load_robot
 
+#: Unit of the size of what has none of its own.
+OF_FRICTION = "share of the friction of the joint"
 #: A step of time this many times the usual one is a gap.
 GAP = 1.5
 #: Share of the samples of an axis in motion below which more motion is asked for.
@@ -82,8 +84,7 @@ class Joint:
 class Shown:
     """An effect on one axis: the size from which this motion shows it, or the reason why not.
 
-    The size is in `unit`, or over the friction of the joint where there is none. `rival` is the effect that it cannot
-    be told from.
+    The size is in `unit`, which is empty where there is no size. `rival` is the effect that it cannot be told from.
     """
 
     effect: str
@@ -221,15 +222,15 @@ def _visible(white: White, dictionary: Dictionary) -> tuple[list[Shown], list[Sh
     for v in best.values():
         axis = None if v.axis is None else v.axis + 1
         if v.energy < needed:
-            not_shown.append(Shown(v.effect, axis, None, "", f"too weak at {v.at}", v.unit))
+            not_shown.append(Shown(v.effect, axis, None, "", f"too weak at {v.at}"))
         elif v.left < needed:
-            pairs.append(Shown(v.effect, axis, None, v.rival, "the rival takes most of it", v.unit))
+            pairs.append(Shown(v.effect, axis, None, v.rival, "the rival takes most of it"))
         else:
             size = smallest_size(white, v, whole.get(v.effect))
             if np.isfinite(size):
-                shown.append(Shown(v.effect, axis, six_digits(size), "", "", v.unit))
+                shown.append(Shown(v.effect, axis, six_digits(size), "", "", v.unit or OF_FRICTION))
             else:
-                not_shown.append(Shown(v.effect, axis, None, "", "links that are a little off do the same", v.unit))
+                not_shown.append(Shown(v.effect, axis, None, "", "links that are a little off do the same"))
     return shown, not_shown, pairs
 
 
@@ -285,6 +286,7 @@ def write_check(
         "number": number,
         "phrase": lambda effect: get_effect(effect).phrase,
         "least_share": settings.smallest_share,
+        "of_friction": OF_FRICTION,
         "seen": seen,
         "hidden": [get_effect(effect).phrase for effect in hidden],
     }

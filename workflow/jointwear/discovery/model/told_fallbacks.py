@@ -6,16 +6,20 @@ from collections.abc import Collection
 
 import numpy as np
 
-from jointwear.discovery.model.fallback import PutBack
+from jointwear.discovery.model.fallback import CLOSER, DRIVE, HELD, LINKS, PutBack
 from jointwear.discovery.model.final_model import Final
 from jointwear.discovery.verdict import FallBack, Gap, GivenUp
 
 #: Between the steps that were taken one after the other.
 THEN = ", then "
+#: Steps that give up parameters of the robot alone, and no effect.
+OF_ROBOT = (DRIVE, CLOSER, LINKS, HELD)
 
 
 def told_fallbacks(final: Final, gap: Gap) -> tuple[FallBack, ...]:
     """Return one entry for each model and axis, with the steps in their order and what is written in the end.
+
+    There is none where nothing was lost: what had been fitted to the robot followed records left out as it was given.
 
     Parameters
     ----------
@@ -26,6 +30,8 @@ def told_fallbacks(final: Final, gap: Gap) -> tuple[FallBack, ...]:
         found.setdefault((one.model, one.axis), []).append(one)
     result = []
     for (model, axis), steps in sorted(found.items()):
+        if all(s.ratio == 1.0 and s.step in OF_ROBOT for s in steps):
+            continue
         given, written = gap.nominal[axis - 1], getattr(gap, model)[axis - 1]
         result.append(
             FallBack(
