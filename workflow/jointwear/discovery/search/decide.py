@@ -32,6 +32,7 @@ from jointwear.discovery.search.acceptance import (
     within_bounds,
 )
 from jointwear.discovery.search.crossval import CrossValidated
+from jointwear.discovery.search.forms_beyond import of_another_form
 from jointwear.discovery.search.leftovers import stand_alone, unexplained
 from jointwear.discovery.search.posterior import weigh
 from jointwear.discovery.search.tolerance import with_tolerances
@@ -70,6 +71,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     settle(outcome)
     _believe_no_bent_links(outcome)
     _believe_no_unknown_loads(outcome)
+    _believe_no_form_beyond_its_bounds(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
     for n in weighed:
@@ -121,6 +123,21 @@ def _believe_no_unknown_loads(outcome: Outcome) -> None:
         if share * least > 1.0:
             refused.append(Refusal(one.candidate, one.evidence, gate, 1.0 / share, least))
     _take_back(outcome, refused)
+
+
+def _believe_no_form_beyond_its_bounds(outcome: Outcome) -> None:
+    """Turn the names of which the data would have another form into suspects where structure is left without them."""
+    needed = 0.5 * outcome.problem.settings.accept
+    gate = "nats that it does not lack within the bounds of its parameters"
+    found = list(of_another_form(outcome.white, outcome.named))
+    _take_back(outcome, [Refusal(n.candidate, n.evidence, gate, -nats, -needed) for n, nats in found])
+    still = {u.axis for u in outcome.unexplained}
+    for one, nats in found:
+        if one.candidate.axis in still:
+            reason = (
+                f"parameters beyond their bounds would explain {nats:.0f} nats more, and its form bends all the same"
+            )
+            outcome.suspects.append((one, reason))
 
 
 def _take_back(outcome: Outcome, refused: list[Refusal]) -> None:
