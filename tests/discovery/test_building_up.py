@@ -103,7 +103,7 @@ def test_the_form_of_the_arm_is_that_of_a_joint_whose_friction_is_curved_too():
     assert [way.speed for way in found] == pytest.approx([0.05] * 4, rel=0.05)
     assert [way.excess for way in found] == pytest.approx([0.0, 0.0, 0.4, 0.0], abs=0.1)
     slow = np.array([0.02, 0.3])
-    assert list(found[2].unsure(slow, 0.05)) == [True, False]
+    assert list(found[2].unsure(slow, 0.3, 0.1)) == [True, False]
 
 
 def test_too_few_samples_say_nothing():

@@ -59,9 +59,13 @@ class BuiltUp:
         """Return what friction at velocities (...,) [rad/s] lacks of its whole level, in the sense of it [N m]."""
         return np.where(velocity > 0, self.positive, self.negative) * self._left(velocity)
 
-    def unsure(self, velocity: np.ndarray, share: float) -> np.ndarray:
-        """Return at which velocities (...,) what it lacks is not known to within the noise, if `share` of it is not."""
-        return np.abs(self.lacking(velocity)) * share + self.excess * self._left(velocity) > self.noise
+    def unsure(self, velocity: np.ndarray, share: float, whole: float) -> np.ndarray:
+        """Return at which velocities (...,) what it lacks is not known to within the noise, if `share` of it is not.
+
+        Where friction is but for a share `whole` of its level all there, samples stay: an arctan ends nowhere.
+        """
+        left = self._left(velocity)
+        return (np.abs(self.lacking(velocity)) * share + self.excess * left > self.noise) & (left > whole)
 
     def _left(self, velocity: np.ndarray) -> np.ndarray:
         return 1.0 - FORMS[self.form][0](np.abs(velocity) / self.speed)
@@ -293,12 +297,17 @@ class _Axis:
         return self.torque - x @ theta, theta
 
 
-def with_whole_friction(measured: Measured, built_up: Sequence[BuiltUp | None], share: float) -> Measured:
-    """Return samples with the torque of whole friction, without those where `share` of what was added counts."""
+def with_whole_friction(
+    measured: Measured, built_up: Sequence[BuiltUp | None], share: float, form_error: float
+) -> Measured:
+    """Return samples with the torque of whole friction, without those where `share` of what was added counts.
+
+    Friction may be off by as much: it follows load, position or temperature, and the one level that was added does not.
+    """
     torque, usable = measured.torque.copy(), measured.usable.copy()
     for axis, found in enumerate(built_up):
         if found is not None:
             v = measured.velocity[:, axis]
             torque[:, axis] += found.lacking(v)
-            usable[:, axis] &= ~found.unsure(v, share)
+            usable[:, axis] &= ~found.unsure(v, share, 2.0 * form_error)
     return replace(measured, torque=torque, usable=usable)
