@@ -24,7 +24,7 @@ OTHERS = {
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS noise.POINTS
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
-        building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE
+        building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT
         instruments.LOWER curvature.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
     "what a filter does": """
@@ -54,7 +54,7 @@ OTHERS = {
     """,
     "half, which is most of something, or no price at all": """
         decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED shared_drives.UNEXPLAINED
-        slow_noise.PRICE instruments.FEIGNED
+        building_up.QUIET slow_noise.PRICE instruments.FEIGNED
     """,
     "of a fit that is stored with its source": "calibration.COARSE calibration.LEAST_LEFT",
     "which rivals are told as tied with a name, and asked where it is not likely": """

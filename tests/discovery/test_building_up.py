@@ -103,7 +103,17 @@ def test_the_form_of_the_arm_is_that_of_a_joint_whose_friction_is_curved_too():
     assert [way.speed for way in found] == pytest.approx([0.05] * 4, rel=0.05)
     assert [way.excess for way in found] == pytest.approx([0.0, 0.0, 0.4, 0.0], abs=0.1)
     slow = np.array([0.02, 0.3])
-    assert list(found[2].unsure(slow, 0.3, 0.1)) == [True, False]
+    assert list(found[2].unsure(slow, 0.3)) == [True, False]
+
+
+def test_what_is_missing_on_fast_samples_is_not_bent_to_slow_ones():
+    """A torque that is missing where the joint is fast leaves slow samples far quieter than the others."""
+    usable, v, a, missing, inertial, level = samples(lambda v, _: level_of(v) * np.minimum(np.abs(v) / 0.04, 1.0))
+    assert built_up_friction(usable, v, a, missing, inertial, level, *LIMITS)[0] is not None
+    rng = np.random.default_rng(8)
+    missing = missing.copy()
+    missing[:, 0] += np.where(np.abs(v[:, 0]) > 0.04, 5 * NOISE * rng.standard_normal(len(v)), 0.0)
+    assert built_up_friction(usable, v, a, missing, inertial, level, *LIMITS)[0] is None
 
 
 def test_too_few_samples_say_nothing():

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import qr
 from scipy.optimize import minimize_scalar
+from scipy.stats import chi2
 
 from jointwear.measurement.derived.motion import Measured
 
@@ -30,6 +31,10 @@ EXPONENTS = (0.3, 0.45, 0.6, 0.75, 1.4, 2.0, 3.0)
 STRIBECK = [(float(v), d) for v in np.geomspace(0.025, 0.4, 8) for d in (1.0, 2.0)]
 #: Samples of an axis that the fit is made of, at most, and fewest for each of its columns.
 SAMPLES, FEWEST_EACH = 6000, 5
+#: Share of its level that friction lacks at least where a joint is slow.
+LEFT = 0.1
+#: Share of the square of fast samples below which slow ones are quieter: half.
+QUIET = 0.5
 #: Share to which a speed is searched.
 CLOSE = 0.01
 #: Part of the longest direction of the other columns below which one says nothing of its own.
@@ -59,13 +64,14 @@ class BuiltUp:
         """Return what friction at velocities (...,) [rad/s] lacks of its whole level, in the sense of it [N m]."""
         return np.where(velocity > 0, self.positive, self.negative) * self._left(velocity)
 
-    def unsure(self, velocity: np.ndarray, share: float, whole: float) -> np.ndarray:
-        """Return at which velocities (...,) what it lacks is not known to within the noise, if `share` of it is not.
+    def slow(self, velocity: np.ndarray) -> np.ndarray:
+        """Return at which velocities (...,) less than nine tenths of it are there: an arctan ends nowhere."""
+        return self._left(velocity) > LEFT
 
-        Where friction is but for a share `whole` of its level all there, samples stay: an arctan ends nowhere.
-        """
-        left = self._left(velocity)
-        return (np.abs(self.lacking(velocity)) * share + self.excess * left > self.noise) & (left > whole)
+    def unsure(self, velocity: np.ndarray, share: float) -> np.ndarray:
+        """Return at which slow velocities (...,) it is not known to within the noise, if `share` of it is not."""
+        error = np.abs(self.lacking(velocity)) * share + self.excess * self._left(velocity)
+        return (error > self.noise) & self.slow(velocity)
 
     def _left(self, velocity: np.ndarray) -> np.ndarray:
         return 1.0 - FORMS[self.form][0](np.abs(velocity) / self.speed)
@@ -174,7 +180,7 @@ class _Axis:
         if not units[0] * (1.0 + 2.0 * CLOSE) < speed < units[-1] / (1.0 + 2.0 * CLOSE):
             return None
         found, left = self._built_up(form, speed)
-        if found is None or min(self._over_step(left, found)) < least:
+        if found is None or min(self._over_step(left, found)) < least or self._quiet(left, found, least):
             return None
         braking, any_curve = self._over_curves(left, found)
         return found if braking >= least and any_curve > 0 else None
@@ -248,6 +254,17 @@ class _Axis:
         gained = (self._step**2 - left**2) / (2.0 * found.noise**2)
         return [float(np.sum(gained[half])) for half in (up, ~up)]
 
+    def _quiet(self, left: np.ndarray, found: BuiltUp, least: float) -> bool:
+        """Return whether slow samples have less than half of the square that is left of fast ones, and not by chance.
+
+        Noise is the same at any speed. Something else is missing then, where the joint is fast, and the slow samples
+        are bent to it.
+        """
+        slow = found.slow(self.velocity)
+        share = float(np.mean(left[slow] ** 2) / np.mean(left[~slow] ** 2)) if slow.any() and not slow.all() else 1.0
+        many = int(np.sum(slow))
+        return share < QUIET and bool(chi2.logcdf(share * many, many) < -least)
+
     def _over_curves(self, left: np.ndarray, found: BuiltUp) -> tuple[float, float]:
         """Return the nats that a rounded sign gains over the best curve of the friction beside a step.
 
@@ -297,9 +314,7 @@ class _Axis:
         return self.torque - x @ theta, theta
 
 
-def with_whole_friction(
-    measured: Measured, built_up: Sequence[BuiltUp | None], share: float, form_error: float
-) -> Measured:
+def with_whole_friction(measured: Measured, built_up: Sequence[BuiltUp | None], share: float) -> Measured:
     """Return samples with the torque of whole friction, without those where `share` of what was added counts.
 
     Friction may be off by as much: it follows load, position or temperature, and the one level that was added does not.
@@ -309,5 +324,5 @@ def with_whole_friction(
         if found is not None:
             v = measured.velocity[:, axis]
             torque[:, axis] += found.lacking(v)
-            usable[:, axis] &= ~found.unsure(v, share, 2.0 * form_error)
+            usable[:, axis] &= ~found.unsure(v, share)
     return replace(measured, torque=torque, usable=usable)

@@ -436,7 +436,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     coulomb = np.stack([state.drive.coulomb(axis, v[:, axis]) for axis in range(robot.joints)], axis=1)
     judged = measured.usable & train[:, None]
     built_up = built_up_friction(judged, v, a, missing, inertial, coulomb, settings.accept, settings.form_error)
-    measured = with_whole_friction(measured, built_up, settings.usual, settings.form_error)
+    measured = with_whole_friction(measured, built_up, settings.usual)
     counts = np.sum(measured.usable[train], axis=0)
     return Problem(
         robot=robot,
