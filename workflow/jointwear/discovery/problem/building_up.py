@@ -165,17 +165,11 @@ class _Axis:
 
     def rounded(self, least: float) -> BuiltUp | None:
         """Return the form and speed that fit best, if they explain enough."""
-        best = min(
-            (
-                (self._square(form, float(unit)), form, float(unit))
-                for form, (_, units) in FORMS.items()
-                for unit in units
-            )
-        )
-        if best[0] >= np.sum(self._step**2):
+        tried = {form: [self._square(form, float(unit)) for unit in units] for form, (_, units) in FORMS.items()}
+        if min(map(min, tried.values())) >= np.sum(self._step**2):
             return None
         # Each form between the speeds of its grid: at an end of it there is no speed, but another form or none.
-        _, form, speed = min(self._searched(form) for form in FORMS)
+        _, form, speed = min(self._searched(form, squares) for form, squares in tried.items())
         units = FORMS[form][1]
         if not units[0] * (1.0 + 2.0 * CLOSE) < speed < units[-1] / (1.0 + 2.0 * CLOSE):
             return None
@@ -205,32 +199,40 @@ class _Axis:
         found, _ = self._built_up(form, unit)
         if found is None:
             return own
-        square, excess = self._beside_curves(self._rounded_senses(form, unit))
-        step, _ = self._beside_curves(self._senses)
+        square, excess, _ = self._beside_curves(self._rounded_senses(form, unit))
+        step, *_ = self._step_beside_curves
         noise = float(np.sqrt(square / len(self.torque)))
         if step - square < 2.0 * least * noise**2:
             return own
         if own is not None:
-            best, _ = self._beside_curves(self._rounded_senses(own.form, own.speed))
+            best, *_ = self._beside_curves(self._rounded_senses(own.form, own.speed))
             if square - best > 2.0 * form_error * (step - best):
                 return own
         return replace(found, noise=noise, excess=excess)
 
-    def _beside_curves(self, senses: np.ndarray) -> tuple[float, float]:
-        """Return the least square that (N, 2) friction of either sense leaves beside none or a curve that brakes, and
-        the excess of that curve at rest [N m]."""
-        best = float(np.sum(self._fit(senses)[0] ** 2)), 0.0
+    @cached_property
+    def _step_beside_curves(self) -> tuple[float, float, float]:
+        return self._beside_curves(self._senses)
+
+    def _beside_curves(self, senses: np.ndarray) -> tuple[float, float, float]:
+        """Return the least square that (N, 2) friction of either sense leaves beside none or a curve that brakes, the
+        excess of that curve at rest [N m], and the least square beside any curve."""
+        least = float(np.sum(self._fit(senses)[0] ** 2))
+        braking = least, 0.0
         rounding = np.sign(self.velocity) * senses.sum(axis=1)
         for curve, at_rest in self._curves():
             rest, (positive, negative, size) = self._fit(senses, rounding * curve)
+            square = float(np.sum(rest**2))
+            least = min(least, square)
             if positive >= 0 >= negative and size >= 0:
-                best = min(best, (float(np.sum(rest**2)), float(at_rest * size)))
-        return best
+                braking = min(braking, (square, float(at_rest * size)))
+        return *braking, least
 
-    def _searched(self, form: str) -> tuple[float, str, float]:
-        """Return the least square that a form leaves, the form, and the speed [rad/s] at which it does."""
+    def _searched(self, form: str, squares: Sequence[float]) -> tuple[float, str, float]:
+        """Return the least square that a form leaves, the form, and the speed [rad/s] at which it does, near the least
+        of the `squares` at the speeds of its grid."""
         units = FORMS[form][1]
-        nearest = int(np.argmin([self._square(form, float(unit)) for unit in units]))
+        nearest = int(np.argmin(squares))
         around = np.log(units[[max(nearest - 1, 0), min(nearest + 1, len(units) - 1)]])
         search = minimize_scalar(
             lambda x: self._square(form, float(np.exp(x))),
@@ -271,13 +273,7 @@ class _Axis:
         They come twice: over curves that brake the joint beside a step that does, and over any. One that takes friction
         back beside a step that is too large rounds the sign in a form of its own.
         """
-        braking = least = float(np.sum(self._step**2))
-        for curve, _ in self._curves():
-            rest, (positive, negative, size) = self._fit(self._senses, np.sign(self.velocity) * curve)
-            square = float(np.sum(rest**2))
-            least = min(least, square)
-            if positive >= 0 >= negative and size >= 0:
-                braking = min(braking, square)
+        braking, _, least = self._step_beside_curves
         own = float(np.sum(left**2))
         return (braking - own) / (2.0 * found.noise**2), (least - own) / (2.0 * found.noise**2)
 

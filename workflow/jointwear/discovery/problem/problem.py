@@ -69,13 +69,13 @@ class Problem:
     smear : (N, n, 3) what the filter behind the derivatives does to the rigid-body torque [N m], 0 if given.
     moving : (N, n) samples in motion: those that can be judged, and those beside reversals and in shared stops too.
     judged : 0-based axes with enough usable training samples.
+    built_up : how the friction of each axis builds up with its speed, None of one that turns over with the sign of the
+        velocity. In `measured` its torque is whole, but for samples that are not usable.
     positions : positions [rad] of the log as they came, one array for each joint.
     encoder_step : resolution of the positions [rad] that the user gave, None where it is told from them.
     body_prior : identifier -> prior standard deviations of an effect on the whole arm, where they are not the usual.
     still : that nothing which shakes the arm is noise.
     motors : what `robot` has of motors that its file does not know; None where it knows all.
-    built_up : how the friction of each axis builds up with its speed, None of one that turns over with the sign of the
-        velocity. In `measured` its torque is whole, but for samples that are not usable.
     """
 
     robot: Robot
@@ -92,12 +92,12 @@ class Problem:
     smear: np.ndarray
     moving: np.ndarray
     judged: tuple[int, ...]
+    built_up: tuple[BuiltUp | None, ...]
     positions: tuple[np.ndarray, ...] = ()
     encoder_step: float | None = None
     body_prior: Mapping[str, np.ndarray] = field(default_factory=dict)
     still: bool = False
     motors: FoundMotors | None = None
-    built_up: tuple[BuiltUp | None, ...] = ()
     #: (axis, cut-off [Hz]) -> training samples; see :func:`jointwear.discovery.problem.instruments.limited_state`.
     limited_states: dict[tuple[int, float], State] = field(init=False, repr=False, default_factory=dict)
 
@@ -313,9 +313,7 @@ class Problem:
     @cached_property
     def _without_steps(self) -> np.ndarray:
         """(N_train, n) nominal torque without Coulomb friction [N m]."""
-        state = self.train_state
-        steps = [state.drive.coulomb(axis, state.velocity[:, axis]) for axis in range(self.robot.joints)]
-        return state.torque - np.stack(steps, axis=1)
+        return self.train_state.torque - self.robot.coulomb(self.train_state.velocity)
 
     @cached_property
     def _in_frequency(self) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
@@ -433,9 +431,10 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     moving_train, missing = measured.usable & train[:, None], measured.torque - nominal
     stuck = sticking(moving_train, v, a, missing, inertial, settings.noise_sigmas)
     measured = replace(measured, usable=measured.usable & ~stuck)
-    coulomb = np.stack([state.drive.coulomb(axis, v[:, axis]) for axis in range(robot.joints)], axis=1)
     judged = measured.usable & train[:, None]
-    built_up = built_up_friction(judged, v, a, missing, inertial, coulomb, settings.accept, settings.form_error)
+    built_up = built_up_friction(
+        judged, v, a, missing, inertial, robot.coulomb(v), settings.accept, settings.form_error
+    )
     measured = with_whole_friction(measured, built_up, settings.usual)
     counts = np.sum(measured.usable[train], axis=0)
     return Problem(

@@ -80,7 +80,7 @@ def _built_up(problem: Problem) -> list[str]:
     """Return in words of which joints the friction builds up with speed, and what was made of it."""
     ways: dict[str, list[str]] = {}
     for axis in problem.judged:
-        way = problem.built_up[axis] if problem.built_up else None
+        way = problem.built_up[axis]
         if way is not None:
             form = way.form if way.form == IN_PROPORTION else f"{way.form} of the speed"
             ways.setdefault(form, []).append(f"{way.speed:.2g} rad/s on joint {axis + 1}")

@@ -43,9 +43,11 @@ def of_another_form(white: White, named: list[Named]) -> Iterator[tuple[Named, f
     """
     half = 0.5 * white.problem.settings.accept
     for one in named:
+        if one.form is None:
+            continue
         others = [t for n in named if n is not one for t in n.terms]
         nats = nats_beyond(white, white.fit(others), one.candidate)
-        if nats <= half or one.form is None:
+        if nats <= half:
             continue
         bends = cross_validate(white, [*others, one.term], [one.form])
         if bends.nats > half and bends.gain_share > 0:

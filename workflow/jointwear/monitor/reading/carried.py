@@ -403,11 +403,12 @@ def _positive(gain: np.ndarray, width: int) -> np.ndarray:
 
 
 def _smooth(values: np.ndarray, width: int) -> np.ndarray:
-    return np.convolve(values, np.ones(width), mode="same")
+    # A piece beside a hole may be shorter than what is smoothed over: `same` would return the longer of the two.
+    begin = (width - 1) // 2
+    return np.convolve(values, np.ones(width))[begin : begin + len(values)]
 
 
 def near_switch(carried: np.ndarray, step: float) -> np.ndarray:
     """Return the samples (m,) within :data:`EDGE` of picking up or putting down."""
-    turn, reach = np.concatenate([[False], carried[1:] != carried[:-1]]), round(EDGE / step)
-    # A piece beside a hole may be shorter than what is smoothed over.
-    return np.convolve(turn.astype(float), np.ones(2 * reach + 1))[reach : reach + len(turn)] > 0.5
+    turn = np.concatenate([[False], carried[1:] != carried[:-1]])
+    return _smooth(turn.astype(float), 2 * round(EDGE / step) + 1) > 0.5
