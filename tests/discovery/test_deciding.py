@@ -188,6 +188,15 @@ def test_the_page_does_not_claim_the_noise_where_it_is_not_reached(found):
     assert heading(found.data) == "The model lacks an effect"
 
 
+def test_friction_that_builds_up_is_told_before_what_is_missing(found):
+    """A model whose only fault is that its simulator rounds the sign was headed "Nothing is missing"."""
+    content = {**found.data, "verdict": "none", "above_the_noise": [], "effects": [], "suspects": []}
+    content["builds_up"] = [{"axis": k, "form": "tanh", "speed": 0.02} for k in (1, 3)]
+    assert heading(content) == "Nothing is missing; friction builds up with the speed on joints 1 and 3"
+    assert lead(content)[0].startswith("Friction of joints 1 and 3 builds up with the speed")
+    assert not found.data["builds_up"]
+
+
 def test_what_has_no_name_is_put_beside_a_gap_that_is_closed():
     """The page said that retuning closes all, and that a part has no name."""
     gap = {"nominal": [9.0], "retuned": [1.02], "augmented": [1.02], "noise_floor": [1.0]}

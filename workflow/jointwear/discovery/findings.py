@@ -20,6 +20,7 @@ from jointwear.discovery.problem.restrictions import beyond_the_temperature, bey
 from jointwear.discovery.verdict import (
     NONE,
     AboveNoise,
+    BuildsUp,
     Gap,
     Lost,
     MissedGate,
@@ -96,6 +97,11 @@ def make_verdict(
             *unlikely_masses(retuned, problem.settings),
         ),
         above_the_noise=_above_the_noise(gap, problem.settings.near_the_floor),
+        builds_up=tuple(
+            BuildsUp(axis + 1, way.form, six_digits(way.speed))
+            for axis, way in enumerate(problem.built_up)
+            if way is not None and axis in problem.judged
+        ),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
 

@@ -162,6 +162,18 @@ class AboveNoise:
 
 
 @dataclass(frozen=True)
+class BuildsUp:
+    """A joint whose Coulomb friction builds up with the speed, which no robot file holds: the torque was put right.
+
+    `form` : "as a tanh", "as an arctan" or "in proportion to speed". `speed` : scale of the form [rad/s].
+    """
+
+    axis: int
+    form: str
+    speed: float
+
+
+@dataclass(frozen=True)
 class NotIdentifiable:
     """Effects that this motion cannot show or cannot tell apart."""
 
@@ -224,6 +236,7 @@ class Verdict:
     to_the_noise : whether the held-out error is near the noise floor on every axis that could be judged.
     above_the_noise : the axes on which it is not: a verdict is not complete there, structure told or not.
     misfits : optimisers that ended at their start or on a bound, in words; an entry is a reason for doubt.
+    builds_up : joints whose friction builds up with the speed, which was put right before anything was asked.
     free_identification : RMS error [N m] of a fit of all parameters without a prior, per axis.
     """
 
@@ -246,6 +259,7 @@ class Verdict:
     free_identification: tuple[float | None, ...] = ()
     filter_cutoff_hz: tuple[float | None, ...] = ()
     above_the_noise: tuple[AboveNoise, ...] = ()
+    builds_up: tuple[BuildsUp, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
         """Return plain dicts and lists in the layout of verdict.json."""

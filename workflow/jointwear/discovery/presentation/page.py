@@ -42,6 +42,11 @@ def lead(content: dict[str, Any]) -> list[str]:
 
     named = [name(e) for e in content["effects"]]
     sentences = []
+    if _builds_up(content):
+        sentences.append(
+            f"Friction of {numbered('joint', _builds_up(content))} builds up with the speed instead of turning over at "
+            "rest. No robot file can hold that; it was put right before anything else was asked."
+        )
     if content["verdict"] == "none":
         sentences.append("No effect is missing and no parameter needs to change.")
     elif content["verdict"] == "retuned":
@@ -69,6 +74,11 @@ def lead(content: dict[str, Any]) -> list[str]:
     return sentences
 
 
+def _builds_up(content: Mapping[str, Any]) -> list[int]:
+    """Return the joints whose friction builds up; a verdict of an earlier version does not ask."""
+    return [b["axis"] for b in content.get("builds_up", ())]
+
+
 def _beside_it(verdict: str, closed: float) -> str:
     """Say how what has no name can be there though nearly all of the gap is closed, empty where that is no question."""
     if verdict != "unknown" or closed < 1 - NARROW:
@@ -89,6 +99,8 @@ def _what_is_left(content: dict[str, Any]) -> str:
 def heading(content: Mapping[str, Any]) -> str:
     """Return the verdict as a heading that says where more than noise is left, structure told or not."""
     words = _WORDS[content["verdict"]]
+    if _builds_up(content):
+        words += f"; friction builds up with the speed on {numbered('joint', _builds_up(content))}"
     axes = [a["axis"] for a in content["above_the_noise"]]
     if content["verdict"] == "unknown" or not axes:
         return words

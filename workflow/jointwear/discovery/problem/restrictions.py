@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -47,7 +48,7 @@ def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
             f"done, state the unit of the time, as units: {{time: {unit}}}",
             by_keys=True,
         )
-    found = _not_judged(problem) + unseen_slow_motion(problem.measured, problem.judged) + _at_rest_in_test(problem)
+    found = _not_judged(problem) + unseen_slow_motion(_with_unsure(problem), problem.judged) + _at_rest_in_test(problem)
     found += _built_up(problem)
     return found + _late_velocities(problem.measured) + _of_temperature(problem) + _motors_not_in_file(problem)
 
@@ -74,6 +75,16 @@ def _at_rest_in_test(problem: Problem) -> list[str]:
     if not moving.any():
         return ["no joint moves in the test trajectories: the gap on held-out motion is unknown"]
     return [f"joint {axis + 1} is at rest in the test trajectories" for axis in problem.judged if not moving[axis]]
+
+
+def _with_unsure(problem: Problem) -> Measured:
+    """Return the samples with those that were left out because friction builds up there: the motion does show them."""
+    usable = problem.measured.usable.copy()
+    for axis in problem.judged:
+        way = problem.built_up[axis]
+        if way is not None:
+            usable[:, axis] |= way.unsure(problem.measured.velocity[:, axis], problem.settings.usual)
+    return replace(problem.measured, usable=usable)
 
 
 def _built_up(problem: Problem) -> list[str]:
