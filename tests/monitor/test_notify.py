@@ -200,11 +200,11 @@ def test_a_robot_that_is_refused_has_not_recovered(tmp_path):
     assert said[2] == "ENDED  cell_3: resolved"
 
 
-def test_channels_hear_of_their_robots_and_the_paper_repeats_nothing(tmp_path):
+def test_channels_hear_of_their_robots_and_nothing_of_the_paper(tmp_path):
     said = []
     desk = Desk(tmp_path, [{"name": "x", "env": "X", "robots": ["a"]}, {"name": "y", "env": "Y"}])
     paper = episode(detector="paper", key="3|torque histogram|paper|")
-    rows = [robot(episode(), paper, name="a"), robot(paper, name="b")]
+    rows = [robot(episode(), paper, name="a"), robot(paper, name="b"), robot(episode(), name="c")]
     desk.call(*rows, send=lambda channel, message: said.append((channel["name"], message["title"])) or "")
     assert said == [("x", "Robot wear: 1 new"), ("y", "Robot wear: 2 new")]
     assert len(notices(rows, zone_of(None))) == 2

@@ -54,7 +54,7 @@ def write_history(path: str | Path, state: RobotState, robot: str) -> None:
     """Write the windows of one robot; `robot` is its name in the config."""
     w, n = state.status.shape
     alarms = np.zeros((w, n), dtype=np.int32)
-    for alarm in state.alarms:
+    for alarm in state.counted:
         if alarm["axis"]:
             alarms[np.clip(np.searchsorted(state.end, alarm["time"]), 0, w - 1), alarm["axis"] - 1] += 1
 

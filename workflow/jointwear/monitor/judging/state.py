@@ -23,7 +23,7 @@ from jointwear.monitor.judging.judge import Judgement
 from jointwear.monitor.normal.friction import window_friction
 from jointwear.monitor.reading.assembly import History, Piece
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.monitor.watching.records import Reason
+from jointwear.monitor.watching.records import DETECTORS, Reason
 from jointwear.robots.robot import Robot
 
 ALARM_COLUMNS = (
@@ -199,6 +199,17 @@ class RobotState:
     first: np.ndarray
     last: np.ndarray
     entry: dict[str, Any]
+
+    @property
+    def counted(self) -> list[dict[str, Any]]:
+        """The alarms that count: those of the model-based detector."""
+        return [alarm for alarm in self.alarms if alarm["detector"] == DETECTORS[0]]
+
+    @property
+    def compared(self) -> list[dict[str, Any]]:
+        """The alarms of the paper's detector, which decide nothing: it keeps no stated rate where parts, programs or
+        temperature change what it looks at (docs/decisions/when_to_alarm.md)."""
+        return [alarm for alarm in self.alarms if alarm["detector"] != DETECTORS[0]]
 
     @property
     def axes(self) -> int:

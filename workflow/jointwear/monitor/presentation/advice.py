@@ -6,11 +6,6 @@ from __future__ import annotations
 def advice(quantity: str, change: float | None) -> str:
     """Return what to check when a quantity of an axis changed; `change` None counts as growth."""
     grew = change is None or change > 0
-    if "histogram" in quantity:
-        return (
-            "the spread of the torque changed: where no alarm of friction says why, look for another program, part or "
-            "controller since then, and enter it as an event of kind program"
-        )
     if "backlash" in quantity:
         return (
             "check the gear for play with the flange clamped, and belt and coupling"

@@ -19,7 +19,7 @@ from jointwear.monitor.reading.zeros import ZERO
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS
 from jointwear.monitor.watching.present import FEWEST_NOW, NOW, now_windows
-from jointwear.monitor.watching.records import CHANGED, DETECTORS, HEALTHY, UNJUDGED, Reason
+from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reason
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
 UNRESOLVED = "unresolved alarm"
@@ -53,9 +53,8 @@ class AxisCondition:
 
     `axis` 1-based. `level`: CHANGED, UNRESOLVED, UNJUDGED or HEALTHY. `growth`, `growth_std` of the Coulomb friction
     now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `episodes`:
-    unresolved ones, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where
-    unknown. `seen`: it has been judged after the baseline. `rescaled`: time [s] of a changed scale of its torque.
-    `fell`: time [s] of a fall of its friction that nobody has explained. `loud`: its torque has grown uneven.
+    unresolved ones of alarms that count, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its
+    change now, NaN where unknown. `seen`: it has been judged after the baseline. `loud`: its torque has grown uneven.
     `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered. `anew`: the
     newest event that mends it, from which its growth counts; None where there is none.
     """
@@ -73,8 +72,6 @@ class AxisCondition:
     viscous: float = math.nan
     viscous_std: float = math.nan
     seen: bool = True
-    rescaled: float = math.inf
-    fell: float = math.inf
     loud: bool = False
     turned: float = math.inf
     anew: Event | None = None
@@ -89,9 +86,8 @@ class AxisCondition:
 
     @property
     def main(self) -> Episode | None:
-        """The episode to act on: of the model-based detector before the paper's, the newest first."""
-        ordered = sorted(self.episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
-        return ordered[0] if ordered else None
+        """The episode to act on, the newest one."""
+        return max(self.episodes, key=lambda e: e.last, default=None)
 
     @property
     def check(self) -> str:
@@ -100,15 +96,10 @@ class AxisCondition:
             return "known from an event of the config; keep watching it" if self.level == CHANGED else ""
         if self.turned <= self.main.last:
             return "first settle from which zero the joints count, as told below: another zero looks like friction"
-        if self.level != CHANGED and self.main.detector == DETECTORS[0]:
+        if self.level != CHANGED:
             what = "play" if self.main.quantity == BACKLASH else "friction"
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
             return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
-        if self.main.detector != DETECTORS[0] and self.rescaled <= self.main.last:
-            # What the histograms saw is explained.
-            return advice("scale", None)
-        if self.main.detector != DETECTORS[0] and self.fell <= self.main.last:
-            return "its friction fell before, as after a service: enter it under 'events', or look for another cause"
         told = advice(self.main.quantity, self.main.newest["change"])
         if self.probability is not None and self.probability < EVEN_ODDS:
             return f"compare the other axes before opening anything, as it may well be another; then {told}"
@@ -154,13 +145,13 @@ class AxisCondition:
 def axis_conditions(state: RobotState) -> list[AxisCondition]:
     """Return the condition of every axis."""
     events = events_of(state.entry)
-    found = episodes_of(state.alarms, events)
+    found = episodes_of(state.counted, events)
     return [_condition(state, j, found, events) for j in range(state.axes)]
 
 
 def robot_episodes(state: RobotState) -> list[Episode]:
     """Return the episodes that concern the robot as a whole."""
-    return [e for e in episodes_of(state.alarms, events_of(state.entry)) if e.axis is None]
+    return [e for e in episodes_of(state.counted, events_of(state.entry)) if e.axis is None]
 
 
 def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence[Event]) -> AxisCondition:
@@ -195,8 +186,6 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         viscous=viscous,
         viscous_std=viscous_std,
         seen=len(after) > 0,
-        rescaled=_first(state, "scale", j),
-        fell=_first(state, "proposed_service", j),
         loud=loud,
         turned=min((f["time"] for f in _unanswered(state, ZERO)), default=math.inf),
         anew=mending[-1] if mending else None,
@@ -208,11 +197,6 @@ def _mended(resolved: list[Episode]) -> bool:
     nothing of it now; somebody who looked at an alarm has changed nothing, nor has another program."""
     events = [e.resolved for e in resolved if e.resolved is not None and e.resolved.mends]
     return bool(events) and max(events, key=lambda e: e.time).kind != "acknowledged"
-
-
-def _first(state: RobotState, kind: str, j: int) -> float:
-    """Return the time [s] of the first finding of a kind on a 0-based axis, infinite where there is none."""
-    return min((f["time"] for f in state.findings if f["kind"] == kind and j + 1 in f["axes"]), default=math.inf)
 
 
 def _unanswered(state: RobotState, kind: str) -> list[Mapping[str, Any]]:

@@ -168,7 +168,7 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
             alone = _alone(middle)
             if alone.any():
                 axes.plot(where[alone], middle[alone], "o", markersize=2, color=colour)
-        for k, alarm in enumerate(a for a in state.alarms if a["axis"] == j + 1 and _rests_on(a, name)):
+        for k, alarm in enumerate(a for a in state.counted if a["axis"] == j + 1 and _rests_on(a, name)):
             where = time[np.clip(np.searchsorted(state.end, alarm["time"]), 0, w - 1)]
             (again if k else first).append([(where, row.foot), (where, row.foot + 1)])
         told.append(_told(state, j, mean))

@@ -2,8 +2,7 @@
 
 An axis that has changed alarms again every day. All alarms of one quantity, axis and detector between two events of
 that axis are one episode. Only an event of the config (service, sensor, acknowledged) resolves it: friction that comes
-back by itself is no explanation. Another program resolves what the paper's detector saw, which is torque and begins
-anew with it; wear goes on under another program.
+back by itself is no explanation, and wear goes on under another program.
 """
 
 from __future__ import annotations
@@ -13,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from jointwear.monitor.events import Event
-from jointwear.monitor.watching.records import DETECTORS
 
 
 @dataclass(frozen=True)
@@ -53,11 +51,11 @@ class Episode:
         return f"{self.axis or 'all'}|{self.quantity}|{self.detector}|{began}"
 
 
-def _resolves(event: Event, axis: int | None, detector: str) -> bool:
-    """Whether an event may explain what a detector saw of a 1-based axis; one about some axes does not explain a
-    finding on the whole robot."""
+def _resolves(event: Event, axis: int | None) -> bool:
+    """Whether an event may explain alarms of a 1-based axis; one about some axes does not explain those of the whole
+    robot."""
     about = not event.axes if axis is None else event.concerns(axis - 1)
-    return about and (event.mends or detector != DETECTORS[0])
+    return about and event.mends
 
 
 def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) -> list[Episode]:
@@ -66,7 +64,7 @@ def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) ->
     around: dict[tuple, tuple[Event | None, Event | None]] = {}
     for alarm in sorted(alarms, key=lambda a: a["time"]):
         axis = alarm["axis"] or None
-        own = [e for e in events if _resolves(e, axis, alarm["detector"])]
+        own = [e for e in events if _resolves(e, axis)]
         end = next((e for e in own if e.time >= alarm["time"]), None)
         begin = next((e for e in reversed(own) if e.time < alarm["time"]), None)
         key = (axis, alarm["quantity"], alarm["detector"], None if end is None else end.time)

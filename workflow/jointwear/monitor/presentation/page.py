@@ -30,7 +30,6 @@ from jointwear.monitor.presentation.summaries import axis_summary, headline, tol
 from jointwear.monitor.presentation.temperature import temperature_share
 from jointwear.monitor.presentation.to_answer import ASKING
 from jointwear.monitor.presentation.words import sure_percent, sure_words, todo
-from jointwear.monitor.watching.records import DETECTORS
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
 from jointwear.publishing.report.rendering import render_page
@@ -65,7 +64,6 @@ def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") ->
     return {
         "axis": episode.axis,
         "quantity": episode.quantity,
-        "detector": episode.detector,
         "first": when(state, episode.first, zone),
         "last": when(state, episode.last, zone),
         "count": len(episode.alarms),
@@ -120,20 +118,25 @@ def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
 
 def _check_of(episode: Episode, conditions: list[AxisCondition]) -> str:
     """Return what is to check of the axis of an episode, where no part of it is; empty elsewhere."""
-    if episode.axis is None or episode.detector != DETECTORS[0]:
+    if episode.axis is None:
         return ""
     condition = conditions[episode.axis - 1]
     return condition.check if condition.level == UNRESOLVED else ""
 
 
 def _newest(episodes: list[Episode]) -> list[Episode]:
-    """Return episodes of the model-based detector before the paper's, the newest first."""
-    return sorted(episodes, key=lambda e: (e.detector != DETECTORS[0], -e.last))
+    return sorted(episodes, key=lambda e: -e.last)
+
+
+def compared_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
+    """Return the alarms of the paper's detector in words, the newest first."""
+    newest = sorted(state.compared, key=lambda a: -a["time"])
+    return [{"axis": alarm["axis"], "when": when(state, alarm["time"], zone)} for alarm in newest]
 
 
 def _timelines(state: RobotState) -> dict[str, str]:
     """Return the words of what is drawn over time, by name: what is known, and of some only what an alarm is of."""
-    alarmed = {SHOWN_BY.get(alarm["quantity"]) for alarm in state.alarms}
+    alarmed = {SHOWN_BY.get(alarm["quantity"]) for alarm in state.counted}
     return {
         name: words
         for name, words in TIMELINES.items()
@@ -204,6 +207,7 @@ def write_page(
         "older": [f for k, f in enumerate(told) if k >= SHOWN and not f["asks"]],
         "summaries": summaries,
         "unresolved": [story(state, e, zone, _check_of(e, conditions)) for e in _newest(unresolved)],
+        "compared": compared_rows(state, zone),
         "past": [story(state, e, zone) for e in _newest(past)],
         "warm": warm,
         "timelines": shown,

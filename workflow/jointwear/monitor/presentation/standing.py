@@ -69,7 +69,7 @@ def standing(state: RobotState) -> dict[str, Any]:
     unjudged = state.status == UNJUDGED
     episodes = [e for c in ordered for e in c.episodes] + [e for e in robot_episodes(state) if e.resolved is None]
     return {
-        "alarms": len(state.alarms),
+        "alarms": len(state.counted),
         "axes_changed": " ".join(str(j + 1) for j in range(state.axes) if state.status[-1, j] == CHANGED),
         "logs": len(state.logs),
         "refused_logs": sum(bool(told) for told in state.refused),

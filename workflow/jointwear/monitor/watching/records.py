@@ -24,6 +24,7 @@ from jointwear.monitor.watching.shift_forecast import Forecast
 from jointwear.monitor.watching.watching import Watch
 
 HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
+#: The detector whose alarms count, and the paper's, which stands beside it for comparison.
 DETECTORS = ("model", "paper")
 #: An alarm that lasts is told again, with a new forecast, after this many hours where growth has gone on since by this
 #: many of its standard errors; after that when it has risen by this much more; or after a week. What is no wear does
