@@ -69,6 +69,18 @@ def test_a_step_of_the_scale_is_told_from_wear_and_taken_over_by_axes_that_step_
     assert scale_steps(quantity({}, {}), quantity({}, {}), loaded, shift, none) == []
 
 
+def test_what_goes_on_growing_beyond_a_step_of_the_scale_is_wear():
+    """As on a wrist whose bodies wandered by 2 % while its friction grew by 3 % a shift (fleet 29)."""
+    shift, none = np.repeat(np.arange(10), 8), np.zeros(80, dtype=bool)
+    bodies = quantity({3: 0.02}, {})
+    steady = quantity({3: 0.028}, {3: 44})
+    assert [s.axis for s in scale_steps(steady, steady, bodies, shift, none)] == [3]
+    worn = quantity({3: 0.028}, {3: 44})
+    worn.residual[48:, 3] += 0.03
+    worn.residual[56:, 3] += 0.03
+    assert scale_steps(worn, worn, bodies, shift, none) == []
+
+
 def test_wear_beside_a_heavier_part_is_no_other_scale_of_its_axis():
     """As on an arm whose part grew 1.4 times heavier while axis 4 wore (fleet 23): all bodies move, friction of one."""
     shift, none = np.repeat(np.arange(10), 8), np.zeros(80, dtype=bool)

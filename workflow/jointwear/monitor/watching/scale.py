@@ -88,10 +88,21 @@ def scale_steps(level: Watch, plain: Watch, scale: Watch, shift: np.ndarray, bas
             step, error = mean_residual(scale, rows, j, shift)
             size = mean_residual(level, slice(begin, k + 1), j, shift)[0] if sign > 0 else step
             steps = np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR
-            if steps and not _of_a_load(plain, scale, rows, j, shift):
+            if steps and not _grows_on(plain, rows, j, shift, step) and not _of_a_load(plain, scale, rows, j, shift):
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
     return _common(plain, scale, shift, baseline) or found + _joined(found, level, scale, shift)
+
+
+def _grows_on(plain: Watch, rows: slice, j: int, shift: np.ndarray, step: float) -> bool:
+    """Return whether friction of the 0-based axis `j` goes on growing over the shifts of `rows`, beyond its error and
+    by half of a `step` of its scale: a gain holds, and wear that begins as if it were one does not.
+    """
+    place = np.arange(rows.start, rows.stop)
+    (before, error), (after, spread) = (
+        mean_residual(plain, place[shift[place] == shift[k]], j, shift) for k in (place[0], place[-1])
+    )
+    return bool(after - before > max(AGAINST * np.hypot(error, spread), ALIKE * abs(step)))
 
 
 def _of_a_load(plain: Watch, scale: Watch, rows: slice, own: int, shift: np.ndarray) -> bool:
