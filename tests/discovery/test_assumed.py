@@ -34,12 +34,14 @@ OTHERS = {
         building_up.SAMPLES leftovers.SPEEDS
         base.MOST_FREE base.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
+        saturated.DRAWN
         posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS
         time_lines.MOST gear_waves.MOST base.ROUNDS noise_spectrum.ROUNDS_OF_LAGS refine.ROUNDS curvature.MOVES
         curvature.GAINED
     """,
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
+        noise.ORDER_BESIDE_GAPS noise.LEFT_BY_ORDER slow_noise.FEW_SAMPLES
         noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
         shared_drives.FEWEST shared_drives.FEWEST_EACH building_up.FEWEST_EACH spectra.FEWEST noise.FEWEST
         noise.FEWEST_EACH residual_lines.FEWEST

@@ -28,6 +28,19 @@ def test_a_sweep_that_starts_with_every_record_is_found_in_all_before_it_is_in_o
     assert strongest_line(noise + np.concatenate(others), rows, state, RATE).p_value > 1e-8
 
 
+def test_a_slow_push_in_one_record_is_no_wave_at_the_end_of_the_band_of_chirps():
+    """Pages told of shaking at 20.46 Hz where a hose, a push or a brake was slow: sweeps that begin below zero end up
+    at the top of the band that is turned back."""
+    rate, count = 200.0, 5000
+    clock, rng = np.arange(count) / rate, np.random.default_rng(0)
+    state = SimpleNamespace(record=np.repeat(np.arange(RECORDS), count))
+    pushes = [a * np.exp(-0.5 * ((clock - at) / 0.6) ** 2) for a, at in ((2.5, 8.0), (0.0, 15.0), (0.0, 4.0))]
+    line = strongest_line(
+        rng.standard_normal(RECORDS * count) + np.concatenate(pushes), np.arange(3 * count), state, rate
+    )
+    assert line.frequency < 1.0
+
+
 def test_what_is_slow_in_every_record_is_no_sweep():
     """Of slow noise a sweep that begins below zero holds a part in each record, and more of it in all."""
     rng = np.random.default_rng(3)

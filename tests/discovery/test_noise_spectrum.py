@@ -2,16 +2,34 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.linalg import cho_factor, cho_solve
 
 from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Outcome
-from jointwear.discovery.noise.noise import Whitener, estimate, simulate
-from jointwear.discovery.noise.noise_spectrum import corrected, without_slow_torque
+from jointwear.discovery.noise.noise import (
+    HIGHEST_ORDER_DERIVED,
+    LEFT_BY_ORDER,
+    ORDER_BESIDE_GAPS,
+    Whitener,
+    estimate,
+    highest_order,
+    simulate,
+    whitenable,
+)
+from jointwear.discovery.noise.noise_spectrum import (
+    POINTS,
+    corrected,
+    of_density,
+    slowest_pole,
+    without_slow_torque,
+)
 from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search.leftovers import unexplained
+from jointwear.discovery.search.slow_noise import PRICE
 from jointwear.discovery.settings import Settings
 from jointwear.measurement.recording import Recording, split
 from jointwear.robots.dynamics import Dynamics
@@ -127,6 +145,39 @@ def test_a_torque_that_comes_and_goes_with_the_wind_is_no_noise():
     assert np.all(np.abs(np.log(kept.density(frequency, 100.0) / red.density(frequency, 100.0))) < np.log(1.5))
 
 
+def test_slow_noise_beside_quick_noise_is_held_at_a_high_rate():
+    """A sensor whose noise forgets within 0.27 s, as any may, looked like structure over time in logs of 250 Hz."""
+    rate, everything = 250.0, np.arange(18000)
+    frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
+    truth = np.full(len(frequency), 2 * 0.5**2 / rate)
+    for size, corner in ((0.8, 8.0), (0.3, 0.6)):
+        pole = np.exp(-2 * np.pi * corner / rate)
+        truth += Whitener(everything, np.array([pole]), size * np.sqrt(1 - pole**2)).density(frequency, rate)
+
+    def short(order):
+        """Return which part of the noise below 1 Hz a model lacks."""
+        model = of_density(truth, rate, order, len(everything), slowest_pole(rate), PRICE)
+        slow = frequency < 1.0
+        return 1.0 - np.mean(model.density(frequency, rate)[slow]) / np.mean(truth[slow])
+
+    highest = highest_order(np.ones(len(everything), bool), np.repeat(np.arange(3), 6000))
+    assert short(highest) < 0.25 < short(ORDER_BESIDE_GAPS)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 400))
+@settings(max_examples=20, deadline=None)
+def test_a_high_order_leaves_half_of_the_samples_that_a_low_one_leaves(seed, gap):
+    rng = np.random.default_rng(seed)
+    label = np.repeat(np.arange(3), 1500)
+    used = rng.random(len(label)) > 1.0 / gap
+    order = highest_order(used, label)
+    left, least = (len(whitenable(used, label, k)) for k in (order, ORDER_BESIDE_GAPS))
+    assert ORDER_BESIDE_GAPS <= order <= HIGHEST_ORDER_DERIVED
+    assert left >= LEFT_BY_ORDER * least
+    if order < HIGHEST_ORDER_DERIVED and least:
+        assert len(whitenable(used, label, order + 1)) < LEFT_BY_ORDER * least
+
+
 def test_slow_noise_of_most_joints_is_what_the_model_lacks():
     """A smoothed torque and a rough model make every joint slow: nothing outside pushes; one slow joint is pushed."""
     label = np.repeat(np.arange(RECORDS), LENGTH * 4)
@@ -136,7 +187,7 @@ def test_slow_noise_of_most_joints_is_what_the_model_lacks():
     frequency = np.array([0.5, 1.0])
 
     def changed(whites):
-        mended = without_slow_torque(whites, used, label, 100.0, 6)
+        mended = without_slow_torque(whites, used, label, 100.0)
         return [
             not np.allclose(a.density(frequency, 100.0), b.density(frequency, 100.0))
             for a, b in zip(mended, whites, strict=True)
@@ -144,4 +195,4 @@ def test_slow_noise_of_most_joints_is_what_the_model_lacks():
 
     assert changed([slow, white, white]) == [True, False, False]
     assert changed([slow, slow, white]) == [False, False, False]
-    assert without_slow_torque([None, white, slow], used, label, 100.0, 6)[0] is None
+    assert without_slow_torque([None, white, slow], used, label, 100.0)[0] is None

@@ -9,6 +9,7 @@ import numpy as np
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.problem.candidates import Candidate, Dictionary
 from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.problem.saturated import noise_level
 from jointwear.discovery.problem.whitening import White
 
 
@@ -96,7 +97,8 @@ class Outcome:
 
     @property
     def noise_floor(self) -> list[float | None]:
-        """Standard deviation of the torque noise of every axis [N m], None where it cannot be judged."""
+        """Standard deviation of the noise of the torque of every axis, that of derived accelerations too [N m], None
+        where it cannot be judged."""
         if self.white is None:
             return [None] * self.problem.robot.joints
-        return [None if w is None else w.marginal for w in self.white.whiteners]
+        return [None if w is None else noise_level(self.problem, a, w) for a, w in enumerate(self.white.whiteners)]

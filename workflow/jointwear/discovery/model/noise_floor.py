@@ -6,7 +6,7 @@ import numpy as np
 
 from jointwear.discovery.model.final_model import Final
 from jointwear.discovery.problem.candidates import LINK_MASS, raw_columns
-from jointwear.discovery.problem.saturated import axis_noise
+from jointwear.discovery.problem.saturated import axis_noise, noise_level
 
 
 def floor_with_names(final: Final) -> list[float | None]:
@@ -24,6 +24,6 @@ def floor_with_names(final: Final) -> list[float | None]:
             columns.setdefault(candidate.axis, []).append(raw_columns(outcome.white, candidate))
     for axis, found in columns.items():
         if floor[axis] is not None:
-            known = axis_noise(outcome.problem, axis, np.concatenate(found, axis=1)).marginal
-            floor[axis] = min(floor[axis], known)
+            known = axis_noise(outcome.problem, axis, np.concatenate(found, axis=1))
+            floor[axis] = min(floor[axis], noise_level(outcome.problem, axis, known))
     return floor

@@ -8,9 +8,11 @@ import numpy as np
 from scipy.signal import lfilter
 
 HIGHEST_ORDER = 6
-#: The same where the noise of derived accelerations shows: it rises with the fourth power of the frequency up to the
-#: end of the band of the derivatives, and falls steeply there.
-HIGHEST_ORDER_DERIVED = 16
+#: The same where the noise of derived accelerations shows, which rises with the fourth power of the frequency up to the
+#: end of the band of the derivatives and falls steeply there, and where slow noise is told from what is slow: beside
+#: white noise it has many small coefficients, and a model that ends before them leaves a part of it as structure. Of
+#: the samples that an order of 16 leaves, as it takes as many beside every gap, a higher one has to leave half.
+HIGHEST_ORDER_DERIVED, ORDER_BESIDE_GAPS, LEFT_BY_ORDER = 64, 16, 0.5
 #: Columns from which on they are whitened sample by sample: all of them at once, lag by lag, no cache holds. Where each
 #: column lies in one piece, so many are whitened at a time.
 WIDE = 32
@@ -30,11 +32,13 @@ class Whitener:
     ----------
     rows : (m,) samples whose `order` predecessors are usable too and of the same trajectory.
     lags : (p,) coefficients of the autoregressive model. sigma : standard deviation of its innovations [N m].
+    spread : that of the noise itself by what the fit behind the model left [N m], whatever its colour, NaN unknown.
     """
 
     rows: np.ndarray
     lags: np.ndarray
     sigma: float
+    spread: float = np.nan
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N, k) or (N,) into (m, k) or (m,)."""
@@ -93,6 +97,23 @@ def whitenable(usable: np.ndarray, trajectory: np.ndarray, order: int) -> np.nda
         good[lag:] &= usable[:-lag] & (trajectory[lag:] == trajectory[:-lag])
         good[:lag] = False
     return np.flatnonzero(good)
+
+
+def highest_order(usable: np.ndarray, trajectory: np.ndarray) -> int:
+    """Return the highest order of a noise model of derived accelerations that leaves enough of samples with gaps.
+
+    Parameters
+    ----------
+    usable, trajectory : (N,) samples that are judged, and their labels.
+    """
+    joined = usable[1:] & usable[:-1] & (trajectory[1:] == trajectory[:-1])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], joined, [False]]).astype(int)))
+    runs = edges[1::2] - edges[::2] + 1
+    least = np.sum(np.maximum(runs - ORDER_BESIDE_GAPS, 0))
+    for order in range(HIGHEST_ORDER_DERIVED, ORDER_BESIDE_GAPS, -1):
+        if np.sum(np.maximum(runs - order, 0)) >= LEFT_BY_ORDER * least > 0:
+            return order
+    return ORDER_BESIDE_GAPS
 
 
 def estimate(

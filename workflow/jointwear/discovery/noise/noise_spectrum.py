@@ -8,6 +8,7 @@ learns that notch, and whatever moves slowly then looks like structure without a
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -21,6 +22,7 @@ from jointwear.discovery.noise.noise import (
     coloured,
     drawn,
     estimate,
+    highest_order,
     regress,
     stable,
     whitenable,
@@ -148,7 +150,7 @@ def slowest_pole(rate: float) -> float:
 
 
 def without_slow_torque(
-    whites: Sequence[Whitener | None], usable: np.ndarray, trajectory: np.ndarray, rate: float, highest: int
+    whites: Sequence[Whitener | None], usable: np.ndarray, trajectory: np.ndarray, rate: float
 ) -> list[Whitener | None]:
     """Return noise models of the axes (None where not judged) in which none is slower than a sensor's.
 
@@ -156,7 +158,7 @@ def without_slow_torque(
 
     Parameters
     ----------
-    usable : (N, n) samples that are judged. trajectory : (N,) labels. rate : [Hz]. highest : order of a model.
+    usable : (N, n) samples that are judged. trajectory : (N,) labels. rate : [Hz].
     """
     frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     densities = {axis: w.density(frequency, rate) for axis, w in enumerate(whites) if w is not None}
@@ -167,9 +169,10 @@ def without_slow_torque(
         return result
     radius = slowest_pole(rate)
     for axis in slow:
+        highest = highest_order(usable[:, axis], trajectory)
         model = of_density(limited[axis], rate, highest, len(whites[axis].rows), radius)
         rows = whitenable(usable[:, axis], trajectory, len(model.lags))
-        result[axis] = Whitener(rows, model.lags, model.sigma)
+        result[axis] = replace(whites[axis], rows=rows, lags=model.lags, sigma=model.sigma)
     return result
 
 

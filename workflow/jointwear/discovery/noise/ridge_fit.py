@@ -36,6 +36,10 @@ class RidgeFit:
         found = cho_solve(self._factor, (self._seen(series).T @ self._x).T)
         return series - (found.T @ self._columns.T).T
 
+    def part(self, series: np.ndarray, count: int) -> np.ndarray:
+        """Return what the first `count` columns hold of a series (N,) in the fit, (N,)."""
+        return self._columns[:, :count] @ cho_solve(self._factor, self._x.T @ self._seen(series))[:count]
+
     def squares(self, groups: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Return the sums of products (s, s), as the fit sees them, of what is left of each of groups (N, s).
 

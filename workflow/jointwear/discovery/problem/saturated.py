@@ -6,10 +6,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery.noise.noise import HIGHEST_ORDER, HIGHEST_ORDER_DERIVED, WIDE, Whitener, estimate, whitenable
+from jointwear.discovery.noise.noise import (
+    HIGHEST_ORDER,
+    WIDE,
+    Whitener,
+    coloured,
+    estimate,
+    highest_order,
+    whitenable,
+)
 from jointwear.discovery.noise.noise_spectrum import corrected, without_slow_torque
 from jointwear.discovery.noise.ridge_fit import RidgeFit
-from jointwear.discovery.problem.instruments import Cutoffs, axis_cutoffs, limited_inertial, limited_state, velocities
+from jointwear.discovery.problem.instruments import (
+    FREQUENCIES,
+    Cutoffs,
+    axis_cutoffs,
+    limited_inertial,
+    limited_state,
+    torque_noise,
+    velocities,
+)
 from jointwear.discovery.problem.motor_lines import loud_waves, shown_waves, waves_in_band
 from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.problem.time_lines import loud_lines
@@ -26,6 +42,8 @@ START = 2
 FEWEST_EACH = 15
 #: Least noise of a torque over its RMS: below it, as in a simulated log, what is left is round-off of the fit.
 LEAST_NOISE = 1e-6
+#: Drawings of the noise by which it is asked what share of it the fit takes off.
+DRAWN = 2
 #: Frequencies [Hz] above which a step at a reversal is kept.
 SHARP = (4.0, 6.0, 9.0)
 
@@ -36,7 +54,7 @@ def estimate_noise(problem: Problem) -> list[Whitener | None]:
     for axis in problem.judged:
         result[axis] = axis_noise(problem, axis)
     label, rate = problem.measured.trajectory[problem.train], problem.measured.rate
-    return without_slow_torque(result, problem.usable, label, rate, HIGHEST_ORDER_DERIVED)
+    return without_slow_torque(result, problem.usable, label, rate)
 
 
 def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> Whitener:
@@ -55,14 +73,14 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         left = plain(y)
         return plain, left, estimate(left, used, label, highest)
 
-    columns = _columns(problem, axis, extra, Cutoffs())
+    columns, rounding = _columns(problem, axis, extra, Cutoffs())
     plain, left, white = fitted(columns, HIGHEST_ORDER)
     cutoffs = axis_cutoffs(problem, axis, white, with_late=False)
     highest = HIGHEST_ORDER
     if cutoffs != Cutoffs():
-        highest = HIGHEST_ORDER_DERIVED
+        highest = highest_order(used, label)
         # Columns that share the noise have taken a part of it: what they left says too little.
-        columns = _columns(problem, axis, extra, cutoffs)
+        columns, rounding = _columns(problem, axis, extra, cutoffs)
         plain, left, white = fitted(columns, highest)
     further = _further_columns(limited_state(problem, axis, cutoffs.timing), axis)
     further = loud_waves(problem, axis, further, white, plain, left, highest)
@@ -87,17 +105,45 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
     white = estimate(left, used, label, START)
     white = corrected(white, left, take_off, used, label, problem.measured.rate, highest, problem.noise_drives)
     torque = problem.measured.torque[problem.train, axis][used]
-    return replace(white, sigma=max(white.sigma, LEAST_NOISE * float(np.sqrt(np.mean(torque**2)))))
+    sigma = max(white.sigma, LEAST_NOISE * float(np.sqrt(np.mean(torque**2))))
+    # What derivatives round off or add is no model of the arm: it is left in any prediction.
+    derived = left + take_off.part(y, rounding)
+    return replace(white, sigma=sigma, spread=_spread(problem, white, derived[used], take_off, used))
 
 
-def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cutoffs) -> np.ndarray:
-    """Return the columns (N_train, k) of the saturated fit of one axis, each of unit RMS."""
+def _spread(problem: Problem, white: Whitener, left: np.ndarray, take_off: RidgeFit, used: np.ndarray) -> float:
+    """Return the standard deviation of the noise [N m] by what a fit `left` (m,) and takes off noise of the model."""
+    drive = [piece[:, :DRAWN] for piece in problem.noise_drives(len(white.lags))]
+    noise = coloured(white, drive)
+    kept = np.mean(take_off(noise)[used] ** 2) / np.mean(noise[used] ** 2)
+    return float(np.sqrt(np.mean(left**2) / kept))
+
+
+def noise_level(problem: Problem, axis: int, white: Whitener) -> float:
+    """Return the standard deviation of the noise of the torque of one axis [N m], that of derived accelerations too.
+
+    A noise model knows little of the latter: the fit behind it takes off what derivatives round, and with it their
+    noise. What it leaves without that holds whatever else it does not know too, so that it counts as far as the model
+    and the known noise of the accelerations explain it.
+    """
+    noise, rate = problem.measured.noise, problem.measured.rate
+    if noise is None or not np.isfinite(white.spread):
+        return white.marginal
+    frequency = np.linspace(0.0, 0.5 * rate, FREQUENCIES + 1)[1:]
+    derived = float(np.mean(torque_noise(noise, problem.mass_squares, frequency)[axis])) * 0.5 * rate
+    return max(white.marginal, min(white.spread, float(np.hypot(white.marginal, np.sqrt(derived)))))
+
+
+def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cutoffs) -> tuple[np.ndarray, int]:
+    """Return the columns (N_train, k) of the saturated fit of one axis, each of unit RMS, and how many of them, from
+    the first, are what derivatives round off."""
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     rate, raw = problem.measured.rate, problem.train_state
     state = limited_state(problem, axis, cutoffs.torque)
     inertial = limited_inertial(problem, axis, cutoffs.torque)
     speeds = velocities(problem, axis, cutoffs)
-    groups = [problem.friction_columns(state, axis, speeds), inertial, problem.rounding(axis)]
+    rounding = problem.rounding(axis)
+    groups = [rounding, problem.friction_columns(state, axis, speeds), inertial]
     if extra is not None:
         groups.append(extra)
     groups += [b.columns for b in axis_bases(state, axis, used, coarse=True, velocity=speeds)]
@@ -119,7 +165,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     if not keep.all():
         series, scale = series[keep], scale[keep]
     series /= scale[:, None]
-    return series.T
+    return series.T, int(keep[: rounding.shape[1]].sum())
 
 
 def _scaled(columns: np.ndarray, used: np.ndarray) -> np.ndarray:

@@ -120,9 +120,9 @@ def _line(white: White, fit: Fit, axis: int) -> Line | None:
     for _ in range(SPEEDS):
         if line is None or line.p_value >= settings.unexplained_p:
             break
-        # Sweeps from below zero are slow structure, which has bases of its own.
+        # What does not stand out of what is around it is slow structure, which has bases of its own.
         if chance_of(line, residual, rows, state, rate) > sure:
-            break
+            return None
         at = float(np.median(speed[where_strongest(line, residual, rows, state, rate)]))
         away = np.abs(speed - at) > same
         if chance_of(line, residual[away], rows[away], state, rate) < sure:

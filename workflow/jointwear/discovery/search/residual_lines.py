@@ -74,21 +74,22 @@ def _sweeps(count: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
 def _chirps(series: np.ndarray, rate: float, filled: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the same for chirps below :data:`FASTEST_CHIRP`: frequencies (k,), rates (r,) [Hz/s], power (r, k).
 
-    Only the band in which chirps are looked for is turned back: its spectrum is a short series of its own.
+    Only the band in which chirps are looked for is turned back: its spectrum is a short series of its own, above whose
+    band lie sweeps from below zero: what is slow, which all records have.
     """
     span = len(series) / rate
     rates, sweeps = _sweeps(len(series), rate)
     size = sweeps.shape[1]
     turned = np.fft.ifft(np.fft.rfft(series)[: max(int(FASTEST_CHIRP * span), 1)], size)
     spectra = np.fft.fft(sweeps * turned, 2 * size, axis=1)
-    return np.arange(2 * size) / (2 * span), rates, (spectra.real**2 + spectra.imag**2) / filled
+    frequency = np.arange(2 * size) / (2 * span)
+    within = spectra[:, : _in_band(frequency, rate)]
+    return frequency[: within.shape[1]], rates, (within.real**2 + within.imag**2) / filled
 
 
 def _in_band(frequency: np.ndarray, rate: float) -> int:
-    """Return how many of the frequencies (k,) [Hz] of chirps lie in their band, in whole `SURROUNDINGS` if it is wide.
-
-    Beyond it lie sweeps from below zero: what is slow, which all records have.
-    """
+    """Return how many of the frequencies (k,) [Hz] of chirps lie in their band, in whole `SURROUNDINGS` if it is
+    wide."""
     count = int(np.searchsorted(frequency, min(FASTEST_CHIRP, 0.5 * rate)))
     return count - count % SURROUNDINGS if count >= 3 * SURROUNDINGS else count
 
@@ -147,9 +148,8 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
                 old, count = together.get(len(frequency), (0.0, 0))
                 together[len(frequency)] = (old + power[0] / _level(power)[0], count + 1)
             elif lengths[len(series)] > 1:
-                within = _in_band(frequency, rate)
                 before = swept[len(series)][2] if len(series) in swept else 0.0
-                swept[len(series)] = frequency[:within], chirp, before + power[:, :within]
+                swept[len(series)] = frequency, chirp, before + power
     if best is None:
         return None
     p = min(1.0, cells * float(np.exp(-best.power)))

@@ -4,8 +4,8 @@ A fit with 240 columns leaves a fifth of the noise below 1 Hz, of records of 15 
 noise is beside white noise they do not tell. Where structure without a name or a weak name rests on that, the noise is
 looked at beside a small fit: the base regression, what was named, and the basis that describes an axis best. If what is
 left is denser below 2 Hz than the noise was taken to be, it is noise, up to what a sensor's may be, and the search is
-run again. Where most joints have more than that, in a log whose rate is so low that a noise model looks back as far as
-any noise remembers, it is the noise of that log. In others a wind has it on all joints too.
+run again. Where most joints have more than that, in a log whose rate is so low that any noise forgets
+within few samples, it is the noise of that log. In others a wind has it on all joints too.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Outcome
 from jointwear.discovery.linear import Fit
-from jointwear.discovery.noise.noise import HIGHEST_ORDER_DERIVED, Whitener, simulate, whitenable
+from jointwear.discovery.noise.noise import Whitener, highest_order, simulate, whitenable
 from jointwear.discovery.noise.noise_spectrum import (
     CELLS,
     DRAWS,
@@ -42,6 +42,8 @@ ROUNDS = 3
 #: Price of an order of the noise model, none: slow noise beside white noise has a long tail of small coefficients,
 #: which say little of the next sample and much of what is slow.
 PRICE = 0.0
+#: Samples within which noise forgets in a log of so low a rate that slow noise of most axes is the noise of the log.
+FEW_SAMPLES = 16
 
 
 def beside_slow_noise(white: White, ask: Callable[[White], Outcome]) -> Outcome:
@@ -76,8 +78,8 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     strongest = {u.axis: u for u in sorted(outcome.unexplained, key=lambda u: u.nats)}
     lines = [u for u in outcome.unexplained if u.argument == LINE]
     asked = strongest.keys() | {axis for n in weak for axis in n.term.blocks}
-    # Further back than its order no noise model looks: in a log of a higher rate what forgets so slowly may be a wind.
-    told = white.problem.measured.rate * assumed.longest_memory() <= HIGHEST_ORDER_DERIVED
+    # In a log of a higher rate what forgets so slowly may be a wind.
+    told = white.problem.measured.rate * assumed.longest_memory() <= FEW_SAMPLES
     swings = {u.axis for u in lines if u.nats > settings.nearly_all * strongest[u.axis].nats}
     if not told:
         asked -= swings
@@ -156,6 +158,9 @@ def _slower(white: White, axis: int, dense: np.ndarray) -> tuple[Whitener, float
     frequency = np.linspace(0.0, 0.5 * rate, POINTS + 1)
     density = model.density(frequency, rate)
     radius = slowest_pole(rate)
-    found = of_density(np.maximum(density, dense), rate, HIGHEST_ORDER_DERIVED, len(model.rows), radius, PRICE)
+    usable = problem.usable[:, axis]
+    highest = highest_order(usable, label)
+    found = of_density(np.maximum(density, dense), rate, highest, len(model.rows), radius, PRICE)
     times = float(np.max((found.density(frequency, rate) / density)[frequency < assumed.slow()]))
-    return Whitener(whitenable(problem.usable[:, axis], label, len(found.lags)), found.lags, found.sigma), times
+    rows = whitenable(usable, label, len(found.lags))
+    return replace(model, rows=rows, lags=found.lags, sigma=found.sigma), times
