@@ -42,7 +42,7 @@ def test_a_wave_that_has_a_name_is_no_noise(found):
     )
 
 
-@pytest.mark.parametrize("excess", [0.0, 0.05])
+@pytest.mark.parametrize("excess", [0.0, 0.4])
 def test_the_noise_of_derived_accelerations_is_noise(excess):
     """Of an exact model of which encoders tell the motion 30 of 46 pages of a bench said that more than noise is left;
     what is left of a joint that lacks a torque stays above the noise.
@@ -53,9 +53,11 @@ def test_the_noise_of_derived_accelerations_is_noise(excess):
     step = 2 * np.pi / 2**17
     parts = []
     for k in range(4):
-        phase, speed = rng.uniform(0, 6, (2, 6)), 2 * np.pi * np.array([0.1, 0.3])[:, None] * rng.uniform(0.8, 1.2, 6)
+        # A controller that shakes the arm a little, so that derivatives have to reach far up.
+        phase, pace = rng.uniform(0, 6, (6, 6)), rng.uniform(0.8, 1.2, 6)
+        speed = 2 * np.pi * np.array([0.1, 0.3, 10.0, 20.0, 35.0, 50.0])[:, None] * pace
         x = speed * time[:, None, None] + phase
-        size = np.array([0.5, 0.15])[:, None]
+        size = np.array([0.5, 0.15, 3e-4, 1e-4, 5e-5, 4e-5])[:, None]
         q, v = np.sum(size * np.sin(x), axis=1), np.sum(size * speed * np.cos(x), axis=1)
         a = -np.sum(size * speed**2 * np.sin(x), axis=1)
         torque = Dynamics(robot).inverse_dynamics(q, v, a) + NOISE * rng.standard_normal(q.shape)
@@ -64,5 +66,5 @@ def test_the_noise_of_derived_accelerations_is_noise(excess):
         parts.append((time + 9 * k, np.full(len(time), k), step * np.round(q / step), torque))
     time, label, q, torque = (np.concatenate(x) for x in zip(*parts, strict=True))
     content = discover(Recording(time, label, q, torque, name="encoders"), robot).content
-    assert [a.axis for a in content.above_the_noise] == ([AXIS + 1] if excess else [])
-    assert content.to_the_noise is not bool(excess)
+    ratio = np.array(content.gap.augmented) / np.array(content.gap.noise_floor)
+    assert list(np.flatnonzero(ratio > 1.2)) == ([AXIS] if excess else [])
