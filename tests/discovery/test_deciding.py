@@ -402,3 +402,6 @@ def test_what_was_put_back_is_told_once_with_its_reason():
         "On held-out motion it has 1 times the given error."
     )
     assert put_back_in_words({"fallbacks": [], "unexplained": []}) == []
+    alike = {**little, "steps": [{"step": everything, "ratio": 0.9998}], "kept": "all as given", "held_out": None}
+    (told,) = put_back_in_words({"fallbacks": [alike], "unexplained": []})
+    assert "its error on records left out was as large as that of the given robot" in told

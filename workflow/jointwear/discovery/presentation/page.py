@@ -189,7 +189,8 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
             step if k == 0 else f"then, at {number(ratio)} times, {step}" for k, (step, ratio) in enumerate(steps)
         )
         first = steps[0][1]
-        why = f"as fitted, its error on records left out was {number(first)} times that of the given robot"
+        times = "as large as" if number(first) == "1" else f"{number(first)} times"
+        why = f"as fitted, its error on records left out was {times} that of the given robot"
         if max(ratio for _, ratio in steps) <= 1.0:
             stands_in = "it stands in for what stays unexplained there and may be worse in the next recording"
             why += f", but {stands_in if axis in still else 'it gains in some stretches of time and loses in others'}"
