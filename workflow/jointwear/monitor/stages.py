@@ -23,6 +23,7 @@ from jointwear.monitor.judging.state import write_alarms, write_state
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.normal.recall import Recall, read_recall, write_recall
 from jointwear.monitor.reading.assembly import Piece, assemble
+from jointwear.monitor.reading.at_rest import without_noise_at_rest
 from jointwear.monitor.reading.piece_files import read_pieces
 from jointwear.monitor.reading.survey import Survey, read_survey
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -92,6 +93,7 @@ def judge_pieces(
     given = {**baseline_of(entry), "made_with": made_with(robot, entry)}
     statistics, baseline = with_kept_baseline(whole.statistics, given, kept)
     keep_baseline(statistics, baseline, given, kept)
+    statistics = without_noise_at_rest(statistics)
     whole = replace(whole, statistics=statistics)
     judgement = judge(statistics, baseline.mask, settings_of(arm, entry), recall=recall)
     words = [("baseline", baseline.words)] if baseline.words else []

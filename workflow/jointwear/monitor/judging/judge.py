@@ -23,7 +23,7 @@ from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.judging.observed import Observed, observe
 from jointwear.monitor.judging.open_alarms import open_alarm_findings
 from jointwear.monitor.normal.learning import AxisNormal, learn_axes
-from jointwear.monitor.normal.override import override_findings
+from jointwear.monitor.normal.override import override_findings, path_speed
 from jointwear.monitor.normal.products import product_findings
 from jointwear.monitor.normal.programs import program_findings
 from jointwear.monitor.normal.recall import Recall
@@ -189,7 +189,7 @@ def _findings(
         *backlash_findings(seen.hidden, float(statistics.start[0])),
         *program_findings(statistics, first, most),
         *product_findings(statistics, seen.conditions.regime, seen.products, most),
-        *override_findings(statistics, seen.conditions.features[..., 0], seen.regime, first, most),
+        *override_findings(statistics, path_speed(seen.conditions.features), seen.regime, first, most),
         *reading_findings(statistics, first, shift),
         *zero_finding(statistics, zero),
         *odd_motion_findings(statistics, seen.regime, shift, first, seen.events),

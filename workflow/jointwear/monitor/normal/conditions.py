@@ -28,7 +28,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.monitor.normal.normal_state import Posterior
-from jointwear.monitor.normal.override import unseen_speed
+from jointwear.monitor.normal.override import path_speed, unseen_speed
 from jointwear.monitor.normal.payload import GravityTorque
 from jointwear.monitor.normal.warm_up import warm_up_state
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -266,7 +266,7 @@ def _add_programs(columns: _Columns, conditions: Conditions, baseline: np.ndarra
     speed : (w,) log of the speed less that of the baseline.
     """
     learnt: list[int] = []
-    override = unseen_speed(conditions.features[..., 0], conditions.regime, baseline)
+    override = unseen_speed(path_speed(conditions.features), conditions.regime, baseline)
     if override.any():
         learnt += columns.add([override], [OVERRIDE])
     load = conditions.load - float(np.median(conditions.load[baseline]))

@@ -1,0 +1,85 @@
+"""Speeds that the baseline lacks are told by the path, whichever samples near stops are left out."""
+
+from dataclasses import replace
+
+import numpy as np
+from monitor_windows import PER_WINDOW, residuals, statistics_of
+
+from jointwear.measurement.flags import Flag
+from jointwear.monitor.normal.conditions import operating_features
+from jointwear.monitor.normal.override import override_findings, path_speed, unseen_speed
+from jointwear.monitor.normal.payload import GravityTorque
+from jointwear.monitor.reading.at_rest import without_noise_at_rest
+
+WINDOWS, BASELINE = 40, np.arange(40) < 20
+LATE = slice(30, None)
+
+
+def month():
+    return statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), 3))
+
+
+def speed(statistics):
+    return path_speed(operating_features(statistics, np.ones(3), GravityTorque(0.0, 0.0))[0])
+
+
+def told(statistics):
+    judged = np.arange(WINDOWS) >= 35
+    return override_findings(statistics, speed(statistics), None, BASELINE, judged)
+
+
+def at(statistics, factor):
+    """Late windows at so many times the usual speed."""
+    statistics.gram[LATE, :, 2] *= factor
+    statistics.gram[LATE, :, :, 2] *= factor
+    return statistics
+
+
+def test_an_override_is_told_with_its_factor():
+    (found,) = told(at(month(), 0.8))
+    assert (found["time"], found["kind"]) == (30 * 3600.0, "override")
+    assert "10 h at 0.8 times its usual speed" in found["words"]
+    assert "5 h of them judged" in found["words"]
+
+
+def test_slow_samples_near_stops_are_no_other_speed():
+    """A seventh more samples, at a twentieth of the speed: the mean over time falls by 12 %."""
+    s = month()
+    more, slow = PER_WINDOW // 7, 0.05 * 0.6
+    s.count[LATE] += more
+    s.gram[LATE, :, 0, 2] += slow * more / 2
+    s.gram[LATE, :, 1, 2] += slow * more / 2
+    s.gram[LATE, :, 2, 2] += slow**2 * more
+    over_time = operating_features(s, np.ones(3), GravityTorque(0.0, 0.0))[0][..., 0]
+    assert override_findings(s, over_time, None, BASELINE, np.zeros(WINDOWS, dtype=bool))
+    assert told(s) == []
+
+
+def test_one_axis_that_moves_alone_tells_no_speed_of_all():
+    value = np.zeros((WINDOWS, 3))
+    value[LATE] = -3.0, np.nan, np.nan
+    assert not unseen_speed(value, None, BASELINE).any()
+    value[LATE, 1] = -3.0
+    assert (unseen_speed(value, None, BASELINE)[LATE] < 0).all()
+    value[5] = -6.0, np.nan, np.nan  # such a window of the baseline does not widen its range
+    assert (unseen_speed(value, None, BASELINE)[LATE] < 0).all()
+
+
+def test_noise_beyond_the_dead_band_is_no_motion():
+    s = month()
+    s.travel[:], s.samples[:] = 5.0, 2 * PER_WINDOW
+    s.travel[LATE], s.count[LATE] = 0.002, [0, 0, 3]
+    still = without_noise_at_rest(s)
+    assert (still.count[LATE] == 0).all()
+    assert not still.gram[LATE, 2].any()
+    assert (still.flags[LATE, 2] == int(Flag.AT_REST)).all()
+    np.testing.assert_array_equal(still.gram[:30], s.gram[:30])
+    assert s.count[-1, 2] == 3
+    assert without_noise_at_rest(still) is still
+
+
+def test_few_samples_along_a_path_and_many_without_one_are_motion():
+    s = month()
+    few = replace(s, samples=s.samples * 100, travel=np.full((WINDOWS, 3), 0.5))
+    assert without_noise_at_rest(few) is few
+    assert without_noise_at_rest(s) is s  # travel is not known: samples far apart
