@@ -49,11 +49,37 @@ def test_one_axis_or_a_small_change_is_no_product(axes, factor):
     assert asked(month(axes, factor)) == (None, ())
 
 
-def test_a_single_window_tells_no_product():
+@pytest.mark.parametrize(("windows", "told"), [(1, 0), (2, 0), (3, 1)])
+def test_one_or_two_windows_tell_no_product(windows, told):
+    """Of two, one in which a load was not found makes half of the median."""
+    s = month((0, 2), 1.5, WINDOWS - windows)
+    shift = np.where(np.arange(WINDOWS) >= WINDOWS - windows, SHIFTS.max() + 1, SHIFTS)
+    _, products = with_products(s, bodies(), None, shift, BASELINE)
+    assert len(products) == told
+
+
+def test_two_windows_of_a_product_that_came_before_are_of_it():
     s = month()
-    s.residual_square[-1, [0, 2]] *= 1.5**2
-    shift = np.where(np.arange(WINDOWS) == WINDOWS - 1, SHIFTS.max() + 1, SHIFTS)
-    assert with_products(s, bodies(), None, shift, BASELINE) == (None, ())
+    s.residual_square[32:40, [0, 2]] *= 1.5**2
+    s.residual_square[-2:, [0, 2]] *= 1.5**2
+    shift = np.where(np.arange(WINDOWS) >= WINDOWS - 2, SHIFTS.max() + 1, SHIFTS)
+    program, (product,) = with_products(s, bodies(), None, shift, BASELINE)
+    np.testing.assert_array_equal(program == product.program, (SHIFTS == 4) | (shift == SHIFTS.max() + 1))
+
+
+def test_windows_at_a_speed_that_the_baseline_lacks_tell_no_product():
+    """What changes with the speed has a column of its own in the normal state."""
+    s, late = month((0, 2), 1.5), np.arange(WINDOWS) >= 48
+    assert with_products(s, bodies(), None, SHIFTS, BASELINE, late) == (None, ())
+    assert len(with_products(s, bodies(), None, SHIFTS, BASELINE, late & (SHIFTS == 6))[1]) == 1
+
+
+def test_a_shift_with_two_known_products_in_turn_is_no_third_one():
+    """Its medians lie between both, farther from each than what tells a product."""
+    s, turn = month(), np.isin(np.arange(WINDOWS), [48, 50, 52, 54])
+    s.residual_square[(SHIFTS == 4) | turn] *= np.array([2.0, 1.0, 2.0]) ** 2
+    program, (product,) = asked(s)
+    np.testing.assert_array_equal(program == product.program, (SHIFTS == 4) | turn)
 
 
 def test_axes_within_a_wide_range_are_not_beyond_it():

@@ -11,6 +11,7 @@ from jointwear.monitor.events import event_windows
 from jointwear.monitor.findings.thermometers import stuck
 from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.normal.conditions import Conditions, operating_features
+from jointwear.monitor.normal.override import path_speed, unseen_speed
 from jointwear.monitor.normal.payload import gravity_share
 from jointwear.monitor.normal.products import Product, with_products
 from jointwear.monitor.normal.programs import labelled_regimes
@@ -65,7 +66,8 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     start, end = statistics.start, statistics.end
     shift = shift_labels(start, end, first, steady)
     scale = scale_series(sums, noise)
-    program, products = with_products(statistics, scale, regime, shift, first)
+    unseen = unseen_speed(path_speed(features), regime, first) != 0
+    program, products = with_products(statistics, scale, regime, shift, first, unseen)
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
     events = event_windows(settings.events, start, statistics.axes)
     mended = event_windows([e for e in settings.events if e.mends], start, statistics.axes)

@@ -35,10 +35,14 @@ MUCH = np.log(1.5)
 #: Standard error of the bodies of a shift above which they show nothing, as a share of APART; bodies are alike within
 #: this share of their median, and more than the other of the axes alike are one gain.
 KNOWN, ALIKE, MOST_ALIKE = 0.25, 0.5, 0.5
-#: Shifts of the baseline that tell its products, and windows of a later one that shows another.
-SHIFTS, WINDOWS = 3, 2
+#: Shifts of the baseline that tell its products, and windows of a later one that shows another: of two, one in which a
+#: load was not found makes half of the median.
+SHIFTS, WINDOWS = 3, 3
 #: Most products of the baseline, and fewest shifts with each: more, or single ones, are what shifts scatter by.
 MOST, FEWEST = 3, 2
+#: Share of the windows of a shift above which, each being near some product that is known, the shift holds several of
+#: these in turn: its medians lie between them. Seven windows of 19 kg and seven of 4 kg were a third part.
+MOST_NEAR = 0.5
 #: Share of the baseline's windows on either side that tell nothing of its range, so that a loud hour hides no product.
 #: Where parts take turns from window to window, the medians of shifts lie close together beside what single windows
 #: show, and that of a shift with more of one part leaves their range: three of three such robots of the twenty-sixth
@@ -55,7 +59,12 @@ class Product:
 
 
 def with_products(
-    statistics: WindowStatistics, scale: Series, regime: np.ndarray | None, shift: np.ndarray, baseline: np.ndarray
+    statistics: WindowStatistics,
+    scale: Series,
+    regime: np.ndarray | None,
+    shift: np.ndarray,
+    baseline: np.ndarray,
+    unseen: np.ndarray | None = None,
 ) -> tuple[np.ndarray | None, tuple[Product, ...]]:
     """Return the programs (w,), -1 unknown, told apart by products too, and the products that the baseline lacks; None
     where there is one program and one product.
@@ -64,13 +73,15 @@ def with_products(
     ----------
     scale : log of the size of the bodies, :func:`.scale.scale_series`.
     regime : (w,) of :mod:`.regimes`, or None for one program. shift : (w,) labels. baseline : (w,) bool.
+    unseen : (w,) bool, windows at a speed that the baseline lacks, default none. They tell no product: noise and bodies
+        change with the speed as with a part, which the normal state has a column for (:mod:`.override`).
     """
     program = programs_or_one(regime, statistics.windows)
     seen = statistics.judgeable & (statistics.count > 0) & (statistics.noise_variance > 0)
     noise = np.where(seen, 0.5 * np.log(np.where(seen, statistics.noise_variance, 1.0)), np.nan)
     result, products = program.copy(), []
     for name in np.unique(program[program >= 0]):
-        own = program == name
+        own = program == name if unseen is None else (program == name) & ~unseen
         early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, ~baseline))
         lacked = not early
         if lacked:
@@ -86,21 +97,48 @@ def with_products(
         centres = [_middle([m for m, g in zip(known, group, strict=True) if g == k]) for k in range(len(labels))]
         for (rows, _), k in zip(early, group, strict=True):
             result[rows] = labels[k]
-        lacking: list[tuple[np.ndarray, int]] = []
-        for rows, middle in late:
-            beyond = np.where(middle > high, middle - high, np.minimum(middle - low, 0.0))
-            if len(rows) < WINDOWS or not _is_new(beyond, of_one=lacked):
-                distance = np.nan_to_num([_distance(centre, middle) for centre in centres])
-                result[rows] = labels[int(np.argmin(distance))]
-                continue
-            label = next((n for other, n in lacking if _distance(other, middle) <= FAR), None)
-            if label is None:
-                label = int(result.max()) + 1
-                lacking.append((middle, label))
-                axes = np.flatnonzero((np.abs(np.nan_to_num(beyond)) > APART).any(axis=0)) + 1
-                products.append(Product(label, tuple(axes.tolist())))
-            result[rows] = label
+        products += _label_late(result, late, list(zip(centres, labels, strict=True)), (low, high), noise, lacked)
     return (None if regime is None and np.array_equal(result, program) else result), tuple(products)
+
+
+def _label_late(
+    result: np.ndarray,
+    late: Sequence[tuple[np.ndarray, np.ndarray]],
+    known: list[tuple[np.ndarray, int]],
+    usual: tuple[np.ndarray, np.ndarray],
+    noise: np.ndarray,
+    of_one: bool,
+) -> list[Product]:
+    """Give the windows of later shifts the label of their product, and return the products that the baseline lacks.
+
+    Parameters
+    ----------
+    result : (w,) labels, changed. late : of :func:`_by_shift`. known : middle (2, n) and label of the baseline's
+        products. usual : of :func:`_range`. noise : (w, n) of the windows, as a log. of_one : as of :func:`_is_new`.
+    """
+    low, high = usual
+    lacking: list[tuple[np.ndarray, int]] = []
+    products = []
+    for rows, middle in late:
+        beyond = np.where(middle > high, middle - high, np.minimum(middle - low, 0.0))
+        if not _is_new(beyond, of_one=of_one):
+            distance = np.nan_to_num([_distance(centre, middle) for centre, _ in known])
+            result[rows] = known[int(np.argmin(distance))][1]
+            continue
+        either = [*known, *lacking]
+        nearest, distance = _nearest(noise[rows], [other for other, _ in either])
+        in_turns = np.mean(distance <= FAR) > MOST_NEAR and not _other_load(beyond[1])
+        if len(rows) < WINDOWS or in_turns:
+            result[rows] = np.array([n for _, n in either])[nearest]
+            continue
+        label = next((n for other, n in lacking if _distance(other, middle) <= FAR), None)
+        if label is None:
+            label = int(result.max()) + 1
+            lacking.append((middle, label))
+            axes = np.flatnonzero((np.abs(np.nan_to_num(beyond)) > APART).any(axis=0)) + 1
+            products.append(Product(label, tuple(axes.tolist())))
+        result[rows] = label
+    return products
 
 
 def product_findings(
@@ -182,6 +220,14 @@ def _middle(medians: Sequence[np.ndarray]) -> np.ndarray:
 def _distance(one: np.ndarray, other: np.ndarray) -> float:
     """Return by how much noise or bodies (2, n) differ on the axis on which most; NaN where none is known of both."""
     return float(np.fmax.reduce(np.abs(one - other), axis=None))
+
+
+def _nearest(noise: np.ndarray, products: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return (k,) which of `products` (2, n) the noise (k, n) of each window is nearest to, and its distance."""
+    apart = np.abs(noise[:, None] - np.stack([own[0] for own in products]))
+    distance = np.nan_to_num(np.fmax.reduce(apart, axis=2))
+    nearest = np.argmin(distance, axis=1)
+    return nearest, distance[np.arange(len(noise)), nearest]
 
 
 def _range(medians: Sequence[np.ndarray], windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
