@@ -75,6 +75,24 @@ def test_windows_that_scatter_make_no_other_zero_of_a_shift():
     assert changed_zero(statistics, program, shift, baseline, [[]] * 3) is None
 
 
+@pytest.mark.parametrize(("share", "told"), [(0.0, True), (0.2, False)])
+def test_a_part_that_windows_of_the_baseline_show_as_well_is_no_other_zero(share, told):
+    """It turns the angles of a fifth of the windows of the baseline, and of all windows of four shifts later."""
+    statistics, program, shift, baseline = month(0.0)
+    windows = np.tile(np.arange(5) < 5 * share, 16)
+    carried = np.concatenate([windows, np.isin(shift[80:], [14, 15, 16, 17])])
+    statistics.turned[carried, 1] += np.radians(9.0) * statistics.turned_shown[carried, 1]
+    assert (changed_zero(statistics, program, shift, baseline, [[]] * 3) is not None) == told
+
+
+def test_a_change_beyond_such_a_part_is_another_zero():
+    statistics, program, shift, baseline = month(14.0)
+    carried = baseline & (np.arange(160) % 5 == 0)
+    statistics.turned[carried, 1] += np.radians(9.0) * statistics.turned_shown[carried, 1]
+    found = changed_zero(statistics, program, shift, baseline, [[]] * 3)
+    assert (found.axes, found.begin) == ((1,), 112)
+
+
 def test_a_part_that_a_program_lacked_is_no_other_zero():
     """It turns the angles of its program alone: beside another program in each shift, or in shifts of its own."""
     statistics, program, shift, baseline = month(0.0)

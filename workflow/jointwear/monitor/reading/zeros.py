@@ -7,7 +7,8 @@ loads and wrong masses hide that in part, so that friction seems to have grown o
 
 b the torque of the bodies, with the nuisances of :mod:`.torque_lag` free in every axis. What a robot file has wrong
 looks like an angle too, differently in each program and the same whenever it runs: so a window is held against those of
-the baseline in its program, and one joint has to show the same change shift after shift.
+the baseline in its program, and one joint has to show the same change shift after shift. A part that some windows of
+the baseline lift as well makes whole shifts look changed later: a change lies beyond what they show.
 """
 
 from __future__ import annotations
@@ -44,6 +45,9 @@ KNOWN, LARGEST = 0.7 * SMALLEST, np.radians(45.0)
 OF_MEDIAN, BEYOND = 1.25, 3.0
 #: Share of a change that every program has to show.
 SHOWS = 0.5
+#: Share of the windows of the baseline, on either side, that tell nothing of the range of its angles in a program, and
+#: share of a change that has to lie beyond this range.
+TAIL, PAST = 0.05, 0.1
 #: Share of the evidence of the likeliest joint from which another is named beside it.
 AS_LIKELY = 0.8
 
@@ -132,6 +136,7 @@ def changed_zero(
     angle = np.divide(statistics.turned, shown, out=np.full((w, n), np.nan), where=known)
     angle[np.abs(np.nan_to_num(angle)) > LARGEST] = np.nan
     change = beyond_usual(angle, program, baseline & known.any(axis=1))
+    past = _past_range(change, program, baseline)
     shifts = [(s, np.flatnonzero((shift == s) & np.isfinite(change).any(axis=1))) for s in np.unique(shift)]
     shifts = [(s, rows) for s, rows in shifts if len(rows) >= WINDOWS]
     if not shifts:
@@ -150,6 +155,8 @@ def changed_zero(
     first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]
     with np.errstate(invalid="ignore"):
         clear = (np.abs(mean) > np.maximum(np.maximum(SMALLEST, CLEAR * spread), BEYOND * error)) & ~early[:, None]
+    with np.errstate(invalid="ignore"):
+        clear &= np.array([known_median(past[rows], axis=0) for _, rows in shifts]) > PAST * np.abs(mean)
     clear &= np.array([[rows[-1] < k for k in first] for _, rows in shifts])
     for k in range(SHIFTS - 1, len(shifts)):
         recent = slice(k - SHIFTS + 1, k + 1)
@@ -168,6 +175,26 @@ def changed_zero(
             continue
         return ChangedZero(tuple(order), size, begin, last + 1, first[order[0]])
     return None
+
+
+def _past_range(change: np.ndarray, program: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+    """Return how far (w, n) [rad] changes lie beyond the range of the baseline's windows of their program, but for a
+    few of these; negative within it, NaN unknown.
+
+    Parameters
+    ----------
+    change : (w, n) [rad], NaN unknown. program : (w,), -1 unknown. baseline : (w,) bool.
+    """
+    result = np.full(change.shape, np.nan)
+    for name in np.unique(program[baseline & (program >= 0)]):
+        there = program == name
+        for j in range(change.shape[1]):
+            seen = change[there & baseline, j]
+            seen = seen[np.isfinite(seen)]
+            if len(seen):
+                low, high = np.quantile(seen, [TAIL, 1 - TAIL])
+                result[there, j] = np.maximum(change[there, j] - high, low - change[there, j])
+    return result
 
 
 def _of_some_programs(share: np.ndarray, program: np.ndarray, shift: np.ndarray, begin: int, last: int) -> bool:
