@@ -50,6 +50,16 @@ def test_one_shift_or_the_baseline_tells_nothing(axes, shifts):
     assert _findings(_loud(axes, shifts)) == []
 
 
+@pytest.mark.parametrize(("times", "told"), [(1.0, False), (2.0, True)])
+def test_a_noise_that_windows_of_the_baseline_show_as_well_is_no_news(times, told):
+    """A part that two of 24 windows of the baseline carry, and all of later shifts; and what is louder than it."""
+    for axes in ([1], [0, 1, 2]):
+        loud = _loud(axes, [5, 6, 7])
+        loud[40:, axes] *= times
+        loud[np.ix_([3, 12], axes)] = 8.0
+        assert bool(_findings(loud)) == told
+
+
 @pytest.mark.parametrize("axes", [[0, 1, 2], [0, 2]])
 def test_most_axes_that_are_loud_together_are_told_as_one_while_it_lasts(axes):
     (found,) = _findings(_loud(axes, [4, 5]))

@@ -3,7 +3,8 @@ Torques of most axes that grow smooth: these are computed or filtered, no longer
 
 Windows several times as loud as those of the baseline are not judged, whatever the cause. Where it is one axis,
 shift after shift, no load and no unit does that: play, a damaged bearing, a loose sensor. Where it is most of them, the
-samples do not belong together as they did. What is only left out would be called healthy.
+samples do not belong together as they did. What is only left out would be called healthy. A noise that some windows of
+the baseline show as well, such as that of a part that the robot carries now and then, is none of these.
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ LOUD_SHARE, FEWEST_WINDOWS, SHIFTS = 0.75, 3, 2
 #: healthy and worn robots of three outside fleets it is at most 1.35 on the axis in the middle, in logs that hold the
 #: torque of a model 2.2 and more.
 SMOOTHER = 2.0
+#: Share of the windows of the baseline that tell nothing of how loud they are, and how many times as loud as the others
+#: a window has to be to be news: the noise of one part differs by less.
+TAIL, NEWS = 0.05, 1.25
 #: Share of the axes from which on the cause is not one of them.
 MOST_AXES = 0.5
 
@@ -45,12 +49,12 @@ def loud_findings(
     shift : (w,) of each window. baseline : (w,) bool. events : for each axis the windows of the events that a user
         entered; one after the finding answers it.
     """
-    loud = loud_windows(statistics, baseline)
     moved = (statistics.count > 0) & statistics.judgeable
+    noise = np.sqrt(statistics.noise_variance)
+    loud = loud_windows(statistics, baseline) & _news(noise, baseline[:, None] & moved)
     names = np.unique(shift[~baseline])
     rows = [np.flatnonzero((shift == name) & ~baseline) for name in names]
     share, many = _of_shifts(loud & moved, moved, rows)
-    noise = np.sqrt(statistics.noise_variance)
     usual = known_median(np.where(baseline[:, None], noise, np.nan), axis=0)
     result = []
     for j in range(statistics.axes):
@@ -98,6 +102,21 @@ _SMOOTH = (
     "after shift: they look computed by a model, or filtered, and not measured as before. Growth of friction from "
     "there on is not to be trusted; look at how these logs are written."
 )
+
+
+def _news(noise: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Return the windows (w, n) that are louder than those of the baseline, but for a few of these.
+
+    Parameters
+    ----------
+    noise : (w, n) standard deviation of the noise [N m]. known : (w, n) bool, windows of the baseline that tell of it.
+    """
+    result = np.zeros(noise.shape, dtype=bool)
+    for j, own in enumerate(known.T):
+        seen = noise[own & np.isfinite(noise[:, j]), j]
+        if len(seen):
+            result[:, j] = noise[:, j] > NEWS * np.quantile(seen, 1 - TAIL)
+    return result
 
 
 def _spells(odd: np.ndarray, moved: np.ndarray, rows: list[np.ndarray]) -> list[tuple[np.ndarray, list[int]]]:
