@@ -274,14 +274,14 @@ def relearnt(
     learnt: np.ndarray,
     shift: np.ndarray,
     prior: Posterior,
-    grown: tuple[float, float] | None = None,
+    besides: tuple[np.ndarray | float, float] = (0.0, 0.0),
 ) -> Posterior:
     """Return what windows `learnt` (w,) after an event teach, from a widened posterior.
 
-    `grown` : growth of the axis (log level) that goes on over the event, and its variance; None of one that is as new.
+    `besides` : what they show besides the level of the axis (log level), of all or (w,) of each, and its variance.
     """
-    growth, doubt = grown or (0.0, 0.0)
-    value = np.where(learnt, axis.series_value - growth, np.nan)
+    more, doubt = besides
+    value = np.where(learnt, axis.series_value - more, np.nan)
     noise = axis.dispersion.noise(axis.series_variance)
     posterior = fit_normal_state(axis.design.matrix, value, noise, shift, prior).posterior
     covariance = posterior.covariance.copy()

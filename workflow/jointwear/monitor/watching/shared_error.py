@@ -38,11 +38,12 @@ FEWEST = 3
 @dataclass(frozen=True)
 class SharedError:
     """`value` (w, n): what to subtract from the residual of each axis; `variance` (w, n); `common` (w,) of all axes,
-    in units of them."""
+    in units of them; `known` (w, n): bool, whether enough other axes are judged to tell."""
 
     value: np.ndarray
     variance: np.ndarray
     common: np.ndarray
+    known: np.ndarray
 
 
 def shared_error(
@@ -66,20 +67,21 @@ def shared_error(
     w, n = residual.shape
     alike = np.zeros((w, n)) if beyond is None else ALIKE * np.nan_to_num(beyond) / np.square(unit)
     residual, variance = residual / unit, variance / np.square(unit) - alike
-    value, spread = np.zeros((w, n)), np.zeros((w, n))
+    value, spread, known = np.zeros((w, n)), np.zeros((w, n)), np.zeros((w, n), dtype=bool)
     for j in range(n):
         others = [i for i in range(n) if i != j]
         location, error = _location(residual[:, others], variance[:, others])
+        known[:, j] = np.isfinite(error)
         usual = _usual(location[baseline], error[baseline])
         common, left = _shrunk(location, error, usual + np.median(alike, axis=1))
-        left = np.where(np.isfinite(error), left, np.maximum(left, alike[:, j]))
+        left = np.where(known[:, j], left, np.maximum(left, alike[:, j]))
         slope, slope_variance = _slopes(residual[:, j], common, variance[:, j], shift)
         value[:, j] = slope * common
         spread[:, j] = slope**2 * left + slope_variance * common**2
     location, error = _location(residual, variance)
     usual = _usual(location[baseline], error[baseline])
     common = _shrunk(location, error, usual + np.median(alike, axis=1))[0]
-    return SharedError(unit * value, np.square(unit) * spread, common)
+    return SharedError(unit * value, np.square(unit) * spread, common, known)
 
 
 def units_of_levels(coulomb: np.ndarray, alone: np.ndarray) -> np.ndarray:

@@ -16,6 +16,9 @@ from jointwear.monitor.normal.recent_shifts import AxisWindows
 from jointwear.monitor.watching.decision import Evidence, shift_evidence
 from jointwear.monitor.watching.growth_so_far import SHIFTS, growth_so_far, measured_growth
 
+#: What all axes have in common, (w,) log level, its variance (w,), and whether it is known (w,).
+Common = tuple[np.ndarray, np.ndarray, np.ndarray]
+
 #: Shifts that are learnt from after a service, and fewest windows of them.
 RELEARNT_SHIFTS, RELEARNT_WINDOWS = 3, 6
 #: Standard deviation of leaving the baseline's range beyond which a window teaches no level, for so many shifts.
@@ -45,7 +48,10 @@ class Start:
 
 
 class WatchedAxis:
-    """One axis with its segments: the residual of every window against the normal state that holds for it."""
+    """One axis with its segments: the residual of every window against the normal state that holds for it.
+
+    What all axes have in `common` while it is learnt anew is no part of its level: it is taken out of what is judged.
+    """
 
     def __init__(
         self,
@@ -55,6 +61,7 @@ class WatchedAxis:
         starts: Sequence[Start],
         least: float,
         coarsest: float,
+        common: Common | None = None,
     ) -> None:
         self.normal, self.shift, self.least, self.coarsest = normal, shift, least, coarsest
         w = len(shift)
@@ -77,7 +84,8 @@ class WatchedAxis:
             learnt = baseline
             if k > 0:
                 learnt = self._after(a, b)
-                posterior = relearnt(normal, learnt, shift, widened(normal, posterior), starts[k - 1].grown)
+                besides = _besides(starts[k - 1], learnt & np.isfinite(normal.series_value), common)
+                posterior = relearnt(normal, learnt, shift, widened(normal, posterior), besides)
                 last = int(np.flatnonzero(learnt)[-1]) + 1 if learnt.any() else b
                 self.learning[a:last] = True
             # Shifts are runs of windows.
@@ -198,6 +206,20 @@ class WatchedAxis:
         memory = self.normal.dispersion.memory
         parts = [shift_evidence(windows.part(rows), self.states, memory, self.least) for rows in self.segments]
         return Evidence(*(np.concatenate(p) for p in zip(*(vars(e).values() for e in parts), strict=True)))
+
+
+def _besides(start: Start, learnt: np.ndarray, common: Common | None) -> tuple[np.ndarray | float, float]:
+    """Return what windows `learnt` (w,) from a start on show besides the new level of an axis, (w,) or one number (log
+    level), and the variance of the level from that: growth that goes on, and what all axes have in common.
+
+    Where too few other axes tell what that is, nothing is taken out: axes learnt anew together are told no error by it.
+    """
+    growth, doubt = start.grown or (0.0, 0.0)
+    if common is None or not learnt.any():
+        return growth, doubt
+    value, variance, known = common
+    # Windows err alike, by the slope of the axis over what all have in common, so that more of them tell no better.
+    return growth + np.where(known, value, 0.0), doubt + float(np.median(np.where(known, variance, 0.0)[learnt]))
 
 
 def _new_programs(

@@ -16,7 +16,7 @@ from jointwear.monitor.normal.shifts import running_sums, shift_starts
 from jointwear.monitor.watching.decision import Evidence
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
 from jointwear.monitor.watching.shared_error import ALIKE, FINDING, SharedError, shared_error
-from jointwear.monitor.watching.watched_axis import UNSEEN, Start, WatchedAxis
+from jointwear.monitor.watching.watched_axis import UNSEEN, Common, Start, WatchedAxis
 
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
 FALL_RATE = 0.5
@@ -141,12 +141,21 @@ def _settled(
     limits : of the evidence, that of falls infinite where none proposes a service. baseline, shift, common, unit,
     least, coarsest : as of :func:`watch`.
     """
+
+    def held(axis: int, shared: Common | None = None) -> WatchedAxis:
+        return WatchedAxis(axes[axis], baseline, shift, starts[axis], least, coarsest, shared)
+
     states: dict[int, WatchedAxis] = {}
     again = [j for j, axis in enumerate(axes) if axis is not None]
     # Services change what comes after them: found one after the other, until none is left.
     for _ in range(_MOST_TURNS):
-        states |= {j: WatchedAxis(axes[j], baseline, shift, starts[j], least, coarsest) for j in again}
+        states |= {j: held(j) for j in again}
         beside = _beside(states, len(axes), baseline, shift, common, unit)
+        anew = [j for j in states if starts[j]]
+        if common and anew:
+            # Of what all axes had in common while one was learnt anew the others tell, and it changes little of that.
+            states |= {j: held(j, beside.common(j)) for j in anew}
+            beside = _beside(states, len(axes), baseline, shift, common, unit)
         evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
         again = []
         for j in states:
@@ -232,6 +241,10 @@ class _Beside:
         """Return what :meth:`.WatchedAxis.judge` asks of one axis, (w,) each."""
         return self.shared.value[:, axis], self.extra[:, axis], self.loud[:, axis], self.calm
 
+    def common(self, axis: int) -> Common:
+        """Return what one axis has in common with the others, by these alone, (w,) each."""
+        return self.shared.value[:, axis], self.shared.variance[:, axis], self.shared.known[:, axis]
+
 
 def _beside(
     states: dict[int, WatchedAxis],
@@ -253,7 +266,8 @@ def _beside(
     if common:
         alike, shared = ALIKE, shared_error(raw, spread, baseline, shift, beyond, unit)
     else:
-        alike, shared = 0.0, SharedError(np.zeros(shape), np.zeros(shape), np.zeros(len(shift)))
+        alike, nothing = 0.0, np.zeros(shape)
+        shared = SharedError(nothing, nothing, np.zeros(len(shift)), np.zeros(shape, dtype=bool))
     variance = spread - alike * beyond + shared.variance
     outside = outside_baseline(beyond, shared.common, shift)
     loud = shift_scale(raw - shared.value, variance, noise, memory, shift, outside)
