@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.noise.noise import (
     HIGHEST_ORDER,
+    ORDER_BESIDE_GAPS,
     WIDE,
     Whitener,
     coloured,
@@ -44,6 +46,8 @@ FEWEST_EACH = 15
 LEAST_NOISE = 1e-6
 #: Drawings of the noise by which it is asked what share of it the fit takes off.
 DRAWN = 2
+#: Times a density from which another is another one, where noise models of two orders are compared.
+TWICE = 2.0
 #: Frequencies [Hz] above which a step at a reversal is kept.
 SHARP = (4.0, 6.0, 9.0)
 
@@ -78,7 +82,7 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
     cutoffs = axis_cutoffs(problem, axis, white, with_late=False)
     highest = HIGHEST_ORDER
     if cutoffs != Cutoffs():
-        highest = highest_order(used, label)
+        highest = ORDER_BESIDE_GAPS
         # Columns that share the noise have taken a part of it: what they left says too little.
         columns, rounding = _columns(problem, axis, extra, cutoffs)
         plain, left, white = fitted(columns, highest)
@@ -102,13 +106,36 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         white = estimate(RidgeFit(columns, used, white)(y), used, label, highest)
         take_off = RidgeFit(columns, used, white)
     left = take_off(y)
-    white = estimate(left, used, label, START)
-    white = corrected(white, left, take_off, used, label, problem.measured.rate, highest, problem.noise_drives)
+    white = _corrected(problem, left, take_off, used, label, highest)
     torque = problem.measured.torque[problem.train, axis][used]
     sigma = max(white.sigma, LEAST_NOISE * float(np.sqrt(np.mean(torque**2))))
     # What derivatives round off or add is no model of the arm: it is left in any prediction.
     derived = left + take_off.part(y, rounding)
     return replace(white, sigma=sigma, spread=_spread(problem, white, derived[used], take_off, used))
+
+
+def _corrected(
+    problem: Problem, left: np.ndarray, take_off: RidgeFit, used: np.ndarray, label: np.ndarray, highest: int
+) -> Whitener:
+    """Return the noise model of what a fit `left` (N,), put right for what it took off.
+
+    Where the noise of derived accelerations is in it a higher order may tell more of what is slow. One that tells
+    another density elsewhere has learnt the gaps between the lines of something that shakes the arm.
+    """
+    rate = problem.measured.rate
+    start = estimate(left, used, label, START)
+
+    def model(order: int) -> Whitener:
+        return corrected(start, left, take_off, used, label, rate, order, problem.noise_drives)
+
+    if highest <= HIGHEST_ORDER:
+        return model(highest)
+    long = model(highest_order(used, label))
+    if len(long.lags) <= highest:
+        return long
+    short, frequency = model(highest), np.linspace(assumed.slow(), 0.5 * rate, FREQUENCIES)
+    apart = np.abs(np.log(long.density(frequency, rate) / short.density(frequency, rate)))
+    return long if np.max(apart) < np.log(TWICE) else short
 
 
 def _spread(problem: Problem, white: Whitener, left: np.ndarray, take_off: RidgeFit, used: np.ndarray) -> float:
