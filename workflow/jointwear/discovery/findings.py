@@ -97,11 +97,7 @@ def make_verdict(
             *unlikely_masses(retuned, problem.settings),
         ),
         above_the_noise=_above_the_noise(gap, problem.settings.near_the_floor),
-        builds_up=tuple(
-            BuildsUp(axis + 1, way.form, six_digits(way.speed))
-            for axis, way in enumerate(problem.built_up)
-            if way is not None and axis in problem.judged
-        ),
+        builds_up=tuple(BuildsUp(a + 1, way.form, six_digits(way.speed)) for a, way in problem.building_up.items()),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
 

@@ -69,9 +69,7 @@ def axis_cutoffs(problem: Problem, axis: int, white: Whitener, with_late: bool =
     measured = problem.measured
     if measured.noise is None:
         return Cutoffs()
-    frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
-    density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
-    rate = measured.rate
+    (frequency, density), rate = derived_noise(problem, axis), measured.rate
     whole = white.density(frequency, rate)
     judged = _judged(density / whole, frequency)
     # Noise that moves the arm is in torques and their rates as that of derived accelerations is.
@@ -236,12 +234,18 @@ def swing_cutoff(
     return float(cutoff)
 
 
-def nominal_noise(problem: Problem, axis: int, white: Whitener) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies (k,) [Hz] and density (k,) of the noise of the nominal torque of one axis at them."""
+def derived_noise(problem: Problem, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies (k,) [Hz] and the density (k,) [(N m)^2/Hz] there of what the noise of derived accelerations
+    makes of the nominal torque of one axis."""
     measured = problem.measured
     frequency = np.linspace(0.0, 0.5 * measured.rate, FREQUENCIES + 1)[1:]
-    density = torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
-    return frequency, np.maximum(density, problem.shaken[axis] * white.density(frequency, measured.rate))
+    return frequency, torque_noise(measured.noise, problem.mass_squares, frequency)[axis]
+
+
+def nominal_noise(problem: Problem, axis: int, white: Whitener) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies (k,) [Hz] and density (k,) of the noise of the nominal torque of one axis at them."""
+    frequency, density = derived_noise(problem, axis)
+    return frequency, np.maximum(density, problem.shaken[axis] * white.density(frequency, problem.measured.rate))
 
 
 def _highest(white: Whitener, shared: np.ndarray, frequency: np.ndarray, rate: float, energy: float) -> float:

@@ -190,6 +190,11 @@ class Problem:
             found[axis] = posterior_mean(b / noise, gram / noise, np.ones(len(SMEAR)))
         return found
 
+    @property
+    def building_up(self) -> dict[int, BuiltUp]:
+        """The judged axes, 0-based, whose friction builds up with their speed, and how."""
+        return {axis: way for axis in self.judged if (way := self.built_up[axis]) is not None}
+
     @cached_property
     def noise_drives(self) -> Callable[[int], list[np.ndarray]]:
         """Order of a noise model -> what its drawn noise is made of, (N_train,) each, the same for all axes."""

@@ -80,21 +80,17 @@ def _at_rest_in_test(problem: Problem) -> list[str]:
 def _with_unsure(problem: Problem) -> Measured:
     """Return the samples with those that were left out because friction builds up there: the motion does show them."""
     usable = problem.measured.usable.copy()
-    for axis in problem.judged:
-        way = problem.built_up[axis]
-        if way is not None:
-            usable[:, axis] |= way.unsure(problem.measured.velocity[:, axis], problem.settings.usual)
+    for axis, way in problem.building_up.items():
+        usable[:, axis] |= way.unsure(problem.measured.velocity[:, axis], problem.settings.usual)
     return replace(problem.measured, usable=usable)
 
 
 def _built_up(problem: Problem) -> list[str]:
     """Return in words of which joints the friction builds up with speed, and what was made of it."""
     ways: dict[str, list[str]] = {}
-    for axis in problem.judged:
-        way = problem.built_up[axis]
-        if way is not None:
-            form = way.form if way.form == IN_PROPORTION else f"{way.form} of the speed"
-            ways.setdefault(form, []).append(f"{way.speed:.2g} rad/s on joint {axis + 1}")
+    for axis, way in problem.building_up.items():
+        form = way.form if way.form == IN_PROPORTION else f"{way.form} of the speed"
+        ways.setdefault(form, []).append(f"{way.speed:.2g} rad/s on joint {axis + 1}")
     return [
         f"Coulomb friction builds up {form} over {listed(speeds)}, as in simulators that round the sign of the "
         "velocity, and where a joint sticks from one sample to the next: no robot file can hold that; the torque was "

@@ -23,9 +23,9 @@ from jointwear.discovery.problem.instruments import (
     FREQUENCIES,
     Cutoffs,
     axis_cutoffs,
+    derived_noise,
     limited_inertial,
     limited_state,
-    torque_noise,
     velocities,
 )
 from jointwear.discovery.problem.motor_lines import loud_waves, shown_waves, waves_in_band
@@ -153,11 +153,9 @@ def noise_level(problem: Problem, axis: int, white: Whitener) -> float:
     noise. What it leaves without that holds whatever else it does not know too, so that it counts as far as the model
     and the known noise of the accelerations explain it.
     """
-    noise, rate = problem.measured.noise, problem.measured.rate
-    if noise is None or not np.isfinite(white.spread):
+    if problem.measured.noise is None or not np.isfinite(white.spread):
         return white.marginal
-    frequency = np.linspace(0.0, 0.5 * rate, FREQUENCIES + 1)[1:]
-    derived = float(np.mean(torque_noise(noise, problem.mass_squares, frequency)[axis])) * 0.5 * rate
+    derived = float(np.mean(derived_noise(problem, axis)[1])) * 0.5 * problem.measured.rate
     return max(white.marginal, min(white.spread, float(np.hypot(white.marginal, np.sqrt(derived)))))
 
 

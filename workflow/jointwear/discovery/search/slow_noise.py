@@ -4,8 +4,8 @@ A fit with 240 columns leaves a fifth of the noise below 1 Hz, of records of 15 
 noise is beside white noise they do not tell. Where structure without a name or a weak name rests on that, the noise is
 looked at beside a small fit: the base regression, what was named, and the basis that describes an axis best. If what is
 left is denser below 2 Hz than the noise was taken to be, it is noise, up to what a sensor's may be, and the search is
-run again. Where most joints have more than that, in a log whose rate is so low that any noise forgets
-within few samples, it is the noise of that log. In others a wind has it on all joints too.
+run again. Where most joints have more than that, in a log whose rate is so low that any noise forgets within few
+samples, it is the noise of that log. In others a wind has it on all joints too.
 """
 
 from __future__ import annotations

@@ -155,7 +155,6 @@ def changed_zero(
     first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]
     with np.errstate(invalid="ignore"):
         clear = (np.abs(mean) > np.maximum(np.maximum(SMALLEST, CLEAR * spread), BEYOND * error)) & ~early[:, None]
-    with np.errstate(invalid="ignore"):
         clear &= np.array([known_median(past[rows], axis=0) for _, rows in shifts]) > PAST * np.abs(mean)
     clear &= np.array([[rows[-1] < k for k in first] for _, rows in shifts])
     for k in range(SHIFTS - 1, len(shifts)):
