@@ -15,6 +15,7 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.model.left_out import left_out_ratio
 from jointwear.discovery.presentation.page import (
     body_in_words,
+    hardly_told,
     heading,
     joint_table,
     lead,
@@ -194,6 +195,9 @@ def test_friction_that_builds_up_is_told_before_what_is_missing(found):
     content["builds_up"] = [{"axis": k, "form": "tanh", "speed": 0.02} for k in (1, 3)]
     assert heading(content) == "Nothing is missing; friction builds up with the speed on joints 1 and 3"
     assert lead(content)[0].startswith("Friction of joints 1 and 3 builds up with the speed")
+    content["builds_up"] = [{"axis": k, "form": "tanh", "speed": 0.02} for k in range(1, 7)]
+    assert heading(content).endswith("friction builds up with the speed on every joint")
+    assert lead(content)[0].startswith("Friction of every joint builds up with the speed")
     assert not found.data["builds_up"]
 
 
@@ -259,6 +263,13 @@ def test_a_load_is_given_as_a_body():
     assert words.startswith("2 kg with its centre of mass at (100, 0, 200) mm in the frame of the last link")
     assert "0.01, 0.02, 0.03 kg m²" in words
     assert body_in_words({"parameters": {"level": {"value": 1.0}}}) == ""
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "told"), [(8586.0, 21532.0, False), (-2.0, 2.0, False), (-2.0, 0.1, True), (0.0, None, True)]
+)
+def test_a_parameter_no_larger_than_its_standard_deviation_is_hardly_told(value, std, told):
+    assert hardly_told({"value": value, "std": std}) is not told
 
 
 def test_one_sample_that_jumps_is_no_structure(found):

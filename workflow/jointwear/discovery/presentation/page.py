@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +44,7 @@ def lead(content: dict[str, Any]) -> list[str]:
     sentences = []
     if _builds_up(content):
         sentences.append(
-            f"Friction of {numbered('joint', _builds_up(content))} builds up with the speed instead of turning over at "
+            f"Friction of {_joints(content, _builds_up(content))} builds up with the speed instead of turning over at "
             "rest. No robot file can hold that; it was put right before anything else was asked."
         )
     if content["verdict"] == "none":
@@ -79,6 +79,11 @@ def _builds_up(content: Mapping[str, Any]) -> list[int]:
     return [b["axis"] for b in content.get("builds_up", ())]
 
 
+def _joints(content: Mapping[str, Any], axes: Sequence[int]) -> str:
+    """Return joints by their numbers, or `every joint` where a robot of several has no other."""
+    return "every joint" if 1 < len(axes) == len(content["gap"]["nominal"]) else numbered("joint", axes)
+
+
 def _beside_it(verdict: str, closed: float) -> str:
     """Say how what has no name can be there though nearly all of the gap is closed, empty where that is no question."""
     if verdict != "unknown" or closed < 1 - NARROW:
@@ -100,11 +105,11 @@ def heading(content: Mapping[str, Any]) -> str:
     """Return the verdict as a heading that says where more than noise is left, structure told or not."""
     words = _WORDS[content["verdict"]]
     if _builds_up(content):
-        words += f"; friction builds up with the speed on {numbered('joint', _builds_up(content))}"
+        words += f"; friction builds up with the speed on {_joints(content, _builds_up(content))}"
     axes = [a["axis"] for a in content["above_the_noise"]]
     if content["verdict"] == "unknown" or not axes:
         return words
-    return f"{words}, and more than noise is left on {numbered('joint', axes)}"
+    return f"{words}, and more than noise is left on {_joints(content, axes)}"
 
 
 def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
@@ -119,6 +124,13 @@ def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
     if width <= NARROW * root["nominal"]:
         return None
     return tuple(1 - (root[k] - root["noise_floor"]) / width for k in ("retuned", "augmented"))
+
+
+def hardly_told(parameter: Mapping[str, Any]) -> bool:
+    """Return whether a fitted parameter is no larger than its standard deviation: of it the data say next to nothing,
+    as where two parameters of one form trade with each other.
+    """
+    return parameter["std"] is not None and parameter["std"] >= abs(parameter["value"])
 
 
 def body_in_words(effect: Mapping[str, Any]) -> str:
@@ -250,6 +262,7 @@ def write_page(
         "parameter_words": parameter_words,
         "meaning": meaning,
         "body": body_in_words,
+        "hardly_told": hardly_told,
         "published": None,
         "pairs": pairs,
         "weak": list(dict.fromkeys(effects[n["effects"][0]].phrase for n in single)),
