@@ -41,6 +41,15 @@ def test_an_own_folder_needs_nothing_but_its_own_values(clone, tmp_path):
     assert [p.name for p in tmp_path.iterdir() if not p.name.startswith(".")] == ["my.yaml"]
 
 
+def test_a_call_from_within_another_checkout_takes_its_own_library(clone, tmp_path_factory):
+    """The profile of the folder that is called from had brought its library along."""
+    other = copy_project(tmp_path_factory.mktemp("other"))
+    (other.folder / "workflow/jointwear/running/closing.py").write_text("raise RuntimeError('of the other checkout')\n")
+    done = other.snakemake("-n", "--snakefile", str(clone.folder / "Snakefile"), ok=False)
+    assert "of the other checkout" not in done.stdout + done.stderr
+    assert done.returncode == 0, done.stderr
+
+
 def test_own_files_hide_the_shipped_ones(clone, tmp_path):
     (tmp_path / "config/tasks").mkdir(parents=True)
     text = (ROOT / "config/tasks/T1.yaml").read_text().replace("name: T1", "name: mine")
