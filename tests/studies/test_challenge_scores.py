@@ -9,8 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jointwear.discovery.settings import Settings
+from jointwear.files.errors import InputError
 from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.statistics.intervals import wilson_interval
+from jointwear.studies.challenge import solve
 from jointwear.studies.challenge.judge import accepted_names, error_norm, judge
 from jointwear.studies.challenge.peer_scores import best_settings, judged_answers, write_peer_scores
 from jointwear.studies.challenge.peer_terms import AxisProblem
@@ -342,3 +345,19 @@ def test_a_model_is_asked_at_the_instants_of_the_recording_though_discovery_used
     found = at_samples(verdict, torque[used], recording, wanted)
     inside = (wanted >= used[100]) & (wanted <= used[-1])
     assert found[inside] == pytest.approx(torque[wanted][inside], abs=1e-3)
+
+
+def test_seconds_are_the_processor_time_that_passed(monkeypatch):
+    """They were divided by the time of a loop in the interpreter, which varied more than they did."""
+
+    def refused(*_):
+        raise InputError("no")
+
+    clock = iter([100.0, 102.5])
+    monkeypatch.setattr(solve, "discover", refused)
+    monkeypatch.setattr(solve.time, "process_time", lambda: next(clock))
+    recording = SimpleNamespace(trajectory=np.array([1, 2]), test=(2,), joints=6)
+    said, torque, seconds = solve.solve(recording, None, Settings())
+    assert said == {"refused": "no"}
+    assert np.isnan(torque).all()
+    assert seconds == 2.5

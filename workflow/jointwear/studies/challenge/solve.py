@@ -21,7 +21,6 @@ from jointwear.measurement.recording import Recording, elapsed_time
 from jointwear.robots.robot import Robot
 from jointwear.studies.challenge.arms import given_robot
 from jointwear.studies.challenge.case_files import padded
-from jointwear.studies.core_speed import slowness
 
 #: Held-out predictions are kept for every so many samples, as in the truth files.
 STRIDE = 5
@@ -47,23 +46,17 @@ def with_words(recording: Recording, told: Mapping[str, Any]) -> Recording:
 
 def solve(recording: Recording, robot: Robot, settings: Settings) -> tuple[dict[str, Any], np.ndarray, float]:
     """Return the verdict as in verdict.json (or {"refused": reason}), the torque of nominal, retuned and augmented
-    model over every fifth held-out sample (3, k, n) [N m], and the computing time on a usual core [s]."""
-    before, start = slowness(), time.process_time()
+    model over every fifth held-out sample (3, k, n) [N m], and the processor time [s]."""
+    start = time.process_time()
     held = np.flatnonzero(np.isin(recording.trajectory, recording.test))[::STRIDE]
     try:
         verdict = discover(recording, robot, settings)
     except InputError as error:
         nothing = np.full((len(MODELS), len(held), recording.joints), np.nan)
-        return {"refused": str(error)}, nothing, _usual_time(start, before)
-    seconds = _usual_time(start, before)
+        return {"refused": str(error)}, nothing, time.process_time() - start
+    seconds = time.process_time() - start
     torque = np.array([at_samples(verdict, verdict.torques[model], recording, held) for model in MODELS])
     return json.loads(verdict.to_json()), torque, seconds
-
-
-def _usual_time(start: float, before: float) -> float:
-    """Time since `start` [s] as a usual core would have taken; `before` is the slowness just before it."""
-    spent = time.process_time() - start
-    return 2 * spent / (before + slowness())
 
 
 def at_samples(verdict: Discovery, torque: np.ndarray, recording: Recording, wanted: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ _WORDS = {
     "not_worse_named": "the same, only cases with a named effect",
     "worse": "augmented worse than given on an axis by > 5 %, held-out measurement",
     "calibration_error": "expected calibration error of the probability",
-    "seconds": "seconds of one usual core, median",
+    "seconds": "processor seconds, median",
     "tie_size": "mean size of the tie set",
     "name_first_strict": "right name first, no two names counted as one",
     "exact_set_strict": "exact set, no two names counted as one",

@@ -40,7 +40,7 @@ WORDS = {name: words for name, (_, _, words) in QUESTIONS.items()} | {
     "gap_tenth": "gap closed, 10th percentile",
     "coverage": "95 % intervals of parameters and peak torque hold the truth",
     "calibration_error": "expected calibration error of the probability",
-    "seconds": "seconds of one usual core, median",
+    "seconds": "processor seconds, median",
 }
 
 
