@@ -6,7 +6,7 @@ from discovery_cases import COARSE_RATE as RATE
 from discovery_cases import make_case
 
 from jointwear.discovery.pipeline import discover
-from jointwear.discovery.problem.building_up import FORMS, built_up_friction
+from jointwear.discovery.problem.building_up import FORMS, built_up_anywhere, built_up_friction
 from jointwear.discovery.settings import Settings
 from jointwear.robots.robot import load_robot
 
@@ -140,3 +140,36 @@ def test_an_arm_whose_friction_is_rounded_lacks_nothing():
     problem = found.problem
     used = problem.measured.usable & (np.abs(problem.measured.velocity) > 0.02)
     assert np.sqrt(np.mean(problem.discrepancy[used] ** 2)) < 0.6
+
+
+def _to_and_fro(seed=4, count=6000):
+    """Position, velocity and acceleration (N, 2) of joints that go to and fro between two places and stop there."""
+    rng = np.random.default_rng(seed)
+    q = np.zeros((count, 2))
+    for joint in range(2):
+        places, at, k = rng.uniform(-1.0, 1.0, 2), 0.0, 0
+        while k < count:
+            to, length = places[int(at != places[1])], int(rng.integers(120, 260))
+            x = np.linspace(0.0, 1.0, length)
+            q[k : k + length, joint] = (at + (to - at) * x**3 * (10 - 15 * x + 6 * x**2))[: count - k]
+            at, k = to, k + length
+    velocity = np.gradient(q, 1 / RATE, axis=0)
+    return q, velocity, np.gradient(velocity, 1 / RATE, axis=0)
+
+
+@pytest.mark.parametrize(("stiffness", "rounds"), [(3.0, False), (0.0, True)])
+def test_a_spring_that_a_file_lacks_is_no_friction_that_builds_up(stiffness, rounds):
+    """Moves that are slow in few places: a spring was told as friction that builds up, and named with a Stribeck."""
+    q, v, a = _to_and_fro()
+    rng = np.random.default_rng(8)
+    level = np.where(v > 0, *LEVELS)
+    missing = np.column_stack([stiffness * (q[:, 0] - 0.3), np.zeros(len(q))])
+    if rounds:
+        missing[:, 0] += level[:, 0] * (np.tanh(np.abs(v[:, 0]) / 0.1) - 1.0)
+    missing += NOISE * rng.standard_normal(v.shape)
+    usable, inertial = np.abs(v) > 0.005, rng.standard_normal((*v.shape, 3))
+    looked_at = (v, a, missing, inertial, level, *LIMITS)
+    assert built_up_friction(usable, *looked_at)[0] is not None
+    own, other = built_up_anywhere(usable, q, *looked_at)
+    assert (own is not None) is rounds
+    assert other is None

@@ -17,6 +17,7 @@ from scipy.linalg import qr
 from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
+from jointwear.effects.tables import hats, knots_of
 from jointwear.measurement.derived.motion import Measured
 
 IN_PROPORTION = "in proportion to speed"
@@ -35,6 +36,8 @@ SAMPLES, FEWEST_EACH = 6000, 5
 LEFT = 0.1
 #: Share of the square of fast samples below which slow ones are quieter: half.
 QUIET = 0.5
+#: Knots over the position of an axis.
+KNOTS = 8
 #: Share to which a speed is searched.
 CLOSE = 0.01
 #: Part of the longest direction of the other columns below which one says nothing of its own.
@@ -82,7 +85,7 @@ def built_up_friction(
     velocity: np.ndarray,
     acceleration: np.ndarray,
     missing: np.ndarray,
-    inertial: np.ndarray,
+    beside: np.ndarray,
     level: np.ndarray,
     least: float,
     form_error: float,
@@ -99,11 +102,12 @@ def built_up_friction(
     Parameters
     ----------
     usable : (N, n) samples of each axis to look at. velocity, acceleration : (N, n) [rad/s], [rad/s2].
-    missing : (N, n) measured less nominal torque [N m]. inertial : (N, n, r) torque of errors of the inertia [N m].
+    missing : (N, n) measured less nominal torque [N m].
+    beside : (N, n, r) what else an axis may lack, as torque of errors of the inertia [N m].
     level : (N, n) Coulomb friction in the nominal torque [N m]. least : evidence [nat].
     form_error : share of what it explains by which a form may be off.
     """
-    axes = [_axis(axis, usable, velocity, acceleration, missing + level, inertial) for axis in range(usable.shape[1])]
+    axes = [_axis(axis, usable, velocity, acceleration, missing + level, beside) for axis in range(usable.shape[1])]
     found = [None if axis is None else axis.rounded(least) for axis in axes]
     shown = [(f.form, f.speed) for f in found if f is not None]
     if not shown:
@@ -124,19 +128,59 @@ def built_up_friction(
     ]
 
 
+def built_up_anywhere(
+    usable: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    missing: np.ndarray,
+    inertial: np.ndarray,
+    level: np.ndarray,
+    least: float,
+    form_error: float,
+) -> list[BuiltUp | None]:
+    """Return what :func:`built_up_friction` does, of axes that show it beside any torque over their position too.
+
+    A spring that a file lacks, beside moves that are slow in few places, looks like friction that builds up.
+
+    Parameters
+    ----------
+    position : (N, n) [rad]. The others are those of :func:`built_up_friction`.
+    """
+
+    def found(beside: np.ndarray) -> list[BuiltUp | None]:
+        return built_up_friction(usable, velocity, acceleration, missing, beside, level, least, form_error)
+
+    alone = found(inertial)
+    if not any(alone):
+        return alone
+    beside = found(np.concatenate([inertial, _over_position(usable, position)], axis=-1))
+    return [b if a is not None else None for a, b in zip(alone, beside, strict=True)]
+
+
+def _over_position(usable: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """Return columns (N, n, k) over the position (N, n) of each axis, with knots where it is `usable` (N, n)."""
+    columns = np.zeros((*position.shape, KNOTS))
+    for axis in range(position.shape[1]):
+        if usable[:, axis].any():
+            own = hats(position[:, axis], knots_of(position[usable[:, axis], axis], KNOTS))
+            columns[:, axis, : own.shape[1]] = own
+    return columns
+
+
 def _axis(
     axis: int,
     usable: np.ndarray,
     velocity: np.ndarray,
     acceleration: np.ndarray,
     torque: np.ndarray,
-    inertial: np.ndarray,
+    what_else: np.ndarray,
 ) -> _Axis | None:
     """Return the samples of one axis without all that is no Coulomb friction, None where they are too few."""
     rows = np.flatnonzero(usable[:, axis])
     rows = rows[:: max(1, -(-len(rows) // SAMPLES))]
     v = velocity[rows, axis]
-    beside = [v, acceleration[rows, axis], inertial[rows, axis]]
+    beside = [v, acceleration[rows, axis], what_else[rows, axis]]
     for other in (axis - 1, axis + 1):
         if 0 <= other < usable.shape[1]:
             # A neighbour may share the drive.

@@ -17,7 +17,7 @@ from jointwear.discovery.noise.noise_spectrum import drives
 from jointwear.discovery.noise.ridge_fit import RidgeFit
 from jointwear.discovery.noise.shaken import shaken_shares
 from jointwear.discovery.noise.spectra import frequencies
-from jointwear.discovery.problem.building_up import BuiltUp, built_up_friction, with_whole_friction
+from jointwear.discovery.problem.building_up import BuiltUp, built_up_anywhere, with_whole_friction
 from jointwear.discovery.problem.reversals import leave_out_reversals, leave_out_ringing
 from jointwear.discovery.problem.shared_drives import sticking
 from jointwear.discovery.settings import Settings
@@ -437,8 +437,8 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     stuck = sticking(moving_train, v, a, missing, inertial, settings.noise_sigmas)
     measured = replace(measured, usable=measured.usable & ~stuck)
     judged = measured.usable & train[:, None]
-    built_up = built_up_friction(
-        judged, v, a, missing, inertial, robot.coulomb(v), settings.accept, settings.form_error
+    built_up = built_up_anywhere(
+        judged, q, v, a, missing, inertial, robot.coulomb(v), settings.accept, settings.form_error
     )
     measured = with_whole_friction(measured, built_up, settings.usual)
     counts = np.sum(measured.usable[train], axis=0)
