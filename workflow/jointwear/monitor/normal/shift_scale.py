@@ -7,6 +7,9 @@ an axis is (nu + sum of their squares) / (nu + their number): beyond one where s
 all keep still. About which scale that of a shift lies is learnt from the robot's shifts before, again from the other
 axes: a robot in a steady hall stays far within what floors and priors expect of robots at large.
 
+How far off an axis itself was in the shifts of the baseline bounds how far the others may narrow it: scatters are
+estimated axis by axis, and where those of the others are too wide, their keeping still says nothing of this one.
+
 The noise of the windows themselves is measured, axis by axis, and no such expectation: the scale leaves it as it is, or
 the first windows of a shift would count for more than they tell.
 """
@@ -31,6 +34,7 @@ def shift_scale(
     memory: np.ndarray,
     shift: np.ndarray,
     outside: np.ndarray,
+    baseline: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the factor (w, n) of what is not known of each axis in the shift of each window, so far.
 
@@ -40,6 +44,7 @@ def shift_scale(
     residuals. noise : (w, n) the part that windows do not share. memory : (n,) of windows within a shift.
     shift : (w,) labels. outside : (w, n) bool, beyond the range of the baseline or where all axes rose, where others
     that keep still say little of the error of a law that is carried too far.
+    baseline : (w,) bool, windows of the normal period, in which an axis tells of itself; default none are told.
     """
     starts = shift_starts(shift)
     good = np.isfinite(residual) & np.isfinite(variance) & (noise > 0)
@@ -59,12 +64,21 @@ def shift_scale(
     seen, before = PAST * _before(others, starts), PAST * _before(squares, starts)
     usual = (FREEDOM + before) / (FREEDOM + seen)
     scale = (FREEDOM * usual + squares) / (FREEDOM + others)
+    if baseline is not None:
+        ends = baseline & _ends(starts)
+        own = (FREEDOM + square[ends].sum(axis=0)) / (FREEDOM + known[ends].sum(axis=0))
+        scale = np.maximum(scale, np.minimum(own, 1.0))
     return np.where(outside, np.maximum(scale, 1.0), scale)
 
 
 def _of_others(values: np.ndarray) -> np.ndarray:
     """Return the sum (w, n) of `values` (w, n) over all axes but each one."""
     return values.sum(axis=1, keepdims=True) - values
+
+
+def _ends(starts: np.ndarray) -> np.ndarray:
+    """Return the last window of each shift, (w,) bool, of their first ones."""
+    return np.append(starts[1:], True) if len(starts) else np.zeros(0, dtype=bool)
 
 
 def _before(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
@@ -74,6 +88,6 @@ def _before(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
     ----------
     starts : (w,) bool, the first window of a shift.
     """
-    ends = np.flatnonzero(np.append(starts[1:], True)) if len(starts) else np.zeros(0, dtype=int)
+    ends = np.flatnonzero(_ends(starts))
     total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values[ends], axis=0)])
     return total[np.cumsum(starts) - 1]

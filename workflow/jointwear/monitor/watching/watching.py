@@ -270,7 +270,7 @@ def _beside(
         shared = SharedError(nothing, nothing, np.zeros(len(shift)), np.zeros(shape, dtype=bool))
     variance = spread - alike * beyond + shared.variance
     outside = outside_baseline(beyond, shared.common, shift)
-    loud = shift_scale(raw - shared.value, variance, noise, memory, shift, outside)
+    loud = shift_scale(raw - shared.value, variance, noise, memory, shift, outside, baseline)
     extra = shared.variance + (1.0 - alike) * beyond
     return _Beside(shared, raw, noise, variance, extra, loud, _calm(shared.common, shift))
 
