@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointwear.monitor.normal.shift_scale import shift_scale
+from jointwear.monitor.normal.shift_scale import own_scale, shift_scale
 from jointwear.monitor.watching.shared_error import SLOPE_SPREAD, _location, shared_error, units_of_levels
 from jointwear.monitor.watching.watching import outside_baseline
 
@@ -36,22 +36,20 @@ def test_a_robot_that_stays_still_is_held_to_its_own_scale_and_wear_widens_none(
     assert np.allclose(shift_scale(later, variance, noise, memory, shift, inside)[:120], scale[:120])
 
 
-def test_others_that_keep_still_narrow_no_axis_below_what_it_showed_in_its_baseline():
+def test_growth_is_held_to_no_scale_below_that_of_the_axis_in_its_baseline():
     """Scatters of the others that are estimated too wide made sound axes alarm."""
     shift = np.repeat(np.arange(20), 8)
     noise, variance = np.full((160, 6), 1e-4), np.full((160, 6), 2e-4)
-    inside, memory, baseline = np.zeros((160, 1), bool), np.full(6, 0.3), shift < 10
+    memory, baseline = np.full(6, 0.3), shift < 10
     lively = np.zeros((160, 6))
     lively[:, 2] = 0.014 * (-1.0) ** shift
-    beside = shift_scale(lively, variance, noise, memory, shift, inside)
-    scale = shift_scale(lively, variance, noise, memory, shift, inside, baseline)
-    assert (beside[-1] < 0.6).all()
-    assert scale[-1, 2] == 1.0
-    assert np.allclose(scale[-1, [0, 1, 3, 4, 5]], beside[-1, [0, 1, 3, 4, 5]], atol=0.2)
-    # Wear after the baseline widens nothing.
-    worn = np.zeros((160, 6))
-    worn[:, 2] = 0.002 * np.maximum(shift - 9, 0)
-    assert shift_scale(worn, variance, noise, memory, shift, inside, baseline)[-1, 2] < 0.6
+    scale = own_scale(lively, variance, noise, memory, shift, baseline)
+    assert scale[2] == 1.0
+    assert (np.delete(scale, 2) < 0.4).all()
+    # What comes after the baseline counts for nothing.
+    lively[80:] = 0.5
+    assert np.allclose(own_scale(lively, variance, noise, memory, shift, baseline), scale)
+    assert np.allclose(own_scale(lively, variance, noise, memory, shift, shift < 0), 1.0)
 
 
 def test_one_worn_axis_is_no_shared_error():

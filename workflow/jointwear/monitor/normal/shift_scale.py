@@ -7,8 +7,9 @@ an axis is (nu + sum of their squares) / (nu + their number): beyond one where s
 all keep still. About which scale that of a shift lies is learnt from the robot's shifts before, again from the other
 axes: a robot in a steady hall stays far within what floors and priors expect of robots at large.
 
-How far off an axis itself was in the shifts of the baseline bounds how far the others may narrow it: scatters are
-estimated axis by axis, and where those of the others are too wide, their keeping still says nothing of this one.
+Scatters are estimated axis by axis. Where those of the others are too wide their keeping still says nothing of this
+one, so that growth is held to no scale below that of the axis itself in the shifts of its baseline
+(:func:`own_scale`).
 
 The noise of the windows themselves is measured, axis by axis, and no such expectation: the scale leaves it as it is, or
 the first windows of a shift would count for more than they tell.
@@ -34,7 +35,6 @@ def shift_scale(
     memory: np.ndarray,
     shift: np.ndarray,
     outside: np.ndarray,
-    baseline: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the factor (w, n) of what is not known of each axis in the shift of each window, so far.
 
@@ -44,9 +44,38 @@ def shift_scale(
     residuals. noise : (w, n) the part that windows do not share. memory : (n,) of windows within a shift.
     shift : (w,) labels. outside : (w, n) bool, beyond the range of the baseline or where all axes rose, where others
     that keep still say little of the error of a law that is carried too far.
-    baseline : (w,) bool, windows of the normal period, in which an axis tells of itself; default none are told.
     """
     starts = shift_starts(shift)
+    square, known = _squares(residual, variance, noise, memory, starts)
+    others, squares = _of_others(known.astype(float)), _of_others(square)
+    seen, before = PAST * _before(others, starts), PAST * _before(squares, starts)
+    usual = (FREEDOM + before) / (FREEDOM + seen)
+    scale = (FREEDOM * usual + squares) / (FREEDOM + others)
+    return np.where(outside, np.maximum(scale, 1.0), scale)
+
+
+def own_scale(
+    residual: np.ndarray,
+    variance: np.ndarray,
+    noise: np.ndarray,
+    memory: np.ndarray,
+    shift: np.ndarray,
+    baseline: np.ndarray,
+) -> np.ndarray:
+    """Return the factor (n,), up to 1, of what is not known of each axis by its own shifts of the `baseline` (w,) bool.
+
+    The others are those of :func:`shift_scale`.
+    """
+    starts = shift_starts(shift)
+    square, known = _squares(residual, variance, noise, memory, starts)
+    ends = baseline & _ends(starts)
+    return np.minimum((FREEDOM + square[ends].sum(axis=0)) / (FREEDOM + known[ends].sum(axis=0)), 1.0)
+
+
+def _squares(
+    residual: np.ndarray, variance: np.ndarray, noise: np.ndarray, memory: np.ndarray, starts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the standardised square (w, n) of the mean of the shift so far at each window, and where it is known."""
     good = np.isfinite(residual) & np.isfinite(variance) & (noise > 0)
     square = np.zeros(residual.shape)
     known = np.zeros(residual.shape, dtype=bool)
@@ -60,15 +89,7 @@ def shift_scale(
         apart = np.where(rows, variance[:, j] - noise[:, j], 0.0)
         spread = running_sums(weight * apart, starts) / safe + inflated(count, float(memory[j])) / safe
         square[:, j] = np.where(known[:, j], np.minimum(mean**2 / spread, LARGEST), 0.0)
-    others, squares = _of_others(known.astype(float)), _of_others(square)
-    seen, before = PAST * _before(others, starts), PAST * _before(squares, starts)
-    usual = (FREEDOM + before) / (FREEDOM + seen)
-    scale = (FREEDOM * usual + squares) / (FREEDOM + others)
-    if baseline is not None:
-        ends = baseline & _ends(starts)
-        own = (FREEDOM + square[ends].sum(axis=0)) / (FREEDOM + known[ends].sum(axis=0))
-        scale = np.maximum(scale, np.minimum(own, 1.0))
-    return np.where(outside, np.maximum(scale, 1.0), scale)
+    return square, known
 
 
 def _of_others(values: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ is that of :mod:`.null_runs`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,12 @@ class Evidence:
     mean: np.ndarray
     std: np.ndarray
     shifts: np.ndarray
+
+    def with_falls(self, other: Evidence) -> Evidence:
+        """Return it with the falls of another one, and the mean that these come from where they are the larger."""
+        lower = other.fall > self.growth
+        rest = {name: np.where(lower, getattr(other, name), getattr(self, name)) for name in ("mean", "std", "shifts")}
+        return replace(self, fall=other.fall, **rest)
 
 
 def shift_evidence(windows: AxisWindows, normal: Sequence[Posterior], memory: float, least: float = 0.0) -> Evidence:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -181,13 +181,14 @@ class WatchedAxis:
         last[place] = segment
         return updated_between(dispersion, mean, own, last)[place]
 
-    def judge(self, shared: np.ndarray, extra: np.ndarray, loud: np.ndarray, calm: np.ndarray) -> Evidence:
+    def judge(self, shared: np.ndarray, extra: np.ndarray, loud: np.ndarray, own: float, calm: np.ndarray) -> Evidence:
         """Return the evidence of all windows; each segment stands for itself.
 
         Parameters
         ----------
         shared : (w,) error in common with the other axes. extra : (w,) variance of it, and of leaving the range.
-        loud : (w,) factor of the variance of a shift but for the noise of its windows, :mod:`.shift_scale`.
+        loud : (w,) factor of the variance of a shift but for the noise of its windows, :mod:`.shift_scale`. own : what
+        it is at least for growth.
         calm : (w,) bool, see :func:`_calm`.
         """
         residual = np.where(self.judged, self.residual - shared, np.nan)
@@ -203,6 +204,11 @@ class WatchedAxis:
             scale=loud,
             calm=calm,
         )
+        if (loud >= own).all():
+            return self._evidence(windows)
+        return self._evidence(replace(windows, scale=np.maximum(loud, own))).with_falls(self._evidence(windows))
+
+    def _evidence(self, windows: AxisWindows) -> Evidence:
         memory = self.normal.dispersion.memory
         parts = [shift_evidence(windows.part(rows), self.states, memory, self.least) for rows in self.segments]
         return Evidence(*(np.concatenate(p) for p in zip(*(vars(e).values() for e in parts), strict=True)))

@@ -11,7 +11,7 @@ from jointwear.monitor.normal.conditions import Conditions
 from jointwear.monitor.normal.dispersion import inflated
 from jointwear.monitor.normal.learning import AxisNormal
 from jointwear.monitor.normal.recall import Recall, key_of
-from jointwear.monitor.normal.shift_scale import shift_scale
+from jointwear.monitor.normal.shift_scale import own_scale, shift_scale
 from jointwear.monitor.normal.shifts import running_sums, shift_starts
 from jointwear.monitor.watching.decision import Evidence
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
@@ -226,7 +226,8 @@ class _Beside:
 
     `raw`: residual before the shared error is taken out; `noise`: variance that windows do not share; `variance` of the
     residual without the shared error; `extra`: variance that all windows of a shift share; `loud`: factor of the
-    variance of a shift but for the noise of its windows; `calm` (w,): bool, whether the axes do not move together.
+    variance of a shift but for the noise of its windows; `own` (n,): what that is at least for growth; `calm` (w,):
+    bool, whether the axes do not move together.
     """
 
     shared: SharedError
@@ -235,11 +236,12 @@ class _Beside:
     variance: np.ndarray
     extra: np.ndarray
     loud: np.ndarray
+    own: np.ndarray
     calm: np.ndarray
 
-    def of(self, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return what :meth:`.WatchedAxis.judge` asks of one axis, (w,) each."""
-        return self.shared.value[:, axis], self.extra[:, axis], self.loud[:, axis], self.calm
+    def of(self, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float, np.ndarray]:
+        """Return what :meth:`.WatchedAxis.judge` asks of one axis."""
+        return self.shared.value[:, axis], self.extra[:, axis], self.loud[:, axis], float(self.own[axis]), self.calm
 
     def common(self, axis: int) -> Common:
         """Return what one axis has in common with the others, by these alone, (w,) each."""
@@ -270,9 +272,11 @@ def _beside(
         shared = SharedError(nothing, nothing, np.zeros(len(shift)), np.zeros(shape, dtype=bool))
     variance = spread - alike * beyond + shared.variance
     outside = outside_baseline(beyond, shared.common, shift)
-    loud = shift_scale(raw - shared.value, variance, noise, memory, shift, outside, baseline)
+    apart = raw - shared.value
+    loud = shift_scale(apart, variance, noise, memory, shift, outside)
+    own = own_scale(apart, variance, noise, memory, shift, baseline)
     extra = shared.variance + (1.0 - alike) * beyond
-    return _Beside(shared, raw, noise, variance, extra, loud, _calm(shared.common, shift))
+    return _Beside(shared, raw, noise, variance, extra, loud, own, _calm(shared.common, shift))
 
 
 def _service(evidence: Evidence, least: float, shift: np.ndarray, baseline: np.ndarray) -> tuple[int, int] | None:
