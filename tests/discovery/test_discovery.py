@@ -8,6 +8,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Discovery, discover
+from jointwear.measurement.recording import split
 from jointwear.measurement.refused import Refused
 from jointwear.robots.robot import robot_from_data
 
@@ -32,6 +33,20 @@ def test_nothing_hidden_names_nothing(nothing):
     assert nothing.verdict == "none"
     assert not nothing.effects
     assert not nothing.data["retuned"]
+
+
+def test_a_held_out_record_that_is_another_robots_is_not_nothing(robot, nothing):
+    """Nothing was missing, said the heading, beside 40 times the noise on held-out motion."""
+    case = split(make_case(robot, 1))
+    held, torque = np.isin(case.trajectory, case.test), case.torque.copy()
+    torque[held, 2] *= -1.0
+    verdict = discover(replace(case, torque=torque), robot)
+    assert verdict.verdict == "unknown"
+    assert not verdict.effects
+    told = [r for r in verdict.data["restrictions"] if "the test trajectories disagree with the model" in r]
+    assert len(told) == 1
+    assert told[0].startswith("joint 3: ")
+    assert not any("disagree with the model" in r for r in nothing.data["restrictions"])
 
 
 def test_one_wrong_parameter_is_retuned(robot):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -36,7 +36,7 @@ from jointwear.discovery.verdict import (
 )
 from jointwear.effects import State, get_effect, library
 from jointwear.files.json_values import six_digits
-from jointwear.files.wording import count
+from jointwear.files.wording import count, numbered
 
 #: Entries of lists that a reader looks through: unexplained structure, candidates that came close.
 LONGEST_LIST = 12
@@ -70,6 +70,9 @@ def make_verdict(
     else:
         word = "retuned" if retuned else NONE
     gap = measure_gap(problem, torques, floor_with_names(final))
+    above = _above_the_noise(gap, problem.settings.near_the_floor)
+    apart = _only_held_out(problem, above, gap) if word in (NONE, "retuned") else []
+    word = "unknown" if apart else word
     written = [e.named.candidate for e in final.estimates]
     return Verdict(
         dataset=name,
@@ -90,13 +93,14 @@ def make_verdict(
         misfits=(*final.misfits, *ended_on_bounds(retuned)),
         restrictions=(
             *restrictions,
+            *_held_out_alone(apart, above),
             *_alike_in_time(final),
             *beyond_the_time(problem, written),
             *beyond_the_temperature(problem, written),
             *stands_in(retuned, {u.axis for u in left}),
             *unlikely_masses(retuned, problem.settings),
         ),
-        above_the_noise=_above_the_noise(gap, problem.settings.near_the_floor),
+        above_the_noise=above,
         builds_up=tuple(BuildsUp(a + 1, way.form, six_digits(way.speed)) for a, way in problem.building_up.items()),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
@@ -158,6 +162,34 @@ def _above_the_noise(gap: Gap, margin: float) -> tuple[AboveNoise, ...]:
         for axis, (a, f) in enumerate(zip(gap.augmented, gap.noise_floor, strict=True), start=1)
         if a is not None and f is not None and a > (1 + margin) * f
     )
+
+
+def _only_held_out(problem: Problem, above: Sequence[AboveNoise], gap: Gap) -> list[int]:
+    """Return the axes, from 1, whose held-out error noise does not reach, though training shows nothing without a name.
+
+    It matters to a simulation too: below `smallest_share` of the torque even exact models differ.
+    """
+    result = []
+    for axis, ratio in ((a.axis, a.ratio) for a in above):
+        torque = problem.measured.torque[problem.test, axis - 1]
+        beyond = np.sqrt(max(1.0 - ratio**-2, 0.0)) * (gap.augmented[axis - 1] or 0.0)
+        size = float(np.sqrt(np.nanmean(torque**2))) if len(torque) else np.inf
+        if ratio > problem.settings.noise_sigmas and beyond > problem.settings.smallest_share * size:
+            result.append(axis)
+    return result
+
+
+def _held_out_alone(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[str]:
+    """Say which axes disagree with the model in the test trajectories alone, in one sentence or none."""
+    if not axes:
+        return []
+    largest = max(a.ratio for a in above if a.axis in axes)
+    words = (
+        f"{numbered('joint', axes)}: the test trajectories disagree with the model by up to {largest:.2g} times the "
+        "noise, the training trajectories do not; look whether the records of the test trajectories are sound (torque "
+        "and motion of one record, sign, unit, the same robot), or whether something acts there alone"
+    )
+    return [words]
 
 
 def _places(candidate: Candidate) -> dict[str, int | None]:
