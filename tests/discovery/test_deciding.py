@@ -214,6 +214,24 @@ def test_what_has_no_name_is_put_beside_a_gap_that_is_closed():
     assert "no name" not in lead(named)[-1]
 
 
+def test_what_a_model_does_to_the_gap_is_told_in_words_that_can_be_true(found):
+    """A page said that a model closes 102 % of a gap, and that another widens it by 0 %."""
+    gap = {"nominal": [9.0], "retuned": [49.0], "augmented": [0.9], "noise_floor": [1.0]}
+    content = {**found.data, "verdict": "effects", "suspects": [], "gap": gap}
+    told = lead(content)[-1].replace("\u202f", " ").replace("\u00a0", " ")
+    assert (
+        "retuning alone widens it by 500 % (its file is not the one to use), the augmented model closes 100 %" in told
+    )
+    assert "the augmented model leaves it as it is" in lead({**content, "gap": {**gap, "augmented": [9.01]}})[-1]
+
+
+def test_a_heading_counts_effects_and_a_lead_tells_what_shakes(found):
+    twice = {**found.data, "effects": 2 * found.data["effects"][:1], "above_the_noise": [], "builds_up": []}
+    assert heading(twice) == "The model lacks 2 effects"
+    line = {"axis": 2, "argument": LINE, "range": [2.3, 2.3], "unit": "Hz", "p_value": 1e-300}
+    assert "Something shakes at a frequency of its own: joint 2 at 2.3 Hz." in lead({**twice, "unexplained": [line]})
+
+
 def test_axes_above_the_noise_are_told_with_their_ratio():
     gap = Gap((9.0,) * 3 + (None,), (9.0,) * 3 + (None,), (1.05, 1.34, 3.0, None), (1.0, 1.0, 2.0, None))
     assert [(a.axis, a.ratio) for a in _above_the_noise(gap, 0.1)] == [(2, 1.34), (3, 1.5)]

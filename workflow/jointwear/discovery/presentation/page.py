@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.discovery.presentation.drawing import draw_all
+from jointwear.discovery.search.leftovers import LINE
 from jointwear.effects import library
 from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
-from jointwear.files.wording import numbered
+from jointwear.files.wording import listed, numbered
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import number, percent, with_std
 from jointwear.publishing.report.rendering import render_page
@@ -29,6 +30,8 @@ _PARAMETERS = {
 }
 #: Share of the error of the given robot below which a gap is too narrow for a part of it to be told.
 NARROW = 0.05
+#: Share of a gap that a page with whole percents would print as none.
+HARDLY = 0.005
 
 
 def lead(content: dict[str, Any]) -> list[str]:
@@ -57,6 +60,8 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
     else:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
+    if _lines(content):
+        sentences.append(_lines(content))
     if content["verdict"] != "unknown" or content["above_the_noise"]:
         sentences.append(_what_is_left(content))
     if content["suspects"]:
@@ -64,14 +69,27 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append(f"Suspects on joints that stay unexplained: {suspects}.")
     closed = _closed(content["gap"])
     if closed is not None:
-        alone, augmented = (
-            f"closes {percent(share)}" if share >= 0 else f"widens it by {percent(-share)}" for share in closed
-        )
+        alone, augmented = map(_of_the_gap, closed)
+        warned = "" if closed[0] > -NARROW else " (its file is not the one to use)"
         sentences.append(
-            f"The gap between model and noise on held-out motion: retuning alone {alone}, "
+            f"The gap between model and noise on held-out motion: retuning alone {alone}{warned}, "
             f"the augmented model {augmented}{_beside_it(content['verdict'], closed[1])}."
         )
     return sentences
+
+
+def _of_the_gap(share: float) -> str:
+    """Say what a model does to the gap, of which it closes a share; by chance it may be nearer than the noise."""
+    if abs(share) < HARDLY:
+        return "leaves it as it is"
+    return f"closes {percent(min(share, 1.0))}" if share > 0 else f"widens it by {percent(-share)}"
+
+
+def _lines(content: Mapping[str, Any]) -> str:
+    """Say at which frequencies joints shake that no effect explains, empty where none does."""
+    lines = (u for u in content.get("unexplained", ()) if u["argument"] == LINE)
+    told = [f"joint {u['axis']} at {number(u['range'][0])} Hz" for u in lines]
+    return f"Something shakes at a frequency of its own: {listed(told)}." if told else ""
 
 
 def _builds_up(content: Mapping[str, Any]) -> list[int]:
@@ -104,6 +122,8 @@ def _what_is_left(content: dict[str, Any]) -> str:
 def heading(content: Mapping[str, Any]) -> str:
     """Return the verdict as a heading that says where more than noise is left, structure told or not."""
     words = _WORDS[content["verdict"]]
+    if content["verdict"] == "effects" and len(content["effects"]) > 1:
+        words = f"The model lacks {len(content['effects'])} effects"
     if _builds_up(content):
         words += f"; friction builds up with the speed on {_joints(content, _builds_up(content))}"
     axes = [a["axis"] for a in content["above_the_noise"]]
