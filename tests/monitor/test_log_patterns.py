@@ -84,6 +84,39 @@ def test_packed_logs_are_told_and_the_others_go_on(tmp_path, monkeypatch):
         find_logs(["notes*"])
 
 
+def test_a_link_that_leads_nowhere_is_told_and_the_others_go_on(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("day_1.csv").touch()
+    Path("day_2.csv").symlink_to("day_2.csv")
+    Path("day_3.csv").symlink_to("gone.csv")
+    robots = {"arm": {"logs": ["day_[12]*"]}, "other": {"logs": ["day_[13]*"]}, "sound": {"logs": ["day_1*"]}}
+    logs, silent = find_all_logs({"monitor": {"robots": robots}})
+    assert logs == {name: ["day_1.csv"] for name in robots}
+    assert set(silent) == {"arm", "other"}
+    assert "'day_2.csv', which is one of symbolic links that lead in a circle; point it" in silent["arm"]
+    assert "'day_3.csv', which is a symbolic link to 'gone.csv', which does not exist" in silent["other"]
+    with pytest.raises(InputError, match=r"'day_2\.csv': one of symbolic links that lead in a circle"):
+        find_logs(["day_2*"])
+
+
+def test_a_folder_with_the_name_of_a_log_is_told(tmp_path, monkeypatch):
+    """As a table that is written in parts: its day would be missing without a word."""
+    monkeypatch.chdir(tmp_path)
+    Path("day_1.csv").touch()
+    Path("day_2.parquet").mkdir()
+    Path("day_2.parquet/part_0.parquet").touch()
+    logs, silent = find_all_logs({"monitor": {"robots": {"arm": {"logs": ["day_*"]}}}})
+    assert logs == {"arm": ["day_1.csv"]}
+    assert "1 folder with the name of a log, as 'day_2.parquet', which cannot be read; name the" in silent["arm"]
+    with pytest.raises(
+        InputError, match=r"'day_2\.parquet': is a folder; name the files in it, as 'day_2\.parquet/\*'"
+    ):
+        find_logs(["day_2*"])
+    logs, silent = find_all_logs({"monitor": {"robots": {"arm": {"logs": ["**/*.*"]}}}})
+    assert logs == {"arm": ["day_1.csv", "day_2.parquet/part_0.parquet"]}
+    assert silent == {}
+
+
 @pytest.mark.parametrize(
     ("text", "meant"), [("1 hour", "1h"), ("1w", "7d"), ("1.5 Days", "1.5d"), ("20 min.", "20min")]
 )

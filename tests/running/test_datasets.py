@@ -64,6 +64,14 @@ def test_a_robot_file_that_is_not_there_is_told_with_the_nearest(root):
         check_datasets(datasets(first="config/robots/puma56.yaml"))
 
 
+def test_a_link_in_a_circle_is_told_and_is_no_hint_at_itself(root, tmp_path):
+    loop = tmp_path / "loop.csv"
+    loop.symlink_to(loop)
+    (tmp_path / "loops.csv").touch()
+    with pytest.raises(InputError, match=r"loop\.csv: is one of symbolic links that lead in a circle; [^?]*$"):
+        check_datasets({"discover": {"datasets": {"arm": {"measured": str(loop), "robot": PUMA}}}})
+
+
 def test_data_sets_do_not_wait_for_each_other(root):
     with pytest.raises(InputError, match="waits for"):
         check_datasets(datasets(first="results/discover/second/robot.yaml", second="results/discover/first/robot.yaml"))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import stat
 from contextlib import suppress
 from itertools import islice
@@ -31,9 +33,11 @@ def check_regular(path: str | Path, largest: int | None = None) -> Path:
     """
     try:
         found = Path(path).stat()
-    except (FileNotFoundError, NotADirectoryError):
-        raise InputError(f"{path}: no such file{nearest_file(Path(path))}") from None
     except OSError as error:
+        if fault := broken_link(path):
+            raise InputError(f"{path}: is {fault}") from None
+        if isinstance(error, (FileNotFoundError, NotADirectoryError)):
+            raise InputError(f"{path}: no such file{nearest_file(Path(path))}") from None
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
         raise InputError(f"{path}: is no path ({error})") from None
@@ -43,6 +47,21 @@ def check_regular(path: str | Path, largest: int | None = None) -> Path:
     if largest is not None and found.st_size > largest:
         raise InputError(f"{path}: has {found.st_size} bytes (allowed: at most {largest})")
     return Path(path)
+
+
+def broken_link(path: str | Path) -> str:
+    """Return in words what is wrong with a symbolic link that leads to nothing, with the mend; empty for all else."""
+    if not os.path.islink(path):
+        return ""
+    try:
+        os.stat(path)
+    except FileNotFoundError:
+        there = os.readlink(path)
+        return f"a symbolic link to '{there}', which does not exist; point it at the file, or remove it"
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            return "one of symbolic links that lead in a circle; point it at the file, or remove it"
+    return ""
 
 
 def read_text(path: str | Path, largest: int) -> str:
@@ -66,5 +85,5 @@ def nearest_file(path: Path) -> str:
     names: set[str] = set()
     for folder in (path.parent, ROOT / path.parent):
         with suppress(OSError, ValueError, NotImplementedError):
-            names.update(p.name for p in islice(folder.glob(f"*{path.suffix}"), _NEIGHBOURS))
+            names.update(p.name for p in islice(folder.glob(f"*{path.suffix}"), _NEIGHBOURS) if p != path)
     return nearest(path.name, sorted(names))

@@ -22,6 +22,12 @@ def unpacked(path: str | Path) -> str:
     return path.with_suffix("").as_posix()
 
 
+def is_folder_like_log(path: str | Path) -> bool:
+    """Return whether a path is a folder with the name of a log, and no bag: a table that was written in parts, say."""
+    path = Path(path)
+    return path.is_dir() and log_format(path) is None and _kind_of(path.name) is not None
+
+
 def log_format(path: str | Path) -> str | None:
     """Return the format of a log by its name, or None; a folder with a metadata.yaml is a bag."""
     path = Path(path)

@@ -19,10 +19,10 @@ from typing import Any
 
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.patterns import matches
-from jointwear.files.regular_files import nearest_file
+from jointwear.files.regular_files import broken_link, nearest_file
 from jointwear.files.wording import count
 from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
-from jointwear.measurement.log_kinds import FORMATS, log_format, unpacked
+from jointwear.measurement.log_kinds import FORMATS, is_folder_like_log, log_format, unpacked
 from jointwear.measurement.timestamps import LATEST, meant, moment_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.local_time import zone_of
@@ -100,37 +100,53 @@ def find_logs(patterns: Iterable[str], where: str = "logs") -> list[str]:
 
     Raises
     ------
-    InputError : if a pattern matches nothing, a match is of an unknown kind, or lies (through a link) outside the
-        folder that its pattern names.
+    InputError : if a pattern matches nothing that can be read, a match is of an unknown kind, or lies (through a link)
+        outside the folder that its pattern names.
     """
     return in_order(log for pattern in patterns for log in _matching(pattern, where)[0])
 
 
 def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
-    """Return the logs that a pattern matches, and the packed logs, which cannot be read; see :func:`find_logs`."""
+    """Return the logs that a pattern matches, and in words which others cannot be read; see :func:`find_logs`."""
     matching = matches(pattern)
     if not matching:
         folder = _folder(pattern)
         there = [p.name for p in folder.iterdir()] if folder.is_dir() else []
         hint = nearest(Path(pattern).name, there) if folder.is_dir() else f"; there is no folder {folder}"
         raise InputError(f"config: '{where}' holds '{pattern}', which matches no file{hint}")
-    root = _folder(pattern).resolve()
-    known = [m for m in matching if log_format(m)]
+    holds = f"config: '{where}' holds '{pattern}', which matches"
+    root = os.path.realpath(_folder(pattern))
+    links = {m: fault for m in matching if log_format(m) and (fault := broken_link(m))}
+    known = [m for m in matching if log_format(m) and m not in links]
     packed = [m for m in matching if unpacked(m)]
+    folders = [m for m in matching if is_folder_like_log(m)]
     if not known:
         allowed = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
-        what = "is packed; unpack it" if packed else "no kind of log"
-        raise InputError(
-            f"config: '{where}' holds '{pattern}', which matches '{(packed or matching)[0]}': {what} "
-            f"(allowed: {allowed})"
-        )
+        match, what = (packed or matching)[0], "is packed; unpack it" if packed else "no kind of log"
+        if not packed and links:
+            match, what = next(iter(links.items()))
+        elif not packed and folders:
+            match, what = folders[0], f"is a folder; name the files in it, as '{folders[0]}/*'"
+        raise InputError(f"{holds} '{match}': {what} (allowed: {allowed})")
     for match in known:
-        if not Path(match).resolve().is_relative_to(root):
+        if not Path(os.path.realpath(match)).is_relative_to(root):
             raise InputError(
                 f"config: '{where}' holds '{pattern}'; '{match}' leads outside the folder {_folder(pattern)}; "
                 "name the folder that it is in"
             )
-    return known, sorted(set(packed) - {m for m in packed if unpacked(m) in known})
+    unread = [f"{holds} '{match}', which is {fault}" for match, fault in links.items()]
+    if left := sorted(set(packed) - {m for m in packed if unpacked(m) in known}):
+        unread.append(
+            f"{holds} {count(len(left), 'packed log')}, as '{left[0]}', which cannot be read; unpack what was not read "
+            "before it was packed"
+        )
+    # The files of a folder may be logs of the same pattern.
+    if left := [m for m in folders if not any(Path(m) in Path(k).parents for k in known)]:
+        unread.append(
+            f"{holds} {count(len(left), 'folder')} with the name of a log, as '{left[0]}', which cannot be read; name "
+            f"the files in it, as '{left[0]}/*'"
+        )
+    return known, unread
 
 
 def log_key(path: str) -> str:
@@ -229,13 +245,9 @@ def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict
         for pattern in entry["logs"]:
             where = f"monitor.robots.{name}.logs"
             try:
-                known, packed = _matching(pattern, where)
+                known, unread = _matching(pattern, where)
                 found.update(known)
-                if packed:
-                    reasons.append(
-                        f"config: '{where}' holds '{pattern}', which matches {count(len(packed), 'packed log')}, as "
-                        f"'{packed[0]}', which cannot be read; unpack what was not read before it was packed"
-                    )
+                reasons += unread
             except InputError as error:
                 reasons.append(str(error))
             except OSError as error:

@@ -59,7 +59,7 @@ def check_datasets(config: Mapping[str, Any]) -> None:
                 check_regular(entry[key])
             except InputError as error:
                 path, told = Path(entry[key]), str(error)
-                if path.parent.is_dir() and not path.exists() and "did you mean" not in told:
+                if path.parent.is_dir() and not os.path.lexists(path) and "did you mean" not in told:
                     told += nearest(path.name, [p.name for p in path.parent.glob("*")])
                 raise InputError(f"config: 'discover.datasets.{name}.{key}' is {told}") from None
         if written_for(entry["robot"]) in datasets:
