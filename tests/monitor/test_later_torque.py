@@ -40,6 +40,19 @@ def test_a_later_torque_in_another_unit_is_refused(tmp_path, good, kind):
     assert (found.statistics.count == 0).all()
 
 
+@pytest.mark.parametrize("role", ["torque", "position"])
+def test_a_later_column_of_another_joint_is_refused(tmp_path, good, role):
+    log = make_log(48.0, seed=12)
+    values = getattr(log, role).copy()
+    values[:, 4] = values[:, 3]
+    path = write_parquet(tmp_path / "log.parquet", columns(replace(log, **{role: values})))
+    found = read(path, good)
+    assert f"the {role} of joint 5 is that of joint 4 in most samples in which one of them moves" in found.refused[0]
+    assert (found.statistics.count == 0).all()
+    with pytest.raises(Refused, match=f"the {role} of joint 5 is that of joint 4"):
+        survey_of(path)
+
+
 def test_later_radians_where_degrees_are_stated_are_refused_and_an_arm_at_rest_is_not(tmp_path):
     """Read as degrees nothing seems to move, and no torque contradicts the model."""
     entry = {"units": {"position": "deg"}}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from jointwear.measurement.checks.axes_check import check_axes
 from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import clipped_torques
+from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives, check_rate
 from jointwear.measurement.checks.held_rows import check_rows_are_new
 from jointwear.measurement.checks.lasting_jumps import check_rows_follow
@@ -43,6 +44,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     check_rate(recording, name)
     measured = moving_torques(recording)
     restrictions += [*jumps_in_words(measured.jumped), *spikes_in_words(measured.spiked), *silence_in_words(measured)]
+    check_columns_differ(measured, robot, name, records=True)
     check_torque_has_sign(recording.torque, measured, robot, name)
     thin = thinned(measured)
     check_position_unit(thin, robot, name, recording.units.get("position", ""))

@@ -17,6 +17,7 @@ import numpy as np
 from jointwear.files.wording import significant
 from jointwear.measurement.checks.axes_check import explained, explained_otherwise, favours
 from jointwear.measurement.checks.axis_readings import Likelihood, Reading
+from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.checks.held_rows import check_rows_are_new
 from jointwear.measurement.checks.position_unit import check_position_unit
@@ -112,6 +113,7 @@ class LaterCheck:
         check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
         check_rows_are_new(chunk, stretch, self._name)
+        check_columns_differ(measured, self._dynamics.robot, self._name)
         samples = thinned(measured)
         parts, usable = samples.parts, samples.usable
 

@@ -13,6 +13,7 @@ import numpy as np
 from jointwear.measurement.checks.axes_check import check_axes, explained
 from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import at_limit
+from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.checks.held_rows import check_rows_are_new
 from jointwear.measurement.checks.silent_joints import check_torque_moves
@@ -58,6 +59,7 @@ def check_first(
     check_units(measured, robot, name, chunk.units)
     check_derivatives(chunk, stretch, name)
     check_rows_are_new(chunk, stretch, name)
+    check_columns_differ(measured, robot, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
         check_torque_has_sign(measured.torque, measured, robot, name)
