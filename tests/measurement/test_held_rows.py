@@ -1,13 +1,15 @@
 """Rows that a logger holds are no record of a motion; coarse, slow and interrupted ones are."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from discovery_cases import make_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.measurement.checks.held_rows import check_rows_are_new, without_lines
+from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new, without_lines
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.refused import Refused
 
 RATE = 50.0
@@ -79,6 +81,67 @@ def test_a_torque_that_one_joint_keeps_is_no_slower_source():
     samples = noisy(1)
     samples.torque[:, 1] = samples.torque[np.arange(1000) // 10 * 10, 1]
     check(samples)
+
+
+def with_dead_band(values, band):
+    """A torque that is logged once it is so far from what was logged last."""
+    kept = values.copy()
+    for k in range(1, len(values)):
+        kept[k] = values[k] if abs(values[k] - kept[k - 1]) >= band else kept[k - 1]
+    return kept
+
+
+@pytest.fixture(scope="module")
+def sound(puma):
+    recording = make_case(puma.robot, 4)
+    return recording, measure(recording)
+
+
+def check_torques(sound, torque):
+    recording, measured = sound
+    check_torques_are_new(
+        replace(recording, torque=torque), replace(measured, torque=torque), recording.trajectory, "a log", records=True
+    )
+
+
+@pytest.mark.parametrize(("how", "held"), [("rows", 5), ("dead band", None), ("rows", 2)])
+def test_a_torque_of_one_joint_from_a_slower_source_is_refused_by_name(sound, how, held):
+    torque = sound[0].torque.copy()
+    column = torque[:, 2]
+    torque[:, 2] = (
+        with_dead_band(column, 0.1 * np.std(column)) if held is None else column[np.arange(len(column)) // held * held]
+    )
+    words = "the torque of joint 3 before 100 % of its changes in motion"
+    with pytest.raises(Refused, match=words) as told:
+        check_torques(sound, torque)
+    assert "log the torque of joint 3 as often as those of the others" in told.value.suggestion
+    if held is not None:
+        assert f"held for about {held / 100:.2g} s" in str(told.value)
+    one = np.where((sound[0].trajectory == 1)[:, None], torque, sound[0].torque)
+    with pytest.raises(Refused, match="the torque of joint 3 of trajectory 1 before 100 %"):
+        check_torques(sound, one)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("alone", [True, False])
+def test_torques_with_coarse_digits_are_not_held(sound, share, alone):
+    torque = sound[0].torque.copy()
+    joints = [2] if alone else slice(None)
+    step = share * np.std(torque, axis=0)[joints]
+    torque[:, joints] = np.round(torque[:, joints] / step) * step
+    check_torques(sound, torque)
+
+
+def test_torques_of_two_digits_at_a_limit_and_with_rests_are_not_held(sound):
+    torque = sound[0].torque
+    size = 10.0 ** (np.floor(np.log10(np.abs(torque))) - 1)
+    check_torques(sound, np.round(torque / size) * size)
+    clipped, limit = torque.copy(), np.quantile(np.abs(torque[:, 2]), 0.3)
+    clipped[:, 2] = np.clip(clipped[:, 2], -limit, limit)
+    check_torques(sound, clipped)
+    still = torque.copy()
+    still[:1500, 2] = still[0, 2]
+    check_torques(sound, still)
 
 
 def noisy(held, rate=RATE):

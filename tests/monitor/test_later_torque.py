@@ -53,6 +53,18 @@ def test_a_later_column_of_another_joint_is_refused(tmp_path, good, role):
         survey_of(path)
 
 
+def test_a_later_torque_of_one_joint_that_is_held_is_refused(tmp_path, good):
+    log = make_log(48.0, seed=12)
+    torque = log.torque.copy()
+    torque[:, 2] = torque[np.arange(len(torque)) // 5 * 5, 2]
+    path = write_parquet(tmp_path / "log.parquet", columns(replace(log, torque=torque)))
+    found = read(path, good)
+    assert "rows repeat the torque of joint 3 before 100 % of its changes in motion" in found.refused[0]
+    assert (found.statistics.count == 0).all()
+    with pytest.raises(Refused, match="the torque of joint 3 before 100 %"):
+        survey_of(path)
+
+
 def test_later_radians_where_degrees_are_stated_are_refused_and_an_arm_at_rest_is_not(tmp_path):
     """Read as degrees nothing seems to move, and no torque contradicts the model."""
     entry = {"units": {"position": "deg"}}

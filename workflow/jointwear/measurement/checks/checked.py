@@ -7,7 +7,7 @@ from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import clipped_torques
 from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives, check_rate
-from jointwear.measurement.checks.held_rows import check_rows_are_new
+from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
 from jointwear.measurement.checks.lasting_jumps import check_rows_follow
 from jointwear.measurement.checks.late_torque import check_delay
 from jointwear.measurement.checks.model_size import check_model_size, unusual_parameters
@@ -45,6 +45,7 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     measured = moving_torques(recording)
     restrictions += [*jumps_in_words(measured.jumped), *spikes_in_words(measured.spiked), *silence_in_words(measured)]
     check_columns_differ(measured, robot, name, records=True)
+    check_torques_are_new(recording, measured, recording.trajectory, name, records=True)
     check_torque_has_sign(recording.torque, measured, robot, name)
     thin = thinned(measured)
     check_position_unit(thin, robot, name, recording.units.get("position", ""))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import FEWEST, Refused
@@ -15,6 +16,17 @@ from jointwear.measurement.refused import FEWEST, Refused
 STEPS = 2.0
 #: Share of the usual step of a column by which steps of a straight line may differ: what rounding leaves of them.
 ROUNDED = 1e-4
+#: Share of the changes of a torque that follow on repeated values from which the torque is held, and up to which those
+#: of the other joints are not: measured torques of fine digits have next to none.
+HELD, OTHERS = 0.5, 0.1
+#: Values of its own that a held torque passes over from one value to the next, in the median: it stood still meanwhile.
+#: One that repeats because its digits are coarse goes to the next value, or the one after.
+PASSED = 3.0
+#: Share of its changes from which a torque takes new values, and least step between two of them, as a share of the
+#: usual one, from which they lie on a grid.
+NEW, GRID = 0.8, 0.1
+#: Changes of a torque that tell whether it is held in a part of samples in which it is.
+FEWEST_OF_PART = 4
 
 
 def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: str) -> None:
@@ -86,6 +98,100 @@ def _check(
             f"the logger holds or interpolates values, for about {held:.2g} s",
             "write each value once, at the time at which it was measured, and not on a faster grid",
         )
+
+
+def check_torques_are_new(
+    samples: Chunk | Recording,
+    measured: Measured,
+    stretch: np.ndarray,
+    name: str,
+    records: bool = False,
+    part: bool = False,
+) -> None:
+    """Check that no single joint has a torque from a slower source, or one that was logged at large changes alone,
+    while the torques of most others are measured anew in each row.
+
+    Parameters
+    ----------
+    measured : motion along the samples, or a part of them. stretch : (m,) label of the uninterrupted run that each
+        sample belongs to. records : each run is asked as well. part : the samples are a part of others that were
+        refused for it: few changes are enough.
+
+    Raises
+    ------
+    Refused : with the joint, and the run where it is one of several.
+    """
+    if not records:
+        _check_torques(samples.torque, samples.time, _moving(samples.time, measured), stretch, name, "", part)
+        return
+    # Each trajectory may have a time of its own.
+    labels, moving = np.unique(stretch), np.zeros(samples.torque.shape, bool)
+    for label in labels:
+        there, known = stretch == label, measured.trajectory == label
+        part = replace(measured, time=measured.time[known], usable=measured.usable[known])
+        moving[there] = _moving(samples.time[there], part)
+    _check_torques(samples.torque, samples.time, moving, stretch, name, "")
+    for label in labels if len(labels) > 1 else ():
+        there, where = stretch == label, f" of trajectory {label}"
+        _check_torques(samples.torque[there], samples.time[there], moving[there], stretch[there], name, where)
+
+
+def _moving(time: np.ndarray, measured: Measured) -> np.ndarray:
+    """Return where joints move (m, n) at times (m,), of which `measured` may hold some alone."""
+    if not len(measured.time):
+        return np.zeros((len(time), measured.usable.shape[1]), bool)
+    at = np.clip(np.searchsorted(measured.time, time, side="right") - 1, 0, len(measured.time) - 1)
+    within = (time >= measured.time[0]) & (time <= measured.time[-1])
+    return measured.usable[at] & within[:, None]
+
+
+def _check_torques(
+    torque: np.ndarray,
+    time: np.ndarray,
+    moving: np.ndarray,
+    stretch: np.ndarray,
+    name: str,
+    where: str,
+    part: bool = False,
+) -> None:
+    """Check torques (m, n) in samples in which their joints are `moving` (m, n); see :func:`check_torques_are_new`."""
+    held = np.full(torque.shape[1], np.nan)
+    lasts, fine = held.copy(), np.zeros(len(held), bool)
+    same = np.diff(stretch) == 0
+    for j, values in enumerate(torque.T):
+        with np.errstate(invalid="ignore"):
+            places = np.flatnonzero((np.diff(values) != 0.0) | ~same)
+        rows = np.diff(places, prepend=-1)
+        kept = (moving[:-1, j] & moving[1:, j] & same & np.isfinite(values[:-1]) & np.isfinite(values[1:]))[places]
+        if kept.sum() < (FEWEST_OF_PART if part else FEWEST):
+            continue
+        held[j], lasts[j] = np.mean(rows[kept] > 1), np.median(rows[kept])
+        if held[j] > HELD:
+            fine[j] = part or _has_fine_digits(values, places[kept])
+    for j in np.flatnonzero((held > HELD) & fine):
+        others = np.delete(held, j)
+        if not np.isfinite(others).any() or np.nanmedian(others) > OTHERS:
+            continue
+        seconds = float(np.median(np.diff(time))) * lasts[j]
+        raise Refused(
+            f"{name}: rows repeat the torque of joint {j + 1}{where} before {100 * held[j]:.0f} % of its changes in "
+            "motion, and the torques of the other joints are new in each row; it comes from a slower source, or was "
+            f"logged at large changes alone, and is held for about {seconds:.2g} s",
+            f"log the torque of joint {j + 1} as often as those of the others, and as it is measured",
+        )
+
+
+def _has_fine_digits(values: np.ndarray, places: np.ndarray) -> bool:
+    """Return whether a torque (m,) repeats though its digits are fine: at the changes (k,) after `places` it passes
+    over others of its values, or mostly takes new ones, which lie on no grid."""
+    known = np.isfinite(values)
+    own, order = np.unique(values[known], return_inverse=True)
+    rank = np.zeros(len(values))
+    rank[known] = order
+    if np.median(np.abs(np.diff(rank))[places]) >= PASSED:
+        return True
+    gaps = np.diff(own)
+    return bool(len(np.unique(values[places + 1])) > NEW * len(places) and gaps.min() < GRID * np.median(gaps))
 
 
 def without_lines(samples: Chunk, stretch: np.ndarray) -> Chunk:

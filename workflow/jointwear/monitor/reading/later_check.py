@@ -19,7 +19,7 @@ from jointwear.measurement.checks.axes_check import explained, explained_otherwi
 from jointwear.measurement.checks.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
-from jointwear.measurement.checks.held_rows import check_rows_are_new
+from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
 from jointwear.measurement.checks.position_unit import check_position_unit
 from jointwear.measurement.checks.torque_scale import (
     FACTOR,
@@ -72,11 +72,13 @@ class LaterCheck:
         self._last: np.ndarray | None = None
         self._scale = np.ones(dynamics.robot.joints)
         self._refusal: Refused | None = None
+        self._held = False
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
 
     def begin(self) -> None:
-        """Begin another block: another scale of the torque that was found is looked for in its parts alone."""
-        self._refusal = None
+        """Begin another block: another scale of the torque that was found, and one that is held, are looked for in its
+        parts alone."""
+        self._refusal, self._held = None, False
 
     def accept(self) -> None:
         """Take what the last piece left for granted, so that pieces like it are not examined again."""
@@ -114,6 +116,11 @@ class LaterCheck:
         check_derivatives(chunk, stretch, self._name)
         check_rows_are_new(chunk, stretch, self._name)
         check_columns_differ(measured, self._dynamics.robot, self._name)
+        try:
+            check_torques_are_new(chunk, measured, stretch, self._name, part=self._held)
+        except Refused:
+            self._held = True
+            raise
         samples = thinned(measured)
         parts, usable = samples.parts, samples.usable
 

@@ -15,7 +15,7 @@ from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import at_limit
 from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
-from jointwear.measurement.checks.held_rows import check_rows_are_new
+from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
 from jointwear.measurement.checks.silent_joints import check_torque_moves
 from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.checks.unsigned_torque import check_torque_has_sign
@@ -60,6 +60,7 @@ def check_first(
     check_derivatives(chunk, stretch, name)
     check_rows_are_new(chunk, stretch, name)
     check_columns_differ(measured, robot, name)
+    check_torques_are_new(chunk, measured, stretch, name)
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
         check_torque_has_sign(measured.torque, measured, robot, name)
