@@ -11,6 +11,7 @@ from pyarrow import parquet
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of, read_log
 from jointwear.measurement.formats.text import MOST_TORN
+from jointwear.measurement.recording_files import load_recording
 
 HEADER = ["time", "position_1", "torque_1"]
 
@@ -224,3 +225,39 @@ def test_many_rows_of_a_wrong_length_are_another_layout(tmp_path):
     path = write(tmp_path / "a.csv", [",".join(HEADER), *["0,0.1"] * (MOST_TORN + 1), "1,0.1,2"])
     with pytest.raises(InputError, match=r"row 2 has 2 cells"):
         one(path)
+
+
+def streams(positions=100.0, torques=100.0, late=0.005, together=0):
+    """Lines of two streams of one joint, put together by their times; the first rows of both in one row."""
+    place, feel = np.arange(0, 4, 1 / positions), np.arange(0, 4, 1 / torques) + late
+    rows = [(t, f"{t:.4f},{np.sin(3 * t):.6f},") for t in place[together:]]
+    rows += [(t, f"{t:.4f},,{5 * np.cos(3 * t):.4f}") for t in feel[together:]]
+    rows += [(t, f"{t:.4f},{np.sin(3 * t):.6f},{5 * np.cos(3 * t):.4f}") for t in place[:together]]
+    return [",".join(HEADER), *(line for _, line in sorted(rows))], feel[together:]
+
+
+@pytest.mark.parametrize(("positions", "torques"), [(100.0, 100.0), (100.0, 50.0), (50.0, 100.0)])
+def test_positions_and_torques_in_rows_of_their_own(tmp_path, positions, torques):
+    lines, feel = streams(positions, torques)
+    chunk = one(write(tmp_path / "a.csv", lines))
+    assert np.allclose(chunk.time, feel)
+    inside = feel < feel[-1] - 1 / positions
+    assert np.allclose(chunk.position[inside, 0], np.sin(3 * feel[inside]), atol=5e-6)
+    assert np.allclose(chunk.torque[:, 0], 5 * np.cos(3 * feel), atol=1e-4)
+    found = load_recording({"measured": str(tmp_path / "a.csv")})
+    assert np.isfinite(found.position[inside]).all()
+
+
+def test_a_hole_of_the_positions_stays_one(tmp_path):
+    lines, _ = streams()
+    lines = [line for line in lines if not (",," not in line and "1.0" <= line < "1.5")]
+    chunk = one(write(tmp_path / "a.csv", lines))
+    hole = (chunk.time > 0.99) & (chunk.time < 1.5)
+    assert np.isnan(chunk.position[hole]).all()
+    assert np.isfinite(chunk.position[~hole][:-1]).all()
+
+
+def test_rows_that_hold_both_are_left_as_they_are(tmp_path):
+    for lines in (streams(together=50)[0], streams(10.0, 200.0)[0], streams(200.0, 10.0)[0]):
+        chunk = one(write(tmp_path / "a.csv", lines))
+        assert len(chunk.time) == len(lines) - 1

@@ -14,6 +14,7 @@ from jointwear.files.regular_files import check_regular
 from jointwear.measurement.formats.bursts import without_bursts
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.formats.layout import Layout, layout_of
+from jointwear.measurement.formats.rows_apart import in_one_row
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.possible import check_clock
 
@@ -22,7 +23,8 @@ CLOCK_LOOK = 1000
 
 
 def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[Chunk]:
-    """Yield the samples of one log in its order, at most about `rows` at a time, without bursts in their times.
+    """Yield the samples of one log in its order, at most about `rows` at a time, without bursts in their times, and
+    with positions and torques in one row.
 
     Raises
     ------
@@ -47,7 +49,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
             if empty:
                 check_clock(path, chunk.time[:CLOCK_LOOK], chunk.units.get("time", "s"))
             empty = False
-            yield without_bursts(chunk)
+            yield without_bursts(in_one_row(chunk))
     if empty:
         raise InputError(f"{path}: {NO_SAMPLES}")
 
