@@ -38,6 +38,16 @@ def test_a_clock_at_another_speed_is_refused_with_its_factor(plain, puma, factor
     checked(replace(plain, time=factor * plain.time * told), puma)
 
 
+@pytest.mark.parametrize(("factor", "size"), [(0.1, "less than 0.062"), (10.0, "more than 16")])
+def test_a_factor_beyond_those_that_are_looked_for_is_no_mend(plain, puma, factor, size):
+    with pytest.raises(
+        Refused, match=f"are {size} times what the motion asks for: the time is more than 4 times off"
+    ) as told:
+        ask(replace(plain, time=factor * plain.time), puma)
+    assert "multiply" not in told.value.suggestion
+    assert "check the lengths" in told.value.suggestion
+
+
 @pytest.mark.parametrize("changed", [{}, {"armature": 2.0}, {"armature": 0.0}, {"viscous": 3.0}])
 def test_wrong_drives_in_the_robot_file_are_no_other_clock(plain, puma, changed):
     ask(plain, replace(puma, **{name: factor * getattr(puma, name) for name, factor in changed.items()}))

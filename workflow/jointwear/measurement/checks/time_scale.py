@@ -19,6 +19,8 @@ from jointwear.robots.robot import Robot
 LARGEST, STEP = 4.0, 1.1
 #: How closely it is found, as a share of it.
 CLOSELY = 1e-3
+#: Distance from the end of the range that is looked through, as a share of the factor, from which it was not found.
+AT_END = 10 * CLOSELY
 #: Share of the accelerations of a joint that are ordinary, and samples beside the others that are left out with them.
 ORDINARY, BESIDE = 0.9, 2
 #: Powers of the factor in position, velocity, acceleration and torque.
@@ -39,7 +41,7 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
 
     Raises
     ------
-    Refused : with the factor by which time runs too fast or too slow.
+    Refused : with the factor by which time runs too fast or too slow, or that it is too far for a clock.
     """
     bodies = Dynamics(robot.without_drives())
     stretch, nats, gained = _likeliest(bodies, parts, usable)
@@ -53,6 +55,15 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
         return
     if best_reading(bodies, parts, usable)[0] > nats or not _everywhere(bodies, parts, usable):
         return
+    if abs(stretch) > np.log(LARGEST) - AT_END:
+        size = f"more than {LARGEST**2:.3g}" if stretch > 0 else f"less than {1 / LARGEST**2:.2g}"
+        raise Refused(
+            f"{name}: inertial torques of all joints are {size} times what the motion asks for: the time is more than "
+            f"{LARGEST:g} times off, the rows are not those of one motion, or the bodies of the robot file have "
+            "another size",
+            "check the unit of the time; give rows of one recording, none lost or mixed with others, with positions "
+            "that are measured in each row; check the lengths [m] and masses [kg] of the robot file",
+        )
     raise Refused(
         f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "
         f"{_wrong(factor)}, as where a rate is stated wrongly",
