@@ -227,6 +227,35 @@ def test_many_rows_of_a_wrong_length_are_another_layout(tmp_path):
         one(path)
 
 
+@pytest.mark.parametrize("entry", [{}, {"variables": {"position": "position", "torque": "torque"}}])
+def test_lists_in_parquet_are_told_with_the_way_out(tmp_path, entry):
+    table = {"time": np.arange(50.0), "position": [[0.1, 0.2]] * 50, "torque": [[1.0, 2.0]] * 50}
+    parquet.write_table(pa.table(table), tmp_path / "a.parquet")
+    with pytest.raises(InputError, match=r"'position' holds lists, which are not read: .* 'position_1', 'position_2'"):
+        one(tmp_path / "a.parquet", **entry)
+    # A list that nobody asks for is in nobody's way.
+    plain = {
+        "time": np.arange(50.0),
+        "position_1": np.arange(50.0),
+        "torque_1": np.arange(50.0),
+        "velocity": [[1]] * 50,
+    }
+    parquet.write_table(pa.table(plain), tmp_path / "b.parquet")
+    assert len(one(tmp_path / "b.parquet").time) == 50
+
+
+@pytest.mark.parametrize("header", ["time,tag,value", "_time,_field,_value,robot"])
+def test_one_row_for_each_value_is_told_with_the_way_out(tmp_path, header):
+    label = header.split(",")[1]
+    path = write(
+        tmp_path / "a.csv", [header, *(f"{k},position_1,{k}" + ",x" * header.count("robot") for k in range(9))]
+    )
+    with pytest.raises(
+        InputError, match=rf"named in '{label}', which is not read: .*pivot\(index=\.\.\., columns='{label}'"
+    ):
+        one(path, variables={"time": header.split(",")[0]})
+
+
 def streams(positions=100.0, torques=100.0, late=0.005, together=0):
     """Lines of two streams of one joint, put together by their times; the first rows of both in one row."""
     place, feel = np.arange(0, 4, 1 / positions), np.arange(0, 4, 1 / torques) + late

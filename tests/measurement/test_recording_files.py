@@ -122,6 +122,19 @@ def test_times_that_do_not_rise_are_told_with_their_place(tmp_path, log):
         load(tmp_path, "r.csv")
 
 
+@pytest.mark.parametrize("order", ["backwards", "mixed"])
+def test_rows_in_another_order_are_to_be_sorted(tmp_path, log, order):
+    rows = np.arange(len(log.time))[::-1] if order == "backwards" else np.roll(np.arange(len(log.time)), 40)
+    table = {name: np.array(values)[rows] for name, values in columns(log).items()}
+    write_csv(tmp_path / "r.csv", table)
+    with pytest.raises(InputError, match="the time has to rise: sort the rows by time, or label the trajectories"):
+        load(tmp_path, "r.csv")
+    table["time"][-10] = table["time"][30]
+    write_csv(tmp_path / "r.csv", table)
+    with pytest.raises(InputError, match="the time has to rise: leave out rows that come twice, or label"):
+        load(tmp_path, "r.csv")
+
+
 def test_rows_that_a_logger_wrote_twice_are_left_out_and_told(tmp_path, log):
     lines = write_csv(tmp_path / "r.csv", columns(log)).read_text().splitlines()
     twice = [*lines[:9], lines[8], *lines[9:30], lines[29], lines[29], *lines[30:]]

@@ -99,10 +99,12 @@ def _check_rises(path: Path, time: np.ndarray, trajectory: np.ndarray) -> None:
         return
     first = int(wrong[0])
     how = "is that of" if time[first + 1] == time[first] else "lies before that of"
+    order = np.lexsort((time, np.cumsum(np.diff(trajectory, prepend=trajectory[:1]) != 0)))
+    sorts = bool(np.all((np.diff(time[order]) > 0) | (np.diff(trajectory[order]) != 0)))
+    mend = "sort the rows by time, or" if sorts else "leave out rows that come twice, or"
     raise InputError(
         f"{path}: the time of sample {first + 2} ({time[first + 1]:.9g} s) {how} the sample before it, as of "
-        f"{len(wrong)} of {len(time)} samples; within a trajectory the time has to rise: leave out rows that come "
-        "twice, or label the trajectories"
+        f"{len(wrong)} of {len(time)} samples; within a trajectory the time has to rise: {mend} label the trajectories"
     )
 
 

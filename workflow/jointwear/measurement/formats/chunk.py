@@ -151,6 +151,12 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
         if role not in found:
             name = layout.names[role]
             shown = f"{name}_1" if role in JOINT_ROLES else name
+            if role in JOINT_ROLES and (label := _of_long_form(there)):
+                raise InputError(
+                    f"{path}: has no {role} (looked for '{shown}'); it looks like one row for each value, named in "
+                    f"'{label}', which is not read: write one row for each time and one column for each name, as "
+                    f"pandas does by table.pivot(index=..., columns='{label}', values=...) (it has: {_few(there)})"
+                )
             raise InputError(
                 f"{path}: has no {role} (looked for '{shown}'){nearest(shown, there)}; name it under 'variables' "
                 f"(it has: {_few(there)})"
@@ -167,6 +173,21 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
                 f"{path}: has {counted(len(names), 'column')} of {role}, {whose} has {counted(axes, 'joint')}"
             )
     return found
+
+
+#: Columns of a table in long form: what names the quantity of a row, and what holds its value.
+_NAMES_OF_LONG = ("tag", "variable", "name", "signal", "channel", "field", "_field", "metric", "key", "topic")
+_VALUES_OF_LONG = ("value", "_value", "val")
+#: Most columns that such a table has: those two, the time, and what a data base writes beside them.
+_MOST_OF_LONG = 12
+
+
+def _of_long_form(there: Sequence[str]) -> str:
+    """Return the column that names the quantity of each row of a table in long form; empty where it is none."""
+    plain = {name.strip().lower(): name for name in there}
+    if len(there) > _MOST_OF_LONG or not any(name in plain for name in _VALUES_OF_LONG):
+        return ""
+    return next((plain[name] for name in _NAMES_OF_LONG if name in plain), "")
 
 
 def numbered_columns(columns: Iterable[str], name: str) -> list[tuple[int, str]]:

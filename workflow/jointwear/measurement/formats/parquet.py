@@ -10,7 +10,7 @@ from pyarrow import parquet
 
 from jointwear.files.errors import TRUNCATED, InputError
 from jointwear.measurement.formats.arrow import chunk_of
-from jointwear.measurement.formats.chunk import Chunk, find_columns
+from jointwear.measurement.formats.chunk import JOINT_ROLES, NEEDED, Chunk, find_columns, numbered_columns
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
 
@@ -24,6 +24,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
     """
     try:
         with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20) as file:
+            _check_plain(path, file.schema_arrow, layout)
             columns = find_columns(path, file.schema_arrow.names, layout)
             wanted = list(dict.fromkeys(c for group in columns.values() for c in group))
             stamped = LocalStamps(layout.time_zone)
@@ -32,3 +33,23 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
     except (pa.ArrowException, OSError) as error:
         first = next(iter(str(error).splitlines()), "unknown reason")
         raise InputError(f"{path}: {TRUNCATED} Parquet file ({first})") from None
+
+
+def _check_plain(path: Path, schema: pa.Schema, layout: Layout) -> None:
+    """Check that no role that is wanted is a column of lists.
+
+    Raises
+    ------
+    InputError : with how to write it.
+    """
+    for role in [role for role in JOINT_ROLES if role in NEEDED or role in layout.given]:
+        given = layout.names[role]
+        for name in [given] if isinstance(given, str) else given:
+            if name not in schema.names or numbered_columns(schema.names, name):
+                continue
+            kind = schema.field(name).type
+            if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+                raise InputError(
+                    f"{path}: the column '{name}' holds lists, which are not read: write one column for each joint, "
+                    f"'{name}_1', '{name}_2' ..., as pandas does by table['{name}'].apply(pandas.Series)"
+                )
