@@ -138,6 +138,8 @@ def test_temperature_of_the_arm_and_labels(tmp_path, log):
         ("Nmm", 1e-3),
         ("N·mm", 1e-3),
         ("mNm", 1e-3),
+        ("Ncm", 1e-2),
+        ("N·cm", 1e-2),
         ("kgf cm", 0.0980665),
         ("ft-lbf", 1.3558179483),
         ("lbf in", 0.112984829),

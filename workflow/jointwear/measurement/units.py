@@ -41,6 +41,7 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
             "kgf cm": 0.0980665,
             "lbf ft": 1.3558179483314004,
             "lbf in": 0.1129848290276167,
+            "N cm": 1e-2,
         }.items()
     },
     "temperature": {"degC": (1.0, 0.0), "K": (1.0, -273.15), "degF": (FAHRENHEIT, -32.0 * FAHRENHEIT)},
@@ -60,7 +61,8 @@ SPELLINGS = {
     "kelvin": "K", "second": "s", "seconds": "s", "sec": "s", "": "s",
     "minute": "min", "minutes": "min", "hour": "h", "hours": "h", "hr": "h", "day": "d", "days": "d",
     "N·m": "N m", "mNm": "mN m", "mN·m": "mN m", "mN*m": "mN m", "mN.m": "mN m", "Nmm": "mN m", "N mm": "mN m",
-    "N·mm": "mN m", "N*mm": "mN m", "N.mm": "mN m", "kNm": "kN m", "kN·m": "kN m", "kgfm": "kgf m", "kgf·m": "kgf m",
+    "N·mm": "mN m", "N*mm": "mN m", "N.mm": "mN m", "Ncm": "N cm", "N·cm": "N cm", "N*cm": "N cm", "N.cm": "N cm",
+    "kNm": "kN m", "kN·m": "kN m", "kgfm": "kgf m", "kgf·m": "kgf m",
     "kgfcm": "kgf cm", "kgf·cm": "kgf cm", "kgf-cm": "kgf cm", "lbft": "lbf ft", "lbf·ft": "lbf ft", "lb ft": "lbf ft",
     "ft lbf": "lbf ft", "ft-lbf": "lbf ft", "lbf-ft": "lbf ft", "lbin": "lbf in", "lbf·in": "lbf in", "lb in": "lbf in",
     "in lbf": "lbf in", "in-lbf": "lbf in", "lbf-in": "lbf in",
