@@ -35,6 +35,28 @@ def test_preamble_units_row_decimal_commas_and_code_page(tmp_path):
     assert np.allclose(chunk.torque[:, 0], [1.0, -1.25])
 
 
+def two(path, **entry):
+    return next(iter(read_log(path, layout_of(entry, ["joint_1", "joint_2"]))))
+
+
+def test_a_row_of_units_holds_one_for_each_column(tmp_path):
+    lines = ["time,position_1,position_2,torque_1,torque_2", "s,rad,deg,Nm,N cm", "0,1,90,2,300", "0.01,1.1,91,2,310"]
+    chunk = two(write(tmp_path / "a.csv", lines))
+    assert np.allclose(chunk.position[0], [1.0, np.pi / 2])
+    assert np.allclose(chunk.torque[0], [2.0, 3.0])
+    assert (chunk.units["position"], chunk.units["torque"]) == ("rad", "N m")
+    with pytest.raises(
+        InputError, match="says 'rad' and 'deg' for position, 'units' of the configuration 'deg' for all"
+    ):
+        two(tmp_path / "a.csv", units={"position": "deg"})
+    # A cell of a spreadsheet that spans all columns of a role.
+    lines[1] = "s,deg,,Nm,"
+    assert np.allclose(two(write(tmp_path / "b.csv", lines)).position[0], np.radians([1, 90]))
+    lines[1] = "s,rad,degrees,Nm,A"
+    with pytest.raises(InputError, match="says 'Nm' and 'A' for torque; write all columns in N m, or all as currents"):
+        two(write(tmp_path / "c.csv", lines))
+
+
 @pytest.mark.parametrize("name", ["a.csv.gz", "a.TSV.GZ"])
 def test_logs_that_a_logger_packs(tmp_path, name):
     rows = [f"{0.02 * k:.2f},{0.001 * k:.3f},{k}" for k in range(5000)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +23,10 @@ def chunk_of(
     columns: dict[str, list[str]],
     layout: Layout,
     stamped: LocalStamps,
-    units: dict[str, str] | None = None,
+    units: Mapping[str, str | list[str]] | None = None,
 ) -> Chunk:
-    """Return one record batch as a chunk; `columns` role -> names of its columns, `units` role -> unit in the log;
+    """Return one record batch as a chunk; `columns` role -> names of its columns, `units` role -> unit in the log, or
+    one for each column;
     `stamped`, of the log, has seen all batches before."""
     values, dated = {}, False
     for role, names in columns.items():

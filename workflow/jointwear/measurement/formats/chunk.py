@@ -15,7 +15,7 @@ from jointwear.files.wording import count as counted
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import with_log_name
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
-from jointwear.measurement.units import CURRENTS, SHARES, converted, spelled
+from jointwear.measurement.units import CURRENTS, SHARES, UNITS, converted, spelled
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
@@ -201,19 +201,24 @@ def _few(names: Sequence[str], most: int = 24) -> str:
 
 
 def make_chunk(
-    path: Path, values: Mapping[str, np.ndarray], layout: Layout, units: Mapping[str, str], dated: bool
+    path: Path,
+    values: Mapping[str, np.ndarray],
+    layout: Layout,
+    units: Mapping[str, str | list[str]],
+    dated: bool,
 ) -> Chunk:
     """Return a chunk from raw values: units converted, shapes checked.
 
     Parameters
     ----------
     values : role -> array; joint roles (m, n), temperature also (m,).
-    units : role -> unit as the log says; the config goes before it.
+    units : role -> unit as the log says, or one for each column; the config goes before it.
     dated : whether time is already in seconds since 1970 UTC.
 
     Raises
     ------
-    InputError : if an array has not the shape of its role, or the layout another count of joints.
+    InputError : if an array has not the shape of its role, or the layout another count of joints; if the config has one
+        unit for columns of which the log says that they differ.
     """
     axes = layout.axes or int(np.prod(np.shape(values["position"])[1:]))
     for key in ("torque_constant", "scale", "sign"):
@@ -228,12 +233,19 @@ def make_chunk(
             continue
         array = np.asarray(raw, dtype=float)
         unit = None if role == "time" and dated else layout.units.get(role, units.get(role))
+        apart = units.get(role)
+        if isinstance(apart, list):
+            _check_apart(path, role, apart, layout)
+            unit = next(iter(UNITS[role]))
         if unit is not None:
             stated[role] = spelled(role, unit)
         if role in JOINT_ROLES:
             # As logged: once scaled, -9999 A is a torque like any other.
             array, marks = without_sentinels(array)
             missing |= {role: marks} if marks else {}
+            if isinstance(apart, list) and array.shape[1:] == (len(apart),):
+                columns = [converted(x, role, u, str(path)) for x, u in zip(array.T, apart, strict=True)]
+                array = np.stack(columns, axis=1)
         if role == "torque":
             if layout.torque_constant is not None:
                 stated.setdefault(role, "A")
@@ -255,6 +267,25 @@ def make_chunk(
         trajectory = np.where(known, trajectory, UNLABELLED).astype(np.int64)
     program = with_log_name(path, layout, values.get("program"), count)
     return Chunk(**found, trajectory=trajectory, program=program, dated=dated, units=stated, missing=missing)
+
+
+def _check_apart(path: Path, role: str, apart: list[str], layout: Layout) -> None:
+    """Check that columns of a role in units of their own can be read.
+
+    Raises
+    ------
+    InputError : where the config states one unit for all of them, or some are no torque.
+    """
+    told = " and ".join(f"'{unit}'" for unit in dict.fromkeys(apart))
+    if role in layout.units:
+        raise InputError(
+            f"{path}: the row of units says {told} for {role}, 'units' of the configuration '{layout.units[role]}' for "
+            f"all columns; leave out {role} there, or write all columns in one unit"
+        )
+    if role == "torque" and any(spelled(role, unit) in (*CURRENTS, *SHARES) for unit in apart):
+        raise InputError(
+            f"{path}: the row of units says {told} for torque; write all columns in N m, or all as currents"
+        )
 
 
 def _in_seconds(time: np.ndarray, stated: bool) -> tuple[np.ndarray, bool]:

@@ -26,7 +26,7 @@ from jointwear.measurement.formats.cells import Cells
 from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, check_count, find_columns
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
-from jointwear.measurement.units import UNITS
+from jointwear.measurement.units import UNITS, spelled
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
 #: What loggers and spreadsheets write besides where a value is missing; in a row of units "-" is one.
@@ -56,7 +56,8 @@ MOST_TORN = 10
 @dataclass(frozen=True)
 class Head:
     """What the first lines tell: `names` of the columns, lines to `skip`, `first` row of values (may be empty),
-    `delimiter`, `decimal` sign, `encoding`, and role -> unit of a row of units."""
+    `delimiter`, `decimal` sign, `encoding`, and role -> unit of a row of units,
+    or one for each column."""
 
     names: list[str]
     skip: int
@@ -64,7 +65,7 @@ class Head:
     delimiter: str
     decimal: str
     encoding: str
-    units: dict[str, str]
+    units: dict[str, str | list[str]]
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
@@ -230,14 +231,12 @@ def _head(path: Path, layout: Layout) -> Head:
         rows = [r for r in csv.reader(lines[place + 1 :], delimiter=delimiter) if r]
     except csv.Error as error:
         raise InputError(f"{path}: cannot be read as CSV ({error})") from None
-    skip, units = place + 1, {}
+    skip, units = place + 1, {}  # role -> unit, or the units of its columns
     if rows and len(rows[0]) == len(names) and not any(_is_value(cell) for cell in rows[0]):
         cells = dict(zip(names, (cell.strip().strip("[]() ") for cell in rows[0]), strict=True))
-        units = {
-            role: cells[columns[0]]
-            for role, columns in find_columns(path, names, layout).items()
-            if role in UNITS and cells[columns[0]]
-        }
+        for role, columns in find_columns(path, names, layout).items():
+            if role in UNITS and (unit := _unit_of([cells[column] for column in columns], role)):
+                units[role] = unit
         skip, rows = skip + 1, rows[1:]
     comma = any(re.fullmatch(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", c, re.IGNORECASE) for r in rows for c in r)
     if delimiter == "," and rows and len(rows[0]) > len(names):
@@ -247,6 +246,15 @@ def _head(path: Path, layout: Layout) -> Head:
             "Write them with points, or separate the columns by semicolons"
         )
     return Head(names, skip, rows[0] if rows else [], delimiter, "," if comma else ".", encoding, units)
+
+
+def _unit_of(cells: list[str], role: str) -> str | list[str]:
+    """Return the unit of a role, or one for each of its columns where they differ; a cell without one, as beside a cell
+    that was merged, has that of the first."""
+    stated = [cell for cell in cells if cell]
+    if len({spelled(role, cell) for cell in stated}) < 2:
+        return stated[0] if stated else ""
+    return [cell or stated[0] for cell in cells]
 
 
 def _first_lines(path: Path) -> tuple[list[str], str]:
