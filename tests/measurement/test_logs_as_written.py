@@ -278,6 +278,15 @@ def test_one_row_for_each_value_is_told_with_the_way_out(tmp_path, header):
         one(path, variables={"time": header.split(",")[0]})
 
 
+def test_trajectories_with_names_are_told_with_the_way_out(tmp_path):
+    rows = [f"{0.01 * k:.2f},{k},1,{'weld' if k < 30 else 'pick'}" for k in range(60)]
+    path = write(tmp_path / "a.csv", [",".join([*HEADER, "trajectory"]), *rows])
+    with pytest.raises(
+        InputError, match=r"'weld' in column 'trajectory', .*; labels of trajectories are whole numbers: count"
+    ):
+        one(path)
+
+
 def streams(positions=100.0, torques=100.0, late=0.005, together=0):
     """Lines of two streams of one joint, put together by their times; the first rows of both in one row."""
     place, feel = np.arange(0, 4, 1 / positions), np.arange(0, 4, 1 / torques) + late

@@ -16,13 +16,18 @@ from jointwear.measurement.formats.arrow import first_of_other_zone, is_stamp, m
 MOST = 0.1
 #: Numbers as the CSV reader takes them.
 _NUMBER = r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$|^[-+]?(?i:nan|inf|infinity)$"
+#: What to do where trajectories have names.
+_NUMBERED = (
+    "; labels of trajectories are whole numbers: count every run of samples apart, as 0, 1, 2, and keep names in a "
+    "column of their own"
+)
 
 
 @dataclass
 class Cells:
     """Reads batches of text of one log at `path` as numbers; `decimal` sign, `time`: its column, `stamped` where it
     holds times of day, `text`: columns of text. `rows` read so far, `line` of the file before the first of them,
-    `left_out`: rows of the file that the batches lack, in order."""
+    `left_out`: rows of the file that the batches lack, in order, `label`: the column of the labels of trajectories."""
 
     path: Path
     decimal: str
@@ -32,6 +37,7 @@ class Cells:
     rows: int
     line: int
     left_out: Sequence[int] = ()
+    label: str = ""
     unread: int = 0
 
     def numbers(self, batch: pa.RecordBatch) -> tuple[pa.Table, tuple[int, str]]:
@@ -64,7 +70,7 @@ class Cells:
             kind = "a time" if self._is_time(column) else "a number"
             raise InputError(
                 f"{self.path}: cannot be read as CSV ({told}, which is not {kind}; so have {self.unread} of {self.rows}"
-                " rows)"
+                f" rows){_NUMBERED if column == self.label else ''}"
             )
         table = pa.table(columns)
         return table.filter(compute.invert(wrong[self.time])), (len(set(concerned)), told)

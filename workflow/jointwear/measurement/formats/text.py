@@ -109,7 +109,8 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         # A cell holds something else than its column: what was not read yet is read as text, which takes longer.
         torn, stamped = _TornRow(path, head.encoding), types[time] == pa.string()
         words = tuple(columns.get("program", ()))
-        cells = Cells(path, head.decimal, time, stamped, words, done, head.skip, torn.rows)
+        label = columns.get("trajectory", [""])[0]
+        cells = Cells(path, head.decimal, time, stamped, words, done, head.skip, torn.rows, label)
         for batch in _rest(_batches(path, head, dict.fromkeys(types, pa.string()), rows, torn), done):
             table, unread = cells.numbers(batch)
             yield replace(chunk_of(path, table, columns, layout, local, head.units), unread=unread)
