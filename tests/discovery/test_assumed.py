@@ -24,7 +24,7 @@ OTHERS = {
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS noise.POINTS
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
-        building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT
+        building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
         instruments.LOWER curvature.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
     "what a filter does": """
@@ -68,8 +68,8 @@ OTHERS = {
         reversals.SLOWEST reversals.MISSING experiment.DURATION experiment.RATE experiment.HARMONICS experiment.TRIALS
         experiment.SLOWEST experiment.EVERY experiment.LEAST_HARMONIC experiment.TRAVEL experiment.MOST_TRAVEL
         experiment.SEEN experiment.FASTER experiment.ALLOWED experiment.WARMING experiment.FREE largest_torque.ENDS
-        leftovers.STRONG leftovers.NEAR page.NARROW preflight.SPEED smallest_sizes.STEP smallest_sizes.LARGEST
-        written_robot.WIDTH
+        leftovers.STRONG leftovers.NEAR page.NARROW page.HARDLY preflight.SPEED smallest_sizes.STEP
+        smallest_sizes.LARGEST written_robot.WIDTH
     """,
 }
 NUMBERS = (int, float)
