@@ -223,6 +223,8 @@ def test_what_a_model_does_to_the_gap_is_told_in_words_that_can_be_true(found):
         "retuning alone widens it by 500 % (its file is not the one to use), the augmented model closes 100 %" in told
     )
     assert "the augmented model leaves it as it is" in lead({**content, "gap": {**gap, "augmented": [9.01]}})[-1]
+    neither = {**gap, "augmented": [9.01], "retuned": [9.0]}
+    assert lead({**content, "gap": neither})[-1].endswith(": neither retuning nor the augmented model changes it.")
 
 
 def test_a_heading_counts_effects_and_a_lead_tells_what_shakes(found):

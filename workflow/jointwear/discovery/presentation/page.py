@@ -32,6 +32,7 @@ _PARAMETERS = {
 NARROW = 0.05
 #: Share of a gap that a page with whole percents would print as none.
 HARDLY = 0.005
+UNCHANGED = "leaves it as it is"
 
 
 def lead(content: dict[str, Any]) -> list[str]:
@@ -71,9 +72,11 @@ def lead(content: dict[str, Any]) -> list[str]:
     if closed is not None:
         alone, augmented = map(_of_the_gap, closed)
         warned = "" if closed[0] > -NARROW else " (its file is not the one to use)"
+        done = f"retuning alone {alone}{warned}, the augmented model {augmented}"
+        if alone == augmented == UNCHANGED:
+            done = "neither retuning nor the augmented model changes it"
         sentences.append(
-            f"The gap between model and noise on held-out motion: retuning alone {alone}{warned}, "
-            f"the augmented model {augmented}{_beside_it(content['verdict'], closed[1])}."
+            f"The gap between model and noise on held-out motion: {done}{_beside_it(content['verdict'], closed[1])}."
         )
     return sentences
 
@@ -81,7 +84,7 @@ def lead(content: dict[str, Any]) -> list[str]:
 def _of_the_gap(share: float) -> str:
     """Say what a model does to the gap, of which it closes a share; by chance it may be nearer than the noise."""
     if abs(share) < HARDLY:
-        return "leaves it as it is"
+        return UNCHANGED
     return f"closes {percent(min(share, 1.0))}" if share > 0 else f"widens it by {percent(-share)}"
 
 
