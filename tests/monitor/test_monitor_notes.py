@@ -80,15 +80,15 @@ def test_how_sure_an_axis_is_stands_beside_it(monitored):
     assert axis_conditions(unsure)[0].check.startswith("compare the other axes before opening anything")
     write_page(unsure, folder / "unsure.html", folder / "unsure")
     text = (folder / "unsure.html").read_text().replace("\u00a0", " ")
-    assert text.count("33 % likely to be this axis") == 2
+    assert text.count("33 % this axis rather than another") == 2
     assert "This is a shipped example" not in text
     write_page(unsure, folder / "unsure.html", folder / "unsure", example=True)
     assert "This is a shipped example" in (folder / "unsure.html").read_text()
     assert "compare" not in axis_conditions(state)[0].check
     assert (
-        todo(standing(state), standing(state)["axes"][0], zone_of(None))["sure"] == "99\u00a0% likely to be this axis"
+        todo(standing(state), standing(state)["axes"][0], zone_of(None))["sure"] == "99\u00a0% this axis rather than another"
     )
-    assert sure_words(0.999) == ">\u00a099\u00a0% likely to be this axis"
+    assert sure_words(0.999) == ">\u00a099\u00a0% this axis rather than another"
     assert sure_words(None) == ""
 
 

@@ -67,7 +67,7 @@ def over_words(condition: AxisCondition) -> str:
 def sure_words(probability: float | None) -> str:
     """Return in words how likely it is that an alarm names the right axis, empty where nothing says so."""
     percent = sure_percent(probability)
-    return f"{percent.replace(' ', NO_BREAK)} likely to be this axis" if percent else ""
+    return f"{percent.replace(' ', NO_BREAK)} this axis rather than another" if percent else ""
 
 
 def sure_percent(probability: float | None) -> str:
