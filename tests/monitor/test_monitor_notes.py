@@ -85,9 +85,8 @@ def test_how_sure_an_axis_is_stands_beside_it(monitored):
     write_page(unsure, folder / "unsure.html", folder / "unsure", example=True)
     assert "This is a shipped example" in (folder / "unsure.html").read_text()
     assert "compare" not in axis_conditions(state)[0].check
-    assert (
-        todo(standing(state), standing(state)["axes"][0], zone_of(None))["sure"] == "99\u00a0% this axis rather than another"
-    )
+    told = todo(standing(state), standing(state)["axes"][0], zone_of(None))
+    assert told["sure"] == "99\u00a0% this axis rather than another"
     assert sure_words(0.999) == ">\u00a099\u00a0% this axis rather than another"
     assert sure_words(None) == ""
 
