@@ -10,7 +10,11 @@ from snakemake.settings.types import Quietness
 LIBRARY = Path(str(workflow.current_basedir)).parent
 sys.path.insert(0, str(LIBRARY))
 # From within another checkout, Snakemake has read the profile of that one, which imports the library beside it.
-if "jointwear" in sys.modules and Path(sys.modules["jointwear"].__file__).resolve().parents[1] != LIBRARY.resolve():
+if (
+    "jointwear" in sys.modules
+    and Path(sys.modules["jointwear"].__file__).resolve().parents[1]
+    != LIBRARY.resolve()
+):
     for name in [name for name in sys.modules if name.split(".")[0] == "jointwear"]:
         del sys.modules[name]
 
