@@ -171,9 +171,8 @@ def _only_held_out(problem: Problem, above: Sequence[AboveNoise], gap: Gap) -> l
     """
     result = []
     for axis, ratio in ((a.axis, a.ratio) for a in above):
-        torque = problem.measured.torque[problem.test, axis - 1]
-        beyond = np.sqrt(max(1.0 - ratio**-2, 0.0)) * (gap.augmented[axis - 1] or 0.0)
-        size = float(np.sqrt(np.nanmean(torque**2))) if len(torque) else np.inf
+        size = np.sqrt(np.nanmean(problem.measured.torque[problem.test, axis - 1] ** 2))
+        beyond = np.sqrt(gap.augmented[axis - 1] ** 2 - gap.noise_floor[axis - 1] ** 2)
         if ratio > problem.settings.noise_sigmas and beyond > problem.settings.smallest_share * size:
             result.append(axis)
     return result

@@ -61,8 +61,8 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
     else:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
-    if _lines(content):
-        sentences.append(_lines(content))
+    if lines := _lines(content):
+        sentences.append(lines)
     if content["verdict"] != "unknown" or content["above_the_noise"]:
         sentences.append(_what_is_left(content))
     if content["suspects"]:

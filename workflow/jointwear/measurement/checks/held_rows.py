@@ -128,8 +128,8 @@ def check_torques_are_new(
     labels, moving = np.unique(stretch), np.zeros(samples.torque.shape, bool)
     for label in labels:
         there, known = stretch == label, measured.trajectory == label
-        part = replace(measured, time=measured.time[known], usable=measured.usable[known])
-        moving[there] = _moving(samples.time[there], part)
+        record = replace(measured, time=measured.time[known], usable=measured.usable[known])
+        moving[there] = _moving(samples.time[there], record)
     _check_torques(samples.torque, samples.time, moving, stretch, name, "")
     for label in labels if len(labels) > 1 else ():
         there, where = stretch == label, f" of trajectory {label}"
