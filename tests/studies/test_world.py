@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json
+from jointwear.studies.challenge import tiers
 from jointwear.studies.challenge.judge import gap_closed, worse_axes
 from jointwear.studies.challenge.reliability import reliability
 from jointwear.studies.challenge.tracking import ArmLost, follows
 from jointwear.studies.hidden_effect_page.stored import write_stored_page
 from jointwear.studies.tallies import QUESTIONS
-from jointwear.studies.world import answers, packages
+from jointwear.studies.world import answers, packages, plan
 from jointwear.studies.world.control import CONTROLLERS, Controller, Reader, Reference
 from jointwear.studies.world.plan import BATCH, COUNTS, EFFECTS, OUTSIDE, batches, cases, part_batches
 from jointwear.studies.world.scores import TARGETS, WORDS, score
@@ -23,6 +25,11 @@ def row(kind="nothing", **more):
         "kind": kind, "subject": None, "identifiable": True, "verdict": "none", "named": [], "names": [],
         "false_name": False, "seconds": 1.0, "worse": [], "worse_than_truth": [], "arm": "ur5", **more,
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(("stored", "drawings"), [("challenge", tiers.DRAWINGS), ("challenge_world", plan.DRAWINGS)])
+def test_the_command_of_a_stored_score_draws_the_cases_that_it_was_made_on(root, stored, drawings):
+    assert read_json(root / f"data/benchmarks/{stored}.json")["drawing"] == drawings["report"]
 
 
 def test_the_plan_has_four_hundred_cases_and_every_part_is_a_like_mixture():
