@@ -156,6 +156,9 @@ def test_torque_is_read_later_within_each_trajectory():
     np.testing.assert_allclose(without_delay(uneven, 0.05).torque[:3, 0], [0.5, 1.25, 2.0])
     assert "2 ms early (0.50 of a sampling period)" in delay_in_words(-0.002, 0.004)
     assert "late" in delay_in_words(0.002, 0.004)
+    unsure = delay_in_words(-0.002, 0.004, unexplained=True)
+    assert "2 ms early (0.50 of a sampling period)" in unsure and "unexplained" in unsure
+    assert "that is how the log is sampled" not in unsure
 
 
 def _curves(monkeypatch, model, recorded):
@@ -232,9 +235,13 @@ def test_between_late_and_early_the_log_is_read_as_it_came(recording, robot, mon
     """A delay that is found on the other side beside what has a name may be the first one, taken out too far."""
     period, answers = sampling_period(recording), list(asked)
     monkeypatch.setattr(pipeline, "shared_delay", lambda *_: answers.pop(0) * period)
-    monkeypatch.setattr(
-        pipeline, "beside_slow_noise", lambda white, _: SimpleNamespace(white=white, named=[_load(white)])
-    )
+    found = SimpleNamespace(named=[], unexplained=[])
+
+    def search(white, _):
+        found.white, found.named = white, [_load(white)]
+        return found
+
+    monkeypatch.setattr(pipeline, "beside_slow_noise", search)
     white = _white(recording, robot)
     log, outcome, told = pipeline._read_in_time(recording, white)
     assert not answers

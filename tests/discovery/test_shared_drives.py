@@ -38,6 +38,25 @@ def test_samples_of_a_shared_drive_that_sticks_are_left_out():
     assert not sticking(usable, velocity, acceleration, missing, inertial, SIGMAS)[:, 1].any()
 
 
+def test_a_shared_drive_is_known_by_the_few_of_its_slow_samples_at_which_it_sticks():
+    """Where a wrist moves its two joints against each other its drive is slow for long, and sticks here and there."""
+    rng = np.random.default_rng(6)
+    time = np.arange(4000) / RATE
+    velocity = np.stack([np.sin(2.0 * time), np.cos(3.1 * time)], axis=1)
+    acceleration = np.gradient(velocity, 1 / RATE, axis=0)
+    usable, inertial = np.ones((4000, 2), dtype=bool), rng.standard_normal((4000, 2, 2))
+    speed = velocity.sum(axis=1)
+    slow = np.abs(speed) < assumed.STICKS
+    level = np.sign(speed)
+    sticks = slow & (rng.uniform(size=4000) < 0.2)
+    level[sticks] = rng.uniform(-1, 1, sticks.sum())
+    missing = 0.1 * rng.standard_normal((4000, 2)) + 0.8 * level[:, None]
+    stuck = sticking(usable, velocity, acceleration, missing, inertial, SIGMAS)
+    np.testing.assert_array_equal(stuck, np.stack([slow, slow], axis=1))
+    resolved = 0.1 * rng.standard_normal((4000, 2)) + 0.8 * np.sign(speed)[:, None]
+    assert not sticking(usable, velocity, acceleration, resolved, inertial, SIGMAS).any()
+
+
 def test_a_shared_drive_that_sticks_for_a_third_of_the_time_is_no_program():
     """Friction of a shared drive holds two joints together for whole stretches; a program that does leaves no trace."""
     rng = np.random.default_rng(4)

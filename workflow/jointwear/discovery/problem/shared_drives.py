@@ -83,4 +83,6 @@ def _sticks(
     if left @ left > UNEXPLAINED * (alone @ alone):
         return False
     near = missing[inside] - np.concatenate([base[inside], shared[inside]], axis=1) @ theta
-    return bool(np.mean(near**2) > sigmas**2 * np.mean(left**2))
+    # Not all slow samples stick: a drive that reverses fast is as good a friction as elsewhere.
+    odd_near, odd = (np.square(x) > sigmas**2 * np.mean(left**2) for x in (near, left))
+    return bool(np.sum(odd_near) >= FEWEST and np.mean(odd_near) > sigmas * np.mean(odd))

@@ -233,11 +233,19 @@ def without_delay(recording: Recording, delay: float, steps: Steps | None = None
     return replace(recording, torque=torque)
 
 
-def delay_in_words(delay: float, period: float) -> str:
-    """Return what is told of a delay [s] that all joints share."""
+def delay_in_words(delay: float, period: float, unexplained: bool = False) -> str:
+    """Return what is told of a delay [s] that all joints share.
+
+    `unexplained` : whether structure without a name is left: a shaking floor may look like a delay of all joints.
+    """
     way = "late" if delay > 0 else "early"
-    share = abs(delay) / period
+    found = f"{1e3 * abs(delay):.2g} ms {way} ({abs(delay) / period:.2f} of a sampling period)"
+    if unexplained:
+        return (
+            f"the torque of all joints fits best as recorded {found}, and is read so: that may be how the log is "
+            "sampled, or come of what stays unexplained"
+        )
     return (
-        f"the torque of all joints is recorded {1e3 * abs(delay):.2g} ms {way} ({share:.2f} of a sampling period): "
-        "that is how the log is sampled, and it is read at the right time instead"
+        f"the torque of all joints is recorded {found}: that is how the log is sampled, and it is read at the right "
+        "time instead"
     )
