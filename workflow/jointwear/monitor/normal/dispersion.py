@@ -92,7 +92,8 @@ def within_shifts(residual: np.ndarray, variance: np.ndarray, shift: np.ndarray)
 def shift_means(
     residual: np.ndarray, predicted: np.ndarray, variance: np.ndarray, shift: np.ndarray, memory: float
 ) -> ShiftMeans:
-    """Return the means of left-out residuals (w,) by shift; `predicted` (w,) variance of the prediction."""
+    """Return the means of left-out residuals (w,) by shift; `predicted` (w,) variance of the mean prediction of its
+    shift."""
     rows, counts, place = _by_shift(residual, shift)
     weight = 1.0 / variance[rows]
     total, mean, told = (np.bincount(place, weight * x) for x in (1.0, residual[rows], predicted[rows]))

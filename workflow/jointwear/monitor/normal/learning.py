@@ -251,7 +251,7 @@ def _learn(
         for j, fit in fitted().items():
             extra, memory = within_shifts(fit.left_out, series.variance[:, j], shift)
             variance = series.variance[:, j] + extra
-            means[j] = shift_means(fit.left_out, fit.left_out_variance, variance, shift, memory)
+            means[j] = shift_means(fit.left_out, fit.mean_variance, variance, shift, memory)
             dispersion[j] = Dispersion(extra, memory, dispersion[j].between, dispersion[j].spread)
         found = between_shifts([means[j] for j in axes], [usual[j] for j in axes])
         for j, (between, spread) in zip(axes, found, strict=True):

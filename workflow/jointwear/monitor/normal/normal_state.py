@@ -36,13 +36,16 @@ class Posterior:
 class NormalFit:
     """A posterior and what it says of windows that it did not see.
 
-    `left_out` (w,): value less the prediction from all *other* shifts; `left_out_variance` (w,): of that prediction.
-    NaN where a window took no part. `shifts` (s,): labels of those that took part.
+    `left_out` (w,): value less the prediction from all *other* shifts; `left_out_variance` (w,): of that prediction;
+    `mean_variance` (w,): of the mean of the predictions of all windows of its shift, each by what it tells: windows at
+    other temperatures or programs err apart. NaN where a window took no part. `shifts` (s,): labels of those that took
+    part.
     """
 
     posterior: Posterior
     left_out: np.ndarray
     left_out_variance: np.ndarray
+    mean_variance: np.ndarray
     shifts: np.ndarray
 
 
@@ -102,10 +105,11 @@ def fit_normal_states(axes: Sequence[Windows], shift: np.ndarray) -> list[Normal
 
 def _fitted(axes: Sequence[Windows], used: np.ndarray, shift: np.ndarray) -> list[NormalFit]:
     """Return the fits of g axes with p columns each, of which the windows `used` (w,) take part."""
-    left, left_variance = (np.full((len(axes), len(used)), np.nan) for _ in range(2))
+    left, left_variance, mean_variance = (np.full((len(axes), len(used)), np.nan) for _ in range(3))
     if not used.any():
         nothing = np.zeros(0, dtype=int)
-        return [NormalFit(a.prior, *rows, nothing) for a, *rows in zip(axes, left, left_variance, strict=True)]
+        rows = zip(left, left_variance, mean_variance, strict=True)
+        return [NormalFit(a.prior, *row, nothing) for a, row in zip(axes, rows, strict=True)]
     x, y = np.stack([a.design[used] for a in axes]), np.stack([a.value[used] for a in axes])
     # Neighbouring windows that remember each other tell less than as many independent ones.
     variance = np.stack([a.noise.within[used] * (1 + a.noise.memory) / (1 - a.noise.memory) for a in axes])
@@ -148,10 +152,12 @@ def _fitted(axes: Sequence[Windows], used: np.ndarray, shift: np.ndarray) -> lis
     left[:, used] = y - (x * left_mean[:, place]).sum(axis=2)
     spread = [(x[:, run] @ left_covariance[:, k]) * x[:, run] for k, run in enumerate(runs)]
     left_variance[:, used] = np.concatenate(spread, axis=1).sum(axis=2)
-    return [
-        NormalFit(Posterior(*told), *rows, names)
-        for told, *rows in zip(zip(mean, covariance, strict=True), left, left_variance, strict=True)
-    ]
+    middle = sums(x / variance[..., None]) / sums(1 / variance)[..., None]
+    of_means = np.einsum("gsp,gspq,gsq->gs", middle, left_covariance, middle)
+    mean_variance[:, used] = of_means[:, place]
+    rows = zip(left, left_variance, mean_variance, strict=True)
+    told = zip(mean, covariance, strict=True)
+    return [NormalFit(Posterior(*one), *row, names) for one, row in zip(told, rows, strict=True)]
 
 
 def _turned(matrices: np.ndarray) -> np.ndarray:
