@@ -107,3 +107,23 @@ def test_without_motion_no_unit_is_told():
     still = measure(replace(recording, position=0 * recording.position))
     for samples in (still, replace(still, position=np.nan * still.position)):
         check_position_unit(samples, robot, "arm", "deg")
+
+
+def log_that_one_joint_tells(tmp_path, **positions):
+    """A log whose third joint stands still; of the others all but the second are friction nearly alone."""
+    log = make_log(40.0)
+    still = np.where(np.arange(6) == 2, 0.0, 1.0)
+    q, v, a = (log.position * still, log.velocity * still, log.acceleration * still)
+    torque = model()(q, v, a).total
+    torque += 0.01 * torque.std(axis=0) * np.random.default_rng(4).standard_normal(torque.shape)
+    table = columns(replace(log, position=q, velocity=v, acceleration=a, torque=torque))
+    table |= {name: change(table[name]) for name, change in positions.items()}
+    return str(write_parquet(tmp_path / "log.parquet", table))
+
+
+def test_radians_that_one_joint_alone_tells_are_those_of_all(tmp_path):
+    path = log_that_one_joint_tells(tmp_path)
+    survey_log(path, layout(), model(), 12.0)
+    with pytest.raises(Refused, match="the positions look like radians, their stated unit is deg") as refused:
+        survey_log(path, layout(units={"position": "deg"}), model(), 12.0)
+    assert "state units: {position: rad}" in refused.value.suggestion

@@ -11,7 +11,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
 from jointwear.monitor.days_in_names import days_of
 from jointwear.monitor.order_of_logs import in_order
-from jointwear.monitor.plan import check_robots, find_all_logs, find_logs, window_seconds
+from jointwear.monitor.plan import check_robots, find_all_logs, find_logs, programs_without_logs, window_seconds
 
 
 @pytest.fixture
@@ -210,3 +210,12 @@ def test_other_names_keep_their_natural_order(names):
 )
 def test_the_day_that_a_name_holds(names, days):
     assert [day and day.isoformat() for day in days_of(names)] == days
+
+
+def test_programs_that_no_log_is_named_after_are_told():
+    logs = ["logs/a/weld_1.csv", "logs/a/pick_1.csv"]
+    told = programs_without_logs("cell", {"program": {"logs": {"*/wled_*": "weld"}}}, logs)
+    assert "'monitor.robots.cell.program.logs' holds '*/wled_*'; no log of this robot has such a name" in told
+    for quiet in ({"logs": {"*/weld_*": "weld", "*/paint_*": "paint"}}, {"columns": "task"}, None):
+        assert programs_without_logs("cell", {"program": quiet}, logs) == ""
+    assert programs_without_logs("cell", {"program": {"logs": {"*/weld_*": "weld"}}}, []) == ""

@@ -139,3 +139,23 @@ def test_a_clock_at_another_speed_is_told_with_its_factor(tmp_path):
     with pytest.raises(Refused, match="inertial torques of all joints") as refused:
         survey(tmp_path, **right | {"time": 0.8 * LOG.time / 4})
     assert refused.value.suggestion.startswith("multiply the time by 1.2")
+
+
+@pytest.mark.parametrize(
+    ("entry", "advice"),
+    [
+        ({"sign": turned(3).tolist()}, "'sign' has -1 for joint 3: take it out"),
+        ({"scale": turned(2).tolist()}, "'scale' has -1 for joint 2: take it out"),
+        ({"scale": (1.5 * turned(2)).tolist()}, "'scale' has -1.5 for joint 2: make that 1.5"),
+    ],
+)
+def test_a_key_that_is_wrong_is_not_advised_again(tmp_path, entry, advice):
+    with pytest.raises(Refused) as refused:
+        survey(tmp_path, entry=entry)
+    assert refused.value.suggestion == advice
+
+
+def test_a_torque_constant_of_what_is_no_current_is_to_be_taken_out(tmp_path):
+    with pytest.raises(Refused, match="times 'torque_constant'; it looks like N m as it is logged") as refused:
+        survey(tmp_path, entry={"torque_constant": CONSTANT.tolist()})
+    assert refused.value.suggestion.startswith("take 'torque_constant' out")

@@ -13,6 +13,7 @@ from jointwear.monitor.plan import (
     find_all_logs,
     find_logs,
     log_sources,
+    programs_without_logs,
 )
 from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
@@ -30,6 +31,8 @@ if workflow.is_main_process:
     for name, entry in config["monitor"]["robots"].items():
         if reason := learnt_of_other(name, entry):
             print(f"jointwear: {reason}", file=sys.stderr)
+        if reason := programs_without_logs(name, entry, FOUND_LOGS[name]):
+            print(told(reason), file=sys.stderr)
 LOGS = {
     name: batches_of(logs, config["monitor"]["robots"][name])
     for name, logs in FOUND_LOGS.items()

@@ -82,6 +82,7 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         torque_kind=entry.get("torque_kind") or "motor",
         encoder_side=entry.get("encoder_side") or "motor",
         units=whole.units,
+        factors=whole.factors,
         missing=whole.missing,
         unread="; ".join(filter(None, (left_out, disordered, unread_in_words(chunk.unread for chunk in chunks)))),
     )

@@ -12,6 +12,7 @@ import stat
 import time
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
+from fnmatch import fnmatchcase
 from functools import cache
 from glob import has_magic
 from pathlib import Path
@@ -256,6 +257,22 @@ def find_all_logs(config: Mapping[str, Any]) -> tuple[dict[str, list[str]], dict
         if reasons:
             silent[name] = reasons[0]
     return logs, silent
+
+
+def programs_without_logs(name: str, entry: Mapping[str, Any], logs: Sequence[str]) -> str:
+    """Return in words that `program.logs` of a robot stands for none of its logs, so that it does nothing; empty where
+    it stands for one, or there is no log.
+
+    One of several patterns may wait for a program that is still to run.
+    """
+    patterns = (entry.get("program") or {}).get("logs") or {}
+    if not patterns or not logs or any(fnmatchcase(Path(log).as_posix(), p) for log in logs for p in patterns):
+        return ""
+    listed = ", ".join(shown(str(p)) for p in patterns)
+    return (
+        f"config: 'monitor.robots.{name}.program.logs' holds {listed}; no log of this robot has such a name, as "
+        f"'{logs[-1]}', and no program is named by it (allowed: patterns of the whole path, as '*/weld_*')"
+    )
 
 
 def batches_of(logs: Sequence[str], entry: Mapping[str, Any]) -> dict[str, list[str]]:

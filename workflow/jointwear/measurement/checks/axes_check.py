@@ -17,6 +17,9 @@ from jointwear.measurement.checks.axis_readings import (
 )
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.stated import Stated
+from jointwear.measurement.turns import turns_on
+from jointwear.measurement.units import POSITION_WORDS
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -212,7 +215,7 @@ def _spoils(left: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.any((left < RIGHT) & (other > SAME_WRIST)))
 
 
-def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
+def check_axes(name: str, robot: Robot, measured: Measured, stated: Stated | None = None) -> bool:
     """Check order, signs and zeros of the axes, and the side of their torques, against the nominal model.
 
     Another reading must explain the data far better with the parameters of the nominal model as they are, and be the
@@ -221,7 +224,7 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
 
     Parameters
     ----------
-    name : of the data set or the log, for messages.
+    name : of the data set or the log, for messages. stated : what its configuration says already, default nothing.
 
     Raises
     ------
@@ -235,7 +238,7 @@ def check_axes(name: str, robot: Robot, measured: Measured) -> bool:
     if not np.isfinite(left).any():
         return False
     if believed := _believed(dynamics, parts, usable, left):
-        raise _refusal(name, dynamics, parts, usable, left, believed)
+        raise _refusal(name, dynamics, parts, usable, left, believed, stated or Stated())
     return True
 
 
@@ -283,9 +286,10 @@ def _refusal(
     usable: np.ndarray,
     left: np.ndarray,
     believed: list[_Reading],
+    stated: Stated,
 ) -> Refused:
     """Return the refusal that names the likeliest of the readings that are believed, and those that are nearly as
-    likely; `name` and `left` are those of :func:`check_axes` and :func:`_believed`."""
+    likely; `name`, `stated` and `left` are those of :func:`check_axes` and :func:`_believed`."""
     robot = dynamics.robot
     nats, reading, remains = max(believed, key=lambda x: x[0])
     # A joint that turns the other way does what it does where the two beside it count from half a turn further.
@@ -296,11 +300,43 @@ def _refusal(
         lead = likelihood(*scaled.read(parts, usable, robot)) - likelihood(parts, usable)
         if lead > nats + favours(reading, robot):
             reading, also, remains = scaled, [], left
-    others, remedies = "".join(f"; or {r.reason}" for r in also), "".join(f"; or {r.remedy}" for r in also)
+    if reading.kind == "unit" and (of_all := _unit_of_all(dynamics, parts, usable, reading, remains, stated)):
+        return Refused(f"{name}: {of_all[0]}", of_all[1], by_keys=True)
+    others = "".join(f"; or {r.reason}" for r in also)
+    remedies = "".join(f"; or {r.remedy_beside(stated)}" for r in also)
     too_much, another = even_so(remains, robot)
     why = f"{_WHY[reading.kind]}{others}{too_much}"
     by_keys = any(r.by_keys for r in (reading, *also))
-    return Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy}{remedies}{another}", by_keys)
+    return Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy_beside(stated)}{remedies}{another}", by_keys)
+
+
+def _unit_of_all(
+    dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, reading: Reading, remains: np.ndarray, stated: Stated
+) -> tuple[str, str] | None:
+    """Return reason and remedy where all joints are in the unit that one of them looks like.
+
+    One key is wrong more often than one joint is odd, and what is friction nearly alone fits in any unit.
+
+    Parameters
+    ----------
+    reading : of that joint in another unit. remains : (n,) share of the squared torque that it leaves.
+    """
+    unit, robot = reading.looks_like(stated), dynamics.robot
+    every = parts.copy()
+    every[:, :3] *= reading.factors[0]
+    reach = np.where(turns_on(robot), np.inf, np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
+    if not unit or np.any(np.abs(every[:, 0]).max(axis=0, initial=0.0) > reach):
+        return None
+    left = explained(dynamics, every, usable)
+    if np.any(left > np.maximum(remains, RIGHT)):
+        return None
+    said, words = stated.units.get("position"), POSITION_WORDS[unit]
+    if not said:
+        return f"the positions look like {words}", f"state units: {{position: {unit}}}"
+    return (
+        f"the positions look like {words}, their stated unit is {said}",
+        f"state units: {{position: {unit}}}, or take 'units.position' out where it says {said}",
+    )
 
 
 def even_so(left: np.ndarray, robot: Robot) -> tuple[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -9,7 +10,8 @@ from itertools import combinations
 import numpy as np
 
 from jointwear.files.wording import listed, numbered
-from jointwear.measurement.units import POSITION_WORDS
+from jointwear.measurement.stated import Stated
+from jointwear.measurement.units import POSITION_WORDS, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.inertia import bodies, inertial_regressor, prior_factor, to_joint_frame
@@ -76,8 +78,12 @@ class Reading:
     @property
     def remedy(self) -> str:
         """How to mend such a recording."""
+        return self.remedy_beside(Stated())
+
+    def remedy_beside(self, stated: Stated) -> str:
+        """Return how to mend such a recording where its configuration has `stated` units and factors already."""
         verb, to = ("add", "to") if self.factors and self.factors[0] < 0 else ("subtract", "from")
-        return {
+        advised = {
             "swap": f"exchange the columns of {self._joints}: name them in order under 'variables'",
             "torques": f"exchange the torques of {self._joints}: name the columns of 'torque' in order "
             "under 'variables'",
@@ -94,6 +100,25 @@ class Reading:
             "scale": f"give 'scale' with {_figures([1 / f for f in self.factors])} for {self._joints}, or "
             "'torque_constant' in N m/A for a current",
         }[self.kind]
+        mends = {
+            "flip": {"sign": -1.0},
+            "torque": {"scale": -1.0},
+            "position": {"sign": -1.0, "scale": -1.0},
+        }.get(self.kind, {})
+        wanted = {key: dict.fromkeys(self.axes, factor) for key, factor in mends.items()}
+        if self.kind == "scale":
+            wanted = {"scale": {a: 1 / f for a, f in zip(self.axes, self.factors, strict=True)}}
+        told = {key: stated.instead(key, factors) for key, factors in wanted.items()}
+        if not any(told.values()):
+            return advised
+        return " and ".join(words or f"give '{key}' with -1 for {self._joints}" for key, words in told.items())
+
+    def looks_like(self, stated: Stated) -> str:
+        """Return the unit of the positions of a joint that is read in another "unit"; empty where none is of that
+        size."""
+        sizes = sizes_of("position")
+        size = sizes.get(stated.units.get("position") or "rad", 1.0) * self.factors[0]
+        return next((unit for unit, known in sizes.items() if math.isclose(size, known, rel_tol=1e-6)), "")
 
     @property
     def by_keys(self) -> bool:

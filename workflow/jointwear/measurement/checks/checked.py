@@ -22,6 +22,7 @@ from jointwear.measurement.derived.jumps import jumps_in_words
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.derived.torque_spikes import spikes_in_words
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.stated import Stated
 from jointwear.robots.robot import Robot
 
 #: What is told where the motion is too little for the question.
@@ -52,9 +53,10 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.
     factors = torque_factors(recording, robot, measured)
     restrictions += check_scale(factors)
-    check_mounting(name, robot, thin.parts, thin.usable)
+    stated = Stated(recording.units, recording.factors)
+    check_mounting(name, robot, thin.parts, thin.usable, stated)
     check_time_scale(name, robot, thin.parts, thin.usable)
-    if not check_axes(name, robot, measured):
+    if not check_axes(name, robot, measured, stated):
         restrictions.append(UNASKED)
     check_scale_of_one(factors)
     check_model_size(measured, robot, name, behind_gears=recording.torque_kind == "link_sensor")

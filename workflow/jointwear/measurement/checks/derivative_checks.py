@@ -119,7 +119,7 @@ def _remedy(role: str, ratio: float, stated: Mapping[str, str]) -> tuple[str, st
     position = _other_position(ratio, stated.get("position") or "rad")
     if position and stated.get("position") not in (None, "rad"):
         return position
-    if LOWEST < ratio / _PER_DEGREE < HIGHEST:
+    if LOWEST < ratio / _PER_DEGREE < HIGHEST and stated.get(role) != unit:
         return "; it looks like degrees", f"state units: {{{role}: {unit}}}"
     if LOWEST < ratio * _PER_DEGREE < HIGHEST and stated.get(role) == unit:
         return "; it looks like radians", f"state units: {{{role}: {unit.replace('deg', 'rad')}}}"

@@ -23,6 +23,7 @@ from jointwear.measurement.checks.axes_check import (
 )
 from jointwear.measurement.checks.axis_readings import Likelihood
 from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.stated import Stated
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -32,13 +33,16 @@ ANOTHER = np.radians(30.0)
 ROUNDS = 3
 
 
-def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarray) -> None:
+def check_mounting(
+    name: str, robot: Robot, parts: np.ndarray, usable: np.ndarray, stated: Stated | None = None
+) -> None:
     """Check that gravity acts on the arm as the robot file says.
 
     Parameters
     ----------
     name : of the data set or the log, for messages.
     parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
+    stated : what its configuration says already, default nothing.
 
     Raises
     ------
@@ -79,7 +83,9 @@ def check_mounting(name: str, robot: Robot, parts: np.ndarray, usable: np.ndarra
     raise Refused(
         f"{name}: the torques show gravity along [{told}] of the base frame, robot '{robot.name}' has [{given}]: the "
         f"arm may be mounted on a wall, a ceiling or a slope, or its base frame turned{also}{too_much}",
-        f"give 'gravity: [{told}]' in the robot file" + (f"; or {reading.remedy}" if also else "") + another,
+        f"give 'gravity: [{told}]' in the robot file"
+        + (f"; or {reading.remedy_beside(stated or Stated())}" if also else "")
+        + another,
         by_keys=True,
     )
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from jointwear.measurement.checks.axis_readings import Likelihood, Reading
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.stated import Stated
 from jointwear.measurement.units import CURRENTS, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
@@ -47,7 +48,7 @@ class Factors:
     """What the torque of a recording is of the model's, whatever load the arm carries.
 
     `factor` (n,) and `left` (n,) as of :func:`factors`, of `samples`; `name` of the data set, for messages; `stated`
-    unit of the torque.
+    unit of the torque; `given`: what the configuration says of units and factors.
     """
 
     name: str
@@ -56,13 +57,15 @@ class Factors:
     factor: np.ndarray
     left: np.ndarray
     stated: str = "N m"
+    given: Stated = field(default_factory=Stated)
 
 
 def torque_factors(recording: Recording, robot: Robot, measured: Measured) -> Factors:
     """Return the factors of the torques of a recording."""
     samples = thinned(measured)
     found = factors(samples, robot, load_free=True, behind_gears=recording.torque_kind == "link_sensor")
-    return Factors(f"data set '{recording.name}'", robot, samples, *found, recording.units.get("torque", "N m"))
+    unit, given = recording.units.get("torque", "N m"), Stated(recording.units, recording.factors)
+    return Factors(f"data set '{recording.name}'", robot, samples, *found, unit, given)
 
 
 def check_scale(found: Factors) -> list[str]:
@@ -79,10 +82,12 @@ def check_scale(found: Factors) -> list[str]:
     if len(known) >= FEWEST_SHARING and np.all(found.factor[known] < 0):
         raise Refused(
             f"{found.name}: the sign of the torque of {numbered('joint', known + 1)} looks flipped against the motion",
-            "turn the sign of the torque: give 'scale' with -1 for every joint",
+            found.given.instead("scale", dict.fromkeys(range(found.robot.joints), -1.0))
+            or "turn the sign of the torque: give 'scale' with -1 for every joint",
             by_keys=True,
         )
-    scale = _of_most(found.factor, found.left, found.robot.gear_ratio, found.stated)
+    constant = found.given.factors.get("torque_constant", ())
+    scale = _of_most(found.factor, found.left, found.robot.gear_ratio, found.stated, constant)
     if scale is None:
         return _shared(found.factor)
     if _is_likelier(found, _size(found) > np.log(FACTOR)):
@@ -108,11 +113,12 @@ def check_scale_of_one(found: Factors) -> None:
     unit = next((u for u, times in _other_units(found.stated) if abs(np.log(factor / times)) < np.log(ALIKE)), "")
     looks = "another unit than that of the other joints" if alone else unit or "another unit"
     shared = f"state units: {{torque: {unit}}} if all joints are, or " if unit and not alone else ""
+    scaled = found.given.instead("scale", {worst: 1 / factor})
+    scaled = scaled or f"give 'scale' with {significant(1 / factor)} for joint {worst + 1}"
     raise Refused(
         f"{found.name}: the torque of joint {worst + 1} is {significant(factor)} times that of the model; it "
         f"looks like {looks}",
-        f"{shared}give 'scale' with {significant(1 / factor)} for joint {worst + 1}, 'torque_constant' for each, or "
-        "its column",
+        f"{shared}{scaled}, 'torque_constant' for each, or its column",
         by_keys=True,
     )
 
@@ -320,14 +326,17 @@ def factors(
     return factor, left
 
 
-def wrong_scale(measured: Measured, robot: Robot, stated: str = "N m") -> WrongScale | None:
+def wrong_scale(
+    measured: Measured, robot: Robot, stated: str = "N m", constant: Sequence[float] = ()
+) -> WrongScale | None:
     """Return what the scale of the torque looks like where it is not that of the model on most joints, else None.
 
     Parameters
     ----------
-    stated : unit that the torque was read in.
+    stated : unit that the torque was read in. constant : `torque_constant` [N m/A] that it was multiplied by, one an
+        axis; default none.
     """
-    return _of_most(*factors(measured, robot), robot.gear_ratio, stated)
+    return _of_most(*factors(measured, robot), robot.gear_ratio, stated, constant)
 
 
 def off_scale(
@@ -358,12 +367,19 @@ def _other_units(stated: str) -> Iterator[tuple[str, float]]:
             yield unit, known.get(stated, 1.0) / known[unit]
 
 
-def _of_most(factor: np.ndarray, left: np.ndarray, gear: np.ndarray, stated: str = "N m") -> WrongScale | None:
+def _of_most(
+    factor: np.ndarray, left: np.ndarray, gear: np.ndarray, stated: str = "N m", constant: Sequence[float] = ()
+) -> WrongScale | None:
     known = np.flatnonzero(np.isfinite(factor))
     off = np.abs(np.log(np.abs(factor[known]))) > np.log(FACTOR)
     if len(known) < FEWEST_AXES or off.mean() <= 0.5:
         return None
     middle, remains = float(np.median(np.abs(factor[known]))), float(np.median(left[known]))
+    if len(constant) == len(factor) and np.all(
+        np.abs(np.log(np.abs(factor[known] / np.array(constant)[known]))) < np.log(ALIKE)
+    ):
+        reason = "the torque is that of the model times 'torque_constant'; it looks like N m as it is logged"
+        return WrongScale(reason, "take 'torque_constant' out, which is for a current in A", remains, "N m")
     for unit, size in _other_units(stated):
         if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(ALIKE)):
             reason = f"the torque is about {significant(middle)} times that of the model; it looks like {unit}"

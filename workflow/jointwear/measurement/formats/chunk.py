@@ -19,6 +19,8 @@ from jointwear.measurement.units import CURRENTS, SHARES, UNITS, converted, spel
 
 JOINT_ROLES = ("position", "velocity", "acceleration", "torque", "temperature")
 NEEDED = ("time", "position", "torque")
+#: Keys of the config that turn or scale what is logged.
+FACTORS = ("torque_constant", "scale", "sign")
 #: In place of a label that is none: no whole number, or one that cannot be stored.
 UNLABELLED = -LARGEST_LABEL - 1
 #: Times between these count as seconds since 1970 UTC: 2001 to 2286.
@@ -37,9 +39,10 @@ class Chunk:
     `time` (m,) [s], since 1970 UTC where `dated`. `position`, `torque` (m, n) [rad], [N m]; `velocity`,
     `acceleration`, `temperature` (m, n) or None where the log has none. `trajectory` (m,) integer label,
     :data:`UNLABELLED` where there is none, or None; `program` (m,) text, empty where unknown, or None. `units`: role ->
-    unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it. `missing`: role ->
-    values that were read as missing. `unread`: how many rows held a cell that cannot be read, which was left out, and
-    the first of them in words.
+    unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it. `factors`: those
+    of the config that the arrays are multiplied by already, :class:`~jointwear.measurement.stated.Stated`. `missing`:
+    role -> values that were read as missing. `unread`: how many rows held a cell that cannot be read, which was left
+    out, and the first of them in words.
     """
 
     time: np.ndarray
@@ -52,6 +55,7 @@ class Chunk:
     program: np.ndarray | None = None
     dated: bool = False
     units: Mapping[str, str] = field(default_factory=dict)
+    factors: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     missing: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     unread: tuple[int, str] = (0, "")
 
@@ -75,13 +79,14 @@ def joined(chunks: Sequence[Chunk], fill: bool = False) -> Chunk:
             [np.full((len(c.time), *shape), np.nan) if p is None else p for p, c in zip(parts, chunks, strict=True)]
         )
 
-    roles = [f.name for f in fields(Chunk) if f.name not in ("dated", "units", "missing", "unread")]
+    roles = [f.name for f in fields(Chunk) if f.name not in ("dated", "units", "factors", "missing", "unread")]
     missing = {
         role: tuple(sorted({x for chunk in chunks for x in chunk.missing.get(role, ())}))
         for role in dict.fromkeys(role for chunk in chunks for role in chunk.missing)
     }
     dated = all(chunk.dated for chunk in chunks)
-    return Chunk(**{role: whole(role) for role in roles}, dated=dated, units=chunks[0].units, missing=missing)
+    said = {"units": chunks[0].units, "factors": chunks[0].factors}
+    return Chunk(**{role: whole(role) for role in roles}, dated=dated, missing=missing, **said)
 
 
 def unread_in_words(told: Iterable[tuple[int, str]]) -> str:
@@ -221,9 +226,9 @@ def make_chunk(
         unit for columns of which the log says that they differ.
     """
     axes = layout.axes or int(np.prod(np.shape(values["position"])[1:]))
-    for key in ("torque_constant", "scale", "sign"):
-        given = getattr(layout, key)
-        if given is not None and len(given) not in (1, axes):
+    factors = {key: given for key in FACTORS if (given := getattr(layout, key)) is not None}
+    for key, given in factors.items():
+        if len(given) not in (1, axes):
             raise InputError(f"{path}: '{key}' has {counted(len(given), 'value')} for {counted(axes, 'joint')}")
     found: dict[str, np.ndarray] = {}
     stated: dict[str, str] = {}
@@ -266,7 +271,8 @@ def make_chunk(
             known = (trajectory == np.round(trajectory)) & (np.abs(trajectory) <= LARGEST_LABEL)
         trajectory = np.where(known, trajectory, UNLABELLED).astype(np.int64)
     program = with_log_name(path, layout, values.get("program"), count)
-    return Chunk(**found, trajectory=trajectory, program=program, dated=dated, units=stated, missing=missing)
+    said = {"units": stated, "factors": factors}
+    return Chunk(**found, trajectory=trajectory, program=program, dated=dated, missing=missing, **said)
 
 
 def _check_apart(path: Path, role: str, apart: list[str], layout: Layout) -> None:

@@ -7,7 +7,7 @@ current, and positions in degrees. The cause that leaves least of the torque is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -19,6 +19,7 @@ from jointwear.measurement.checks.time_scale import check_time_scale, keeps_time
 from jointwear.measurement.checks.torque_scale import WrongScale, a_load_explains, check_size, thinned, wrong_scale
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import Refused
+from jointwear.measurement.stated import Stated
 from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, together, with_loads
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.robots.flange import FlangeLoad
@@ -37,14 +38,14 @@ def check_readings(
     robot: Robot,
     check: Callable[[Measured], None],
     name: str,
-    units: Mapping[str, str] | None = None,
+    stated: Stated | None = None,
 ) -> None:
     """Check how the axes of a first log are read.
 
     Parameters
     ----------
     check : raises :class:`Refused` where samples look turned around, exchanged, or of the motor's side.
-    units : role -> unit that is stated, default none.
+    stated : what the configuration says already, default nothing.
 
     Raises
     ------
@@ -52,14 +53,15 @@ def check_readings(
     """
     thin = thinned(measured)
     check_reach(thin.position, robot, name)
-    units = units or {}
-    scale = wrong_scale(thin, robot, units.get("torque", "N m"))
-    stated = units.get("position", "rad")
-    unit = _read_as_rad(thin, robot) if stated == "rad" else better_unit(thin, robot, stated)
+    given = stated or Stated()
+    units = given.units
+    scale = wrong_scale(thin, robot, units.get("torque", "N m"), given.factors.get("torque_constant", ()))
+    read_as = units.get("position", "rad")
+    unit = _read_as_rad(thin, robot) if read_as == "rad" else better_unit(thin, robot, read_as)
     if unit is not None and (scale is None or unit[1] < scale.left):
-        raise refusal_of(name, unit[0], stated)
+        raise refusal_of(name, unit[0], read_as)
     if scale is None:
-        check_mounting(name, robot, thin.parts, thin.usable)
+        check_mounting(name, robot, thin.parts, thin.usable, given)
         _check_clock(measured, robot, name)
     loaded = False
     if scale is not None and not scale.unit:

@@ -23,6 +23,7 @@ from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.stated import Stated
 from jointwear.measurement.turns import turns_on
 from jointwear.monitor.reading.accumulate import moving
 from jointwear.monitor.reading.derivation import Motion
@@ -57,6 +58,7 @@ def check_first(
     if len(measured.time) < FEWEST:
         return [None] * robot.joints
     check_units(measured, robot, name, chunk.units)
+    stated = Stated(chunk.units, chunk.factors)
     check_derivatives(chunk, stretch, name)
     check_rows_are_new(chunk, stretch, name)
     check_columns_differ(measured, robot, name)
@@ -67,9 +69,9 @@ def check_first(
         check_readings(
             measured,
             robot,
-            lambda samples: _as_discovery(samples, robot, name, samples, chunk.units),
+            lambda samples: _as_discovery(samples, robot, name, samples, stated),
             name,
-            chunk.units,
+            stated,
         )
     thin = thinned(measured)
     left = explained(Dynamics(robot), thin.parts, thin.usable)
@@ -130,10 +132,12 @@ def check_units(measured: Measured, robot: Robot, name: str, units: Mapping[str,
     """
     nothing = np.zeros(0, dtype=int)
     names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
-    _as_discovery(measured, robot, name, replace(measured, **{n: getattr(measured, n)[nothing] for n in names}), units)
+    _as_discovery(
+        measured, robot, name, replace(measured, **{n: getattr(measured, n)[nothing] for n in names}), Stated(units)
+    )
 
 
-def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured, units: Mapping[str, str]) -> None:
+def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured, stated: Stated) -> None:
     """Check what was measured as discovery does, comparing `against` with the model.
 
     Raises
@@ -146,14 +150,14 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
         position=measured.position,
         torque=np.nan_to_num(measured.torque),
         name=name,
-        units=units,
+        units=stated.units,
     )
     try:
         check_recording(recording, robot)
     except Refused as refusal:
         told = str(refusal).replace(f"data set '{name}'", name, 1)
         raise Refused(told, refusal.suggestion, refusal.by_keys) from None
-    check_axes(name, robot, against)
+    check_axes(name, robot, against, stated)
 
 
 def _busiest(velocity: np.ndarray, most: int) -> slice:
