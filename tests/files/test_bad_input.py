@@ -105,6 +105,8 @@ def test_a_config_that_does_not_fit_its_files(config, root, monkeypatch, path, v
         ("a: [1\n", ["line"]),
         ("a:\n\tb: 1\n", ["line 2: begins with a tab; YAML is indented with spaces"]),
         ("- 1\n", ["must be a mapping"]),
+        ("a: 1\n---\nb: 1\n", ["begins another document; one file holds one"]),
+        ("a:\n  b [1]\n  c: 1\n", ["line 2: is no 'key: value'; a colon and a space follow the key"]),
     ],
 )
 def test_a_broken_yaml_file(tmp_path, text, words):
@@ -127,6 +129,10 @@ def robot(root):
     [
         ("joints.0.coulomb.positive", -0.4, ["joints[0].coulomb.positive", "-0.4", ">= 0"]),
         ("joints.2.coulomb.negative", 0.1, ["joints[2].coulomb.negative", "0.1", "<= 0"]),
+        ("links.1.mass", -3.9, ["links[1].mass", "-3.9", ">= 0", "without its sign it is 3.9"]),
+        ("links.1.com", [-170, 0, 0], ["'links[1].com' is [-170, 0, 0], in m; this looks like mm: [-0.17, 0, 0]"]),
+        ("name", "ABB IRB 120/0.58", ["letters, digits, _ and -", "nearest valid value is 'ABB_IRB_120_0_58'"]),
+        ("inertia_check", False, ["'inertia_check' is false, must be text (allowed: full, none); YAML reads"]),
         ("joints.0.gearratio", 3, ["'joints[0].gearratio'", "did you mean 'gear_ratio'"]),
         ("joints.1.gear_ratio", 0, ["'joints[1].gear_ratio' is 0"]),
         ("joints.1.limits", [-45, 225], ["'joints[1].limits'", "looks like degrees: [-0.785398, 3.92699]"]),

@@ -249,7 +249,7 @@ def test_the_largest_number_allowed_is_allowed(tmp_path):
 @pytest.mark.parametrize(
     ("entry", "words"),
     [
-        (None, "'discover.datasets.x' is None, must be a mapping"),
+        (None, "'discover.datasets.x' is empty, must be a mapping"),
         ({}, r"'discover.datasets.x.measured' is missing"),
         ({"measured": 5, "robot": "a"}, "must be text"),
         ({"measured": "a", "robot": "b", "inertial_prior": -1}, "out of range"),

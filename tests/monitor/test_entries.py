@@ -1,11 +1,13 @@
 """An entry of a robot is checked before any job: one line with the key, what is allowed and the nearest."""
 
 import pytest
+import yaml
 from monitor_logs import ROBOT
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.plan import check_robots
+from jointwear.running.configuration import prepare
 
 SIX = [f"axis_{k}" for k in range(6)]
 
@@ -45,6 +47,14 @@ def check(**more):
         ({"baseline": {"from": "2026-02-01", "until": "2026-01-01"}}, r"baseline\.from' is '2026-02-01', not before"),
         ({"events": [{"time": "2126-01-01", "kind": "service"}]}, r"events\[0\]\.time' is '2126-01-01', which is yet"),
         ({"events": [{"time": "2026-01-01", "axes": [7], "kind": "service"}]}, r"axis 7.*\(allowed: 1 to 6\)"),
+        (
+            {"events": [{"time": "2026-01-01", "axes": [0], "kind": "service"}]},
+            r"axis 0.*1 to 6\); the nearest.* 1$",
+        ),
+        (
+            {"robot": "config/robots"},
+            r"robot' is 'config/robots', a folder; name a file, as 'config/robots/kinova",
+        ),
     ],
 )
 def test_what_no_log_is_needed_for_is_refused_before_any_job(more, words):
@@ -86,3 +96,43 @@ def test_what_is_allowed_passes():
         baseline={"from": "2026-01-01", "until": "2026-02-01"},
         events=[{"time": "2026-01-01", "axes": [6], "kind": "service"}],
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("+01:00", "'Etc/GMT-1' is this offset all year"),
+        ("UTC-5", "'Etc/GMT+5' is this offset all year"),
+        ("+05:30", "IANA names"),
+        ("CEST", "its time for a season: name the place"),
+    ],
+)
+def test_what_is_no_zone_is_told_what_to_give(name, words):
+    with pytest.raises(InputError) as told:
+        check(time_zone=name)
+    assert words in str(told.value)
+    for part in str(told.value).split("'"):
+        if part.startswith("Etc/"):
+            assert zone_of(part) is not None
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"baseline": {}}, "has 0 entries, at least 1 (allowed: from, until, windows)"),
+        ({"events": None}, "is empty, must be a list"),
+        ({"events": [{"time": 1.0}]}, "kind' is missing (allowed: service, sensor, program, acknowledged)"),
+        ({"sign": -1}, "is -1, must be a list; one for each axis, as [1, 1, -1, 1, 1, 1]"),
+        (
+            {"limits": {"coulomb_increase_percent": 0.2}},
+            "is 0.2, out of range (allowed: >= 1 and <= 10000); the nearest valid value is 1, or 20 if a share",
+        ),
+        ({"false_alarms_per_1000_h": 1.0e-9}, "(allowed: >= 0.01 and <= 1000); the nearest valid value is 0.01"),
+    ],
+)
+def test_what_is_allowed_is_said(root, more, words):
+    entry = {"logs": ["x"], "robot": str(ROBOT), "baseline": {"windows": 8}, **more}
+    config = yaml.safe_load((root / "config/config.yaml").read_text())
+    with pytest.raises(InputError) as told:
+        prepare({**config, "monitor": {"robots": {"cell": entry}}})
+    assert words in str(told.value)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from jointwear.monitor.watching.null_runs import JUDGED, Axis, _draws, _maxima, null_thresholds
+from jointwear.files.documents import read_schema
+from jointwear.monitor.watching.null_runs import JUDGED, RUNS, Axis, _draws, _maxima, null_thresholds
 
 
 def test_thresholds_rise_with_what_is_asked_and_with_what_is_not_known():
@@ -32,3 +33,10 @@ def test_shifts_of_null_runs_scatter_as_is_stated():
     drawn = _draws(8)
     assert np.std(drawn.fresh) == pytest.approx(1.0, rel=0.1)
     assert np.quantile(np.abs(drawn.fresh), 0.999) > 4.0
+
+
+def test_fewer_false_alarms_than_the_runs_can_tell_are_not_promised():
+    """One in all hours of the runs, shifts of eight, of an arm of six axes."""
+    rates = read_schema("config")["properties"]["monitor"]["properties"]["robots"]["additionalProperties"]["properties"]
+    hours = RUNS * JUDGED * 8 / 6
+    assert rates["false_alarms_per_1000_h"]["minimum"] == pytest.approx(1000 / hours, rel=0.1)

@@ -33,7 +33,14 @@ DEEPEST = 50
 _NUMBER = re.compile(r"(?P<number>[-+]?[0-9]+(?:\.[0-9]+|,(?![0-9]{3}\b)[0-9]+)?)\s*(?P<percent>%?)")
 #: What the parser says at the line after one whose colon has no space behind it, and such a line.
 _NO_KEY = ("could not find expected ':'", "mapping values are not allowed in this context")
+_INDENT, _BARE = re.compile(r" *"), re.compile(r"[\w.-]+(?![^#]*:(?:\s|$))\s+[^\s#]")
 _GLUED = re.compile(r"\s*(?:- )?[\w.-]+:[^\s:]")
+#: What stands in a YAML file for values that Python has its own words for.
+_SAID = {None: "empty", True: "true", False: "false"}
+#: Keys of a robot file that have no sign: one that is negative is no small one.
+_WITHOUT_SIGN = (".mass", ".motor_inertia", ".viscous")
+#: What a plain name does not hold.
+_NOT_PLAIN = re.compile(r"[^A-Za-z0-9_-]+")
 #: A ratio as data sheets of gears print it: 80:1.
 _TO_ONE = re.compile(r"\s*:\s*1(?:\.0*)?$")
 
@@ -187,6 +194,10 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         line = mark.line if mark else None
         if what in _NO_KEY and (glued := _glued_line(text, line)) is not None:
             line, what = glued, "is no 'key: value'; a space follows the colon"
+        elif what in _NO_KEY and (bare := _bare_line(text, line)) is not None:
+            line, what = bare, "is no 'key: value'; a colon and a space follow the key"
+        if what == "but found another document":
+            what = "begins another document; one file holds one: leave out the line '---', or what follows it"
         where = f" line {line + 1}:" if mark else ""
         if mark and re.match(r" *\t", "".join(text.splitlines()[mark.line : mark.line + 1])):
             what = "begins with a tab; YAML is indented with spaces"
@@ -210,6 +221,17 @@ def _glued_line(text: str, line: int) -> int | None:
     it, all counted from 0; None where none is."""
     lines = text.splitlines()
     return next((k for k in range(line, max(line - 3, -1), -1) if _GLUED.match("".join(lines[k : k + 1]))), None)
+
+
+def _bare_line(text: str, line: int) -> int | None:
+    """Return which line, one or two before the one at which a parser gave up, is a key without its colon, indented as
+    that one is, all counted from 0; None where none is."""
+    lines = text.splitlines()
+    deep = _INDENT.match("".join(lines[line : line + 1]))[0]
+    for k in range(line - 1, max(line - 3, -1), -1):
+        if _INDENT.match(lines[k])[0] == deep and _BARE.match(lines[k].strip()):
+            return k
+    return None
 
 
 def read_schema(name: str) -> dict[str, Any]:
@@ -240,15 +262,19 @@ def _describe(error) -> str:
         return f"unknown key {_quoted(full)}{nearest(key, allowed)} (allowed: {', '.join(allowed)})"
     if rule == "required":
         missing = next(k for k in error.validator_value if k not in value)
-        return f"'{where + '.' if where else ''}{missing}' is missing"
+        allowed = error.schema.get("properties", {}).get(missing, {}).get("enum", [])
+        told = f" (allowed: {', '.join(map(str, allowed))})" if allowed else ""
+        return f"'{where + '.' if where else ''}{missing}' is missing{told}"
     where = where or "the document"
-    said = shown(value)
+    said = _SAID[value] if value is None or isinstance(value, bool) else shown(value)
     if rule == "enum":
         allowed = [str(v) for v in error.validator_value]
         return f"'{where}' is {said}; allowed: {', '.join(allowed)}{nearest(str(value), allowed)}"
     if rule == "type":
         near = _number_in(where, value, error.validator_value, error.schema)
-        near = near or _list_of(value, error.validator_value, error.schema)
+        near = near or _list_of(where, value, error.validator_value, error.schema)
+        if isinstance(value, bool) and "string" in error.validator_value:
+            near = f"{_one_of(error.schema)}; YAML reads yes, no, on and off so: put text between quotation marks"
         return f"'{where}' is {said}, must be {_words(error.validator_value)}{_limits(error.schema)}{near}"
     if rule in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"):
         bound = error.validator_value
@@ -257,6 +283,10 @@ def _describe(error) -> str:
             near = f"; this looks like degrees: {math.radians(value):.6g}"
         if ".torque_constant" in where and value < 0 and _within(-value, error.schema):
             near = f"; without its sign it is {-value:g}: 'scale' turns a torque, 'sign' a joint with its torque"
+        if value < 0 and where.endswith(_WITHOUT_SIGN) and _within(-value, error.schema):
+            near = f"; without its sign it is {-value:g}"
+        if rule == "minimum" and where.endswith("_percent") and 0 < value < 1 and _within(100 * value, error.schema):
+            near += f", or {100 * value:.6g} if a share of one is meant"
         if rule == "maximum" and bound <= 1 and _within(value / 100, error.schema):
             near += f", or {value / 100:.6g} if {value:.6g} % is meant"
         return f"'{where}' is {said}, out of range{_limits(error.schema)}{near}"
@@ -273,10 +303,17 @@ def _describe(error) -> str:
         layouts = error.schema.get("description", "the schema")
         return f"'{where}' must hold exactly one of the layouts described in {layouts}"
     if rule == "pattern":
-        return f"'{where}' is {said}; {error.schema.get('description', 'it does not match ' + error.validator_value)}"
+        form = error.schema.get("description", "it does not match " + error.validator_value)
+        # An address that is given in place of a name may hold a password.
+        plain = _NOT_PLAIN.sub("_", value).strip("_") if where.endswith("name") else ""
+        near = f"; the nearest valid value is '{plain}'" if plain and re.search(error.validator_value, plain) else ""
+        return f"'{where}' is {said}; {form}{near}"
     if rule in ("minLength", "maxLength", "minProperties", "maxProperties"):
         few, what = rule.startswith("min"), ("character",) if rule.endswith("Length") else ("entry", "entries")
-        return f"'{where}' has {counted(len(value), *what)}, at {'least' if few else 'most'} {error.validator_value}"
+        keys = ", ".join(error.schema.get("properties", {}))
+        told = f" (allowed: {keys})" if keys else ""
+        limit = error.validator_value
+        return f"'{where}' has {counted(len(value), *what)}, at {'least' if few else 'most'} {limit}{told}"
     if rule == "not" and "const" in error.validator_value:
         return f"'{where}' is {said}; allowed: anything but {error.validator_value['const']}{_limits(error.schema)}"
     return f"'{where}' is {said}; it breaks '{rule}' of the schema"
@@ -314,13 +351,20 @@ def _of_ratio(where: str, text: str) -> str:
     return _TO_ONE.sub("", text) if where.endswith("_ratio") else text
 
 
-def _list_of(value: Any, rule: str | list[str], schema: dict[str, Any]) -> str:
+def _one_of(schema: dict[str, Any]) -> str:
+    """Return which words a schema allows, empty where it has no list of them."""
+    return f" (allowed: {', '.join(map(str, schema['enum']))})" if "enum" in schema else ""
+
+
+def _list_of(where: str, value: Any, rule: str | list[str], schema: dict[str, Any]) -> str:
     """Return the list of a single value as a proposal where a list of such values is allowed: [2] of 2."""
     from jsonschema import Draft202012Validator
 
     plain = isinstance(value, (str, int, float)) and not isinstance(value, bool)
     if rule != "array" or not plain or not Draft202012Validator(schema).is_valid([value]):
         return ""
+    if where.endswith(".sign"):
+        return "; one for each axis, as [1, 1, -1, 1, 1, 1] of an arm that has six"
     return f"; the nearest valid value is {shown([value])}"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from datetime import UTC, datetime, tzinfo
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError, available_timezones
 
@@ -11,6 +12,9 @@ from jointwear.files.errors import InputError, nearest, shown
 DEFAULT_ZONE = "UTC"
 #: Key of the zone in which people read times; every other one is of a robot, in which its logger writes them.
 PAGES = "monitor.time_zone"
+#: A whole number of hours east of Greenwich, and an abbreviation of a time.
+_OFFSET = re.compile(r"(?:UTC|GMT)?(?P<hours>[+-][0-9]{1,2})(?::?00)?")
+_ABBREVIATION = re.compile(r"[A-Z]{3,5}")
 
 
 def zone_of(name: str | None, key: str = PAGES) -> tzinfo:
@@ -29,11 +33,21 @@ def zone_of(name: str | None, key: str = PAGES) -> tzinfo:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):
         # No abbreviation stands for another, and Etc/GMT+1 lies west of Greenwich.
-        hint = nearest(name, (z for z in available_timezones() if "/" in z and not z.startswith("Etc/")))
+        places = (z for z in available_timezones() if "/" in z and not z.startswith("Etc/"))
+        hint = _meant(name) or nearest(name, places)
         what = "in which pages and messages tell times" if key == PAGES else "of times in the logs that name none"
         raise InputError(
             f"config: '{key}' is {shown(name)}{hint} (the zone {what}; allowed: IANA names, as Europe/Berlin)"
         ) from None
+
+
+def _meant(name: str) -> str:
+    """Return what to give in place of an offset, or of an abbreviation, which is no zone; empty for all else."""
+    offset = _OFFSET.fullmatch(name.strip())
+    if offset and -12 <= (hours := int(offset["hours"])) <= 14:
+        # Names of offsets count west of Greenwich.
+        return f"; 'Etc/GMT{-hours:+d}' is this offset all year; where summer time is kept, name the place"
+    return "; that is no zone, but its time for a season: name the place" if _ABBREVIATION.fullmatch(name) else ""
 
 
 def repeats_after(seconds: float, zone: tzinfo) -> float:

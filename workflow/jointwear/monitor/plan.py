@@ -173,6 +173,9 @@ def check_robots(config: Mapping[str, Any]) -> None:
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
             raise InputError(f"config: '{where}': a robot's name is letters, digits and _, a letter first")
         path = Path(entry["robot"])
+        if os.path.isdir(path):
+            there = next(iter(sorted(path.glob("*.yaml"))), path / "my_arm.yaml").as_posix()
+            raise InputError(f"config: '{where}.robot' is {shown(str(path))}, a folder; name a file, as '{there}'")
         if not os.path.isfile(path):
             raise InputError(f"config: '{where}.robot' is {shown(str(path))}: no such file{nearest_file(path)}")
         if path.suffix.lower() in (".urdf", ".xacro"):
@@ -188,10 +191,11 @@ def check_robots(config: Mapping[str, Any]) -> None:
         check_log_entry(entry, where, robot, (*PER_JOINT, "dead_band"))
         try:
             for event in events_of(entry):
-                if any(axis >= len(robot["joints"]) for axis in event.axes):
+                most = len(robot["joints"])
+                if (wrong := next((a + 1 for a in event.axes if not 0 <= a < most), None)) is not None:
                     raise InputError(
-                        f"config: 'events' names axis {max(event.axes) + 1}, robot '{robot['name']}' has "
-                        f"{len(robot['joints'])} joints (allowed: 1 to {len(robot['joints'])})"
+                        f"config: 'events' names axis {wrong}, robot '{robot['name']}' has {count(most, 'joint')} "
+                        f"(allowed: 1 to {most}); the nearest valid value is {min(max(wrong, 1), most)}"
                     )
             _check_past(entry)
         except InputError as error:

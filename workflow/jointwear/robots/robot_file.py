@@ -15,8 +15,9 @@ from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.registered import path_in, will_be_fetched
 from jointwear.files.regular_files import nearest_file
 from jointwear.files.wording import count as counted
+from jointwear.robots.plausible_drives import check_drives, check_payload, check_ratio
 from jointwear.robots.rigid_body import has_no_negative_moment
-from jointwear.robots.urdf_file import read_urdf_joints
+from jointwear.robots.urdf_file import moving_mass, read_urdf_joints
 
 #: Position [rad], four turns, that no limit of a joint lies beyond: 90 and 180 are degrees. Length [m] of the DH table
 #: beyond which it is one in mm.
@@ -65,8 +66,7 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
     data.setdefault("gravity", [0.0, 0.0, -9.81])
     if ("dh" in data) == ("urdf" in data):
         raise InputError(f"{path}: give the kinematics either as 'dh' (with 'links') or as 'urdf'")
-    bodies = {f"links[{i}]": body for i, body in enumerate(data.get("links", []))}
-    for where, body in {**bodies, "payload": data.get("payload", {})}.items():
+    for where, body in _bodies(data).items():
         if not has_no_negative_moment(body.get("inertia", [0.0] * 6)):
             raise InputError(
                 f"{path}: '{where}.inertia' is {shown(body['inertia'])}, which no body has: as a matrix it must not "
@@ -88,6 +88,11 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
                 raise InputError(f"{path}: '{key}' has {counted(len(data[key]), 'entry', 'entries')}, 'dh' has {count}")
     data["joints"] = [_complete(path, i, joint) for i, joint in enumerate(data["joints"])]
     _check_names(path, data["joints"])
+    if "dh" in data:
+        check_payload(path, data, sum(body["mass"] for body in data["links"]))
+        check_drives(path, data)
+    elif "payload" in data:
+        check_payload(path, data, moving_mass(path_in(data["urdf"], path.parent)))
     axes = len(data["joints"])
     for i, entry in enumerate(data.get("effects", [])):
         for key in ("axis", "source_axis"):
@@ -107,13 +112,29 @@ def _check_names(path: Path, joints: list[dict[str, Any]]) -> None:
             raise InputError(f"{path}: 'joints[{i}].name' is '{name}', which an earlier joint has")
 
 
+def _bodies(data: dict[str, Any]) -> dict[str, Any]:
+    """Return key -> entry of the links and of the payload of a robot file, checked or not."""
+    links = data.get("links")
+    bodies = {f"links[{i}]": body for i, body in enumerate(links if isinstance(links, list) else [])}
+    return bodies | ({"payload": data["payload"]} if "payload" in data else {})
+
+
 def _check_lengths(path: Path, data: dict[str, Any]) -> None:
-    """Check that no length of the DH table is as large as one in mm.
+    """Check that no length of the DH table, and no centre of mass, is as large as one in mm.
 
     Raises
     ------
     InputError : naming the key and its value in m.
     """
+    for where, body in _bodies(data).items():
+        com = body.get("com") if isinstance(body, dict) else None
+        numbers = isinstance(com, list) and all(isinstance(x, (int, float)) for x in com)
+        if numbers and LONGEST < max(map(abs, com), default=0.0) < float("inf"):
+            metres = ", ".join(f"{x / 1000:g}" for x in com)
+            raise InputError(
+                f"{path}: '{where}.com' is {shown(com)}, in m; this looks like mm: [{metres}] (allowed: "
+                f"-{LONGEST:g} to {LONGEST:g})"
+            )
     rows = data.get("dh")
     for i, row in enumerate(rows if isinstance(rows, list) else []):
         for key in ("a", "d"):
@@ -196,6 +217,7 @@ def _complete(path: Path, index: int, joint: dict[str, Any]) -> dict[str, Any]:
         )
     if joint["gear_ratio"] == 0:
         raise InputError(f"{path}: '{where}.gear_ratio' is 0; a joint known on the joint side has gear_ratio 1")
+    check_ratio(path, index, joint["gear_ratio"])
     return joint
 
 
