@@ -104,7 +104,7 @@ def test_what_is_allowed_passes():
         ("+01:00", "'Etc/GMT-1' is this offset all year"),
         ("UTC-5", "'Etc/GMT+5' is this offset all year"),
         ("+05:30", "IANA names"),
-        ("CEST", "its time for a season: name the place"),
+        ("CEST", "an abbreviation is no zone: name the place"),
     ],
 )
 def test_what_is_no_zone_is_told_what_to_give(name, words):
@@ -125,9 +125,12 @@ def test_what_is_no_zone_is_told_what_to_give(name, words):
         ({"sign": -1}, "is -1, must be a list; one for each axis, as [1, 1, -1, 1, 1, 1]"),
         (
             {"limits": {"coulomb_increase_percent": 0.2}},
-            "is 0.2, out of range (allowed: >= 1 and <= 10000); the nearest valid value is 1, or 20 if a share",
+            "<= 10000: no axis shows less beside its own scatter); the nearest valid value is 1, or 20 if a share",
         ),
-        ({"false_alarms_per_1000_h": 1.0e-9}, "(allowed: >= 0.01 and <= 1000); the nearest valid value is 0.01"),
+        (
+            {"false_alarms_per_1000_h": 1.0e-9},
+            "(allowed: >= 0.01 and <= 1000: 0.01 is one in 100,000 h, as many as an arm",
+        ),
     ],
 )
 def test_what_is_allowed_is_said(root, more, words):

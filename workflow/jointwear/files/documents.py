@@ -385,12 +385,14 @@ def _words(rule) -> str:
 
 
 def _limits(schema: dict[str, Any]) -> str:
+    """Return the limits of a number, with the reason where the schema has one as its comment."""
     parts = [
         f"{sign} {schema[key]}"
         for key, sign in (("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<"))
         if key in schema
     ]
-    return f" (allowed: {' and '.join(parts)})" if parts else ""
+    why = f": {schema['$comment']}" if "$comment" in schema else ""
+    return f" (allowed: {' and '.join(parts)}{why})" if parts else ""
 
 
 def check(data: dict[str, Any], schema: dict[str, Any], name: str | Path) -> None:

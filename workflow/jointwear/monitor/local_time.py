@@ -47,7 +47,7 @@ def _meant(name: str) -> str:
     if offset and -12 <= (hours := int(offset["hours"])) <= 14:
         # Names of offsets count west of Greenwich.
         return f"; 'Etc/GMT{-hours:+d}' is this offset all year; where summer time is kept, name the place"
-    return "; that is no zone, but its time for a season: name the place" if _ABBREVIATION.fullmatch(name) else ""
+    return "; an abbreviation is no zone: name the place" if _ABBREVIATION.fullmatch(name) else ""
 
 
 def repeats_after(seconds: float, zone: tzinfo) -> float:
