@@ -109,7 +109,7 @@ def test_without_motion_no_unit_is_told():
         check_position_unit(samples, robot, "arm", "deg")
 
 
-def log_that_one_joint_tells(tmp_path, **positions):
+def log_that_one_joint_tells(tmp_path):
     """A log whose third joint stands still; of the others all but the second are friction nearly alone."""
     log = make_log(40.0)
     still = np.where(np.arange(6) == 2, 0.0, 1.0)
@@ -117,7 +117,6 @@ def log_that_one_joint_tells(tmp_path, **positions):
     torque = model()(q, v, a).total
     torque += 0.01 * torque.std(axis=0) * np.random.default_rng(4).standard_normal(torque.shape)
     table = columns(replace(log, position=q, velocity=v, acceleration=a, torque=torque))
-    table |= {name: change(table[name]) for name, change in positions.items()}
     return str(write_parquet(tmp_path / "log.parquet", table))
 
 
@@ -127,3 +126,11 @@ def test_radians_that_one_joint_alone_tells_are_those_of_all(tmp_path):
     with pytest.raises(Refused, match="the positions look like radians, their stated unit is deg") as refused:
         survey_log(path, layout(units={"position": "deg"}), model(), 12.0)
     assert "state units: {position: rad}" in refused.value.suggestion
+
+
+def test_a_joint_in_radians_among_others_in_degrees_is_the_odd_one(tmp_path):
+    log = make_log(40.0)
+    table = columns(log) | {f"position_{j + 1}": np.degrees(log.position[:, j]) for j in (0, 2, 3, 4, 5)}
+    path = str(write_parquet(tmp_path / "log.parquet", table))
+    with pytest.raises(Refused, match="position of joint 2 looks like radians taken for degrees, those of the others"):
+        survey_log(path, layout(units={"position": "deg"}), model(), 12.0)

@@ -144,8 +144,8 @@ def test_a_clock_at_another_speed_is_told_with_its_factor(tmp_path):
 @pytest.mark.parametrize(
     ("entry", "advice"),
     [
-        ({"sign": turned(3).tolist()}, "'sign' has -1 for joint 3: take it out"),
-        ({"scale": turned(2).tolist()}, "'scale' has -1 for joint 2: take it out"),
+        ({"sign": turned(3).tolist()}, "'sign' has -1 for joint 3: take 'sign' out"),
+        ({"scale": turned(2).tolist()}, "'scale' has -1 for joint 2: take 'scale' out"),
         ({"scale": (1.5 * turned(2)).tolist()}, "'scale' has -1.5 for joint 2: make that 1.5"),
     ],
 )

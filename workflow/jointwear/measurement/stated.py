@@ -28,8 +28,9 @@ class Stated:
             return ""
         then = [now[axis] * wanted[axis] for axis in now]
         said = f"'{key}' has {_figures(now.values())} for {numbered('joint', [axis + 1 for axis in now])}"
-        if all(abs(value - 1.0) < NEARLY_ONE for value in then):
-            return f"{said}: take it out"
+        others = [value for axis, value in enumerate(has) if axis not in now and len(has) > 1]
+        if all(abs(value - 1.0) < NEARLY_ONE for value in [*then, *others]):
+            return f"{said}: take '{key}' out"
         return f"{said}: make that {_figures(then)}"
 
 
