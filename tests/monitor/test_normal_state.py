@@ -62,6 +62,20 @@ def test_left_out_residuals_are_those_of_a_fit_without_the_shift():
     assert whole.left_out[shift == 2] == pytest.approx(expected, abs=2e-3)
 
 
+def test_the_mean_of_a_shift_is_predicted_as_its_mean_conditions_are():
+    """Windows at other temperatures err apart: their mean is known better than each of them."""
+    random = np.random.default_rng(3)
+    shift = np.repeat(np.arange(6), 10)
+    x = np.stack([np.ones(60), random.standard_normal(60)], axis=1)
+    y = x @ [0.3, 0.1] + 0.01 * random.standard_normal(60)
+    noise, prior = Noise(np.full(60, 1e-4), 0.0, 1e-5), Posterior(np.zeros(2), np.eye(2))
+    whole = fit_normal_state(x, y, noise, shift, prior)
+    rest = fit_normal_state(x, np.where(shift == 2, np.nan, y), noise, shift, prior)
+    _, variance = rest.posterior.predict(x[shift == 2].mean(axis=0, keepdims=True))
+    assert whole.mean_variance[shift == 2] == pytest.approx(np.full(10, variance[0]), rel=0.1)
+    assert (whole.mean_variance < [whole.left_out_variance[shift == k].mean() for k in shift]).all()
+
+
 def test_an_odd_day_of_the_baseline_does_not_rule_it():
     shift = np.repeat(np.arange(8), 8)
     y = 0.002 * np.random.default_rng(2).standard_normal(64) + 0.2 * (shift == 3)
