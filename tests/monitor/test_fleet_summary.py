@@ -103,15 +103,21 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     item = robot_item(row, zone_of(None), "robots")
     assert item["findings"] == ["Wed 2025-12-31: The scale changed."]
     # Somebody has to say what was done to it.
-    assert (row["urgency"], item["check"]) == ("asks for an event", "Enter what was done to it, or look for the cause")
+    assert (row["urgency"], item["check"]) == (
+        "needs an entry under events",
+        "Enter what was done to it, or look for the cause",
+    )
     assert as_of(robot("arm", findings=found[:1]), NOW)["urgency"] == "healthy"
 
 
 @pytest.mark.parametrize("kind", ["contradicted", "outside", "frozen", "missing", "drives", "uneven"])
 def test_a_torque_or_position_that_is_none_asks_for_its_cause_while_it_lasts(kind):
     found = {"time": NOW - DAY, "axes": [3], "kind": kind, "words": "The torque of axis 3 is none."}
-    assert as_of({**robot("arm", findings=[found]), "last_sample": NOW - 60.0}, NOW)["urgency"] == "asks for an event"
-    for end, urgency in ((NOW + 60.0, "asks for an event"), (NOW - DAY / 2, "healthy")):
+    assert (
+        as_of({**robot("arm", findings=[found]), "last_sample": NOW - 60.0}, NOW)["urgency"]
+        == "needs an entry under events"
+    )
+    for end, urgency in ((NOW + 60.0, "needs an entry under events"), (NOW - DAY / 2, "healthy")):
         row = robot("arm", findings=[{**found, "end": end}])
         assert as_of({**row, "last_sample": NOW - 60.0}, NOW)["urgency"] == urgency
 
@@ -133,7 +139,7 @@ def test_spells_that_are_over_are_told_once_and_last():
 
 def test_a_service_that_is_proposed_asks_for_its_event_until_one_is_entered():
     found = {"time": NOW, "axes": [2], "kind": "proposed_service", "words": "Friction of axis 2 fell."}
-    assert as_of(robot("arm", findings=[found]), NOW)["urgency"] == "asks for an event"
+    assert as_of(robot("arm", findings=[found]), NOW)["urgency"] == "needs an entry under events"
     assert as_of(robot("arm", findings=[{**found, "answered": True}]), NOW)["urgency"] == "healthy"
 
 
@@ -210,7 +216,7 @@ def test_an_axis_over_its_limit_without_an_alarm_is_not_called_healthy():
     told = "viscous friction +23.5 % now, Coulomb friction −13.5 %: over the limit of 20 % without an alarm."
     row = as_of(robot("arm", axis(5, over=told), findings=[began(1)]), NOW)
     item = robot_item(row, zone_of(None), "robots")
-    assert item["urgency"] == "asks for an event"
+    assert item["urgency"] == "needs an entry under events"
     assert item["findings"][0] == f"Axis 5: {told}"
     assert as_of(robot("arm", axis(5, over="")), NOW)["urgency"] == "healthy"
 

@@ -76,6 +76,16 @@ def test_alarms_of_one_story_are_one_episode():
     assert len({e.key for e in found}) == 4
 
 
+def test_an_event_that_closes_nothing_changes_no_name_of_an_episode():
+    rows = [{"time": time, "axis": 1, "quantity": "coulomb friction", "detector": "model"} for time in (3.0, 9.0)]
+    closing = {"time": 5.0, "axes": [1], "kind": "service"}
+    for idle in ([], [{**closing, "time": 1.0}], [{**closing, "time": 6.0}], [{**closing, "axes": [2], "time": 8.0}]):
+        found = episodes_of(rows, events_of({"events": [closing, *idle]}))
+        assert [e.key for e in found] == ["1|coulomb friction|model|1", "1|coulomb friction|model|"]
+    (whole,) = episodes_of(rows, events_of({"events": [{**closing, "time": 1.0}]}))
+    assert (whole.key, whole.before) == ("1|coulomb friction|model|", None)
+
+
 def test_another_program_resolves_no_wear():
     rows = [{"time": time, "axis": 1, "quantity": "coulomb friction", "detector": "model"} for time in (1.0, 9.0)]
     found = episodes_of(rows, events_of({"events": [{"time": 5.0, "kind": "program", "note": "another gripper"}]}))

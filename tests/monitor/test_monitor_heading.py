@@ -299,6 +299,37 @@ def test_an_axis_that_was_mended_is_not_known_before_it_has_run(monitored, kind,
     assert ("no shift since" in summary["remark"]) == (level == UNJUDGED)
 
 
+@pytest.mark.parametrize("kind", ["service", "acknowledged"])
+def test_growth_of_before_an_event_is_told_as_such_until_the_axis_is_judged_again(monitored, kind):
+    folder, _, _ = monitored
+    state = with_estimates(changed(read_state(folder / "state.nc"), "coulomb friction", WORN), coulomb_percent=25.8)
+    (first,) = [c for c in axis_conditions(state) if c.reached]
+    assert axis_summary(state, WORN, condition=first)["label"] == "limit reached"
+    status, reason = state.status.copy(), np.zeros_like(state.reason)
+    status[57:, WORN], reason[57:, WORN] = UNJUDGED, Reason.LEARNING
+    event = {"time": float(state.start[56]) + 1800.0, "axes": [WORN + 1], "kind": kind, "note": "Ms Müller"}
+    after = replace(state, status=status, reason=reason, entry=state.entry | {"events": [event]})
+    found = axis_conditions(after)[WORN]
+    assert (found.reached, found.outlook, found.anew) == (False, None, None)
+    until, at = (log_time(t, zone_of(None), state.dated) for t in (state.end[56], event["time"]))
+    words = f"Coulomb friction +25.8 % until {until}, before the event ({kind} {at}), limit 20 %; being learnt anew"
+    summary = axis_summary(after, WORN, condition=found)
+    assert summary["remark"].replace("\u00a0", " ").startswith(words)
+    assert {e["name"]: e["value"] for e in summary["estimates"]}["change of Coulomb friction"] is None
+    row = {**NOTHING, "robot": "x", "folder": "x", "result": "judged", **standing(after)}
+    (axis,) = [a for a in row["axes"] if a["axis"] == WORN + 1]
+    told = todo(row, axis, zone_of(None))
+    assert (told["change"].replace("\u00a0", " "), told["bar"], told["outlook"]) == (words, None, "")
+    cells = table_row(as_of(row, row["last_sample"]))
+    if kind == "acknowledged":
+        assert cells["urgency"] == CHANGED
+        assert cells["growth_percent"] == ""
+        assert cells["what_to_check"].startswith(words)
+    assert [(e["key"], e["event"]["note"]) for e in row["closed"]] == [
+        (f"{WORN + 1}|coulomb friction|model|", "Ms Müller")
+    ]
+
+
 @pytest.mark.parametrize(("kind", "anew"), [("service", True), ("acknowledged", True), ("program", False)])
 def test_growth_that_counts_from_an_event_says_so(monitored, kind, anew):
     """Another 17 % were there before an alarm was acknowledged, and the page said 3 % of a limit of 20 %."""

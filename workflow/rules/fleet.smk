@@ -66,6 +66,7 @@ rule summarise_fleet:
         outbox="results/fleet/outbox.json",
         time_zone=MONITOR["time_zone"],
         stale_after=window_seconds(MONITOR["stale_after"]) / 3600,
+        configuration=CONFIGURATION,
         # What is stale depends on the time of day: the page is as of the hour.
         hour=int(time.time() // 3600),
     script:

@@ -18,6 +18,7 @@ if __name__ == "__main__":
             outbox=snakemake.params.outbox,
             time_zone=snakemake.params.time_zone,
             stale_after=snakemake.params.stale_after,
+            configuration=snakemake.params.configuration,
         )
         if not snakemake.input.batches:
             # A schedule that lost its --configfile must not look healthy.

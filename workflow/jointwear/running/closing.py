@@ -19,6 +19,8 @@ PAGES = ("results/*/index.html", "results/*/*.html", "results/*/*/*.html")
 LEARNED = "results/learned/*/learned.json"
 #: Page and rows of the fleet, and the largest file of rows that is read for a line.
 FLEET, ROWS, LARGEST_ROWS = Path("results/fleet/index.html"), Path("results/fleet/rows.json"), 5_000_000
+#: Kind of a finding on an event that changes nothing.
+IDLE = "idle_event"
 #: Most lines of a kind.
 MOST = 20
 
@@ -50,17 +52,33 @@ def _refusal_of(row: dict) -> list[str]:
     return [f"refused: {row['robot']}: {told}" for told in newest]
 
 
+def _idle_of(row: dict) -> list[str]:
+    """Return the events of a robot's entry that change nothing, in a line each."""
+    return [f"event: {row['robot']}: {f['words']}" for f in row.get("findings", []) if f["kind"] == IDLE]
+
+
+def _kept_of(name: str, rows: Path) -> str:
+    """Return in words what is kept of a robot that the configuration no longer names."""
+    kept = [rows.parent / "robots" / name, rows.parents[1] / "learned" / name]
+    root = rows.parents[2]
+    there = [path.relative_to(root).as_posix() for path in kept if path.is_dir()]
+    return f"what is known of it is kept in {' and '.join(there)}; delete that if the robot does not come back"
+
+
 def fleet_lines(rows: Path) -> list[str]:
-    """Return how many robots are to be looked at and for what, and why any is refused: nobody may open the page of a
-    robot whose logs cannot be read. No lines where there is no such file, where it is damaged or where it is large.
+    """Return how many robots are to be looked at and for what, why any is refused, which events change nothing, and
+    whose results are kept though no robot has them: nobody may open the pages of these. No lines where there is no such
+    file, where it is damaged or where it is large.
     """
     try:
         if rows.stat().st_size > LARGEST_ROWS:
             return []
-        robots = read_json(rows)["robots"]
+        content = read_json(rows)
+        robots, left = content["robots"], content.get("left", [])
         kinds = Counter(row["urgency"] for row in robots)
         waiting = len(robots) - kinds.pop("healthy", 0)
-        told = [line for row in robots for line in _refusal_of(row)]
+        told = [line for row in robots for line in [*_refusal_of(row), *_idle_of(row)]]
+        told += [f"left: {name} is no longer in the configuration; {_kept_of(name, rows)}" for name in left]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
     # The rows are ranked: what is most urgent comes first.

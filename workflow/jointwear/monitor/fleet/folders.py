@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +70,18 @@ def namesakes(own: Path, folder: Path, name: str) -> list[str]:
         "they are one robot, let its patterns match the logs that were read before."
     )
     return [words]
+
+
+def left_folders(folder: Path, known: Collection[str], configuration: str) -> list[str]:
+    """Return the names of the folders of robots that a configuration named once and does not any more, in order.
+
+    Parameters
+    ----------
+    folder : of the robots. known : names of the folders of the robots that the configuration names now.
+    configuration : see :func:`own_folder`; robots of another one are none of it.
+    """
+    marks = {path.parent.name: _mark(path) for path in sorted(folder.glob("*/whose.txt"))}
+    return [name for name, mark in marks.items() if name not in known and mark[1:] == [configuration]]
 
 
 def _mark(file: Path) -> list[str]:

@@ -13,9 +13,9 @@ from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.findings.seen_growth import COARSE, LOOSE
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
-from jointwear.monitor.fleet.ranking import ASKS, ORDER, REACHED, REFUSED, STALE
+from jointwear.monitor.fleet.ranking import ASKS, ORDER, REFUSED, STALE
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
-from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
 from jointwear.monitor.presentation.to_answer import lasts, to_do
 from jointwear.monitor.presentation.words import todo
 from jointwear.monitor.watching.backlash import BACKLASH

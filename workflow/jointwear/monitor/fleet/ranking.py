@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from jointwear.monitor.local_time import duration
-from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
 from jointwear.monitor.presentation.to_answer import AHEAD, ASKING, lasts
 
 #: What a robot can be in, the most urgent first, and the words for it.
-REACHED, REFUSED, STALE, ASKS = "limit reached", "refused", "stale", "asks for an event"
+REFUSED, STALE, ASKS = "refused", "stale", "needs an entry under events"
 ORDER = (REACHED, CHANGED, REFUSED, UNRESOLVED, ASKS, STALE, UNJUDGED, HEALTHY)
 #: Times its rhythm after which a log that cannot be read yet is not one that is being written: by then the next one is
 #: due, too.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from jointwear.files.json_documents import write_json
+from jointwear.monitor.fleet.folders import left_folders
 from jointwear.monitor.fleet.history import join_histories
 from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import write_fleet_page
@@ -39,6 +40,7 @@ def summarise_fleet(
     outbox: str | Path | None = None,
     time_zone: str | None = None,
     stale_after: float = STALE_AFTER_HOURS,
+    configuration: str = "",
     now: float | None = None,
 ) -> None:
     """Write what is known of all robots, the most urgent first.
@@ -49,6 +51,7 @@ def summarise_fleet(
     table, page, metrics, history, rows : files to write: CSV, HTML, text format of Prometheus, Parquet, JSON.
     outbox : of `notify`; the page tells of messages that wait. time_zone : IANA name, for the page.
     stale_after : silence [h] after which a robot counts as stale.
+    configuration : that names the robots; those that it named once are told of by their folders, `left` of `rows`.
     now : [s since 1970] that staleness counts from, default the clock's.
     """
     now, zone = time.time() if now is None else now, zone_of(time_zone)
@@ -57,7 +60,8 @@ def summarise_fleet(
     write_metrics(found, now, metrics)
     parts = [Path(folder) / row["folder"] / "history.parquet" for row in found if row["result"] == "judged"]
     join_histories([part for part in parts if part.is_file()], history)
-    write_json(rows, {"now": now, "robots": found})
+    left = left_folders(Path(folder), {row["folder"] for row in found}, configuration)
+    write_json(rows, {"now": now, "robots": found, "left": left})
     link = Path(folder).relative_to(Path(page).parent).as_posix()
     waiting = Outbox.open(outbox).waiting if outbox else []
     write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting])

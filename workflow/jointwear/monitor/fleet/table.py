@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC
 from pathlib import Path
 from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.presentation.condition import UNJUDGED
+from jointwear.monitor.presentation.words import change_words, until_words
 
 #: What each column holds is told in docs/howto/fleet.md.
 COLUMNS = (
@@ -26,6 +28,11 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return the cells of one robot; an empty cell is a value that is not known, or a limit that may never come."""
     first = next((axis for axis in row["axes"] if axis["check"]), None)
     hours = (first and first["hours"]) or [None] * 3
+    check = first["check"] if first else ""
+    if first and first.get("event"):
+        # No number of now: it is told in words, until when it holds.
+        check = f"{change_words(first, until_words(row, first, UTC))}; {check}"
+        first = {**first, "growth": None, "viscous_growth": None}
 
     def axes(held: Callable[[Mapping[str, Any]], bool]) -> str:
         return " ".join(str(a) for a in sorted(axis["axis"] for axis in row["axes"] if held(axis)))
@@ -33,7 +40,7 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
     cells = {
         **{name: row[name] for name in COLUMNS if name in row},
         "axis_to_check": first["axis"] if first else "",
-        "what_to_check": first["check"] if first else "",
+        "what_to_check": check,
         "growth_percent": first["growth"] if first else "",
         "viscous_growth_percent": first.get("viscous_growth") if first else "",
         "limit_percent": first["limit"] if first else "",

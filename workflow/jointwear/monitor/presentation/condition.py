@@ -23,6 +23,8 @@ from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reaso
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
 UNRESOLVED = "unresolved alarm"
+#: What is said of a changed axis whose growth has reached its limit.
+REACHED = "limit reached"
 #: Quantity of an alarm other than Coulomb friction -> the estimate that shows it.
 SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
 #: Probability of an axis below which it is no likelier than all others together.
@@ -56,7 +58,9 @@ class AxisCondition:
     unresolved ones of alarms that count, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its
     change now, NaN where unknown. `seen`: it has been judged after the baseline. `loud`: its torque has grown uneven.
     `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered. `anew`: the
-    newest event that mends it, from which its growth counts; None where there is none.
+    newest event that mends it, from which its growth counts; None where there is none. `event`: the newest event after
+    which nothing of the axis has been judged yet, None where there is none; its growth is then that of before, up to
+    `until` [s], the end of the window that it was judged in last, and NaN elsewhere.
     """
 
     axis: int
@@ -75,6 +79,13 @@ class AxisCondition:
     loud: bool = False
     turned: float = math.inf
     anew: Event | None = None
+    event: Event | None = None
+    until: float = math.nan
+
+    @property
+    def closed(self) -> bool:
+        """Whether an event closed what the axis had grown by, and nothing has been judged since."""
+        return self.event is not None and self.event.mends and not self.episodes
 
     @property
     def change(self) -> float | None:
@@ -93,7 +104,7 @@ class AxisCondition:
     def check(self) -> str:
         """What to check, one line; empty where nothing calls for it."""
         if self.main is None:
-            return "known from an event of the config; keep watching it" if self.level == CHANGED else ""
+            return "closed by its entry under 'events'; keep watching it" if self.level == CHANGED else ""
         if self.turned <= self.main.last:
             return "first settle from which zero the joints count, as told below: another zero looks like friction"
         if self.level != CHANGED:
@@ -125,9 +136,10 @@ class AxisCondition:
 
     @property
     def reached(self) -> bool:
-        """Whether the growth that is told has reached the limit while the axis counts as changed."""
+        """Whether the growth that is told has reached the limit while the axis counts as changed; growth that an event
+        has closed counts no more."""
         viscous = self.viscous_told and self.viscous >= self.limit
-        return self.level == CHANGED and bool(self.growth >= self.limit or viscous)
+        return self.level == CHANGED and not self.closed and bool(self.growth >= self.limit or viscous)
 
     @property
     def over(self) -> str:
@@ -156,7 +168,10 @@ def robot_episodes(state: RobotState) -> list[Episode]:
 
 def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence[Event]) -> AxisCondition:
     own = [e for e in found if e.axis == j + 1]
-    mending = [e for e in events if e.mends and e.concerns(j) and state.start[0] < e.time <= state.start[-1]]
+    begin, until = _last_judged(state, j)
+    told = [e for e in events if e.concerns(j) and state.start[0] < e.time]
+    mending = [e for e in told if e.mends and e.time <= begin]
+    event = told[-1] if told and told[-1].time > begin and math.isfinite(until) else None
     open_ones = tuple(e for e in own if e.resolved is None)
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
@@ -179,7 +194,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         growth=growth,
         growth_std=std,
         limit=float(state.entry.get("limits", {}).get("coulomb_increase_percent", DEFAULT_LIMIT)),
-        outlook=_outlook(state, j) if level == CHANGED else None,
+        outlook=_outlook(state, j) if level == CHANGED and (open_ones or not event) else None,
         episodes=open_ones,
         past=tuple(e for e in own if e.resolved is not None),
         estimates={quantity: latest(state, name, j)[0] for quantity, name in SHOWN_BY.items()},
@@ -189,7 +204,17 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         loud=loud,
         turned=min((f["time"] for f in _unanswered(state, ZERO)), default=math.inf),
         anew=mending[-1] if mending else None,
+        event=event,
+        until=until if event else math.nan,
     )
+
+
+def _last_judged(state: RobotState, j: int) -> tuple[float, float]:
+    """Return begin and end [s] of the window in which a 0-based axis was judged last; NaN where it never was. While it
+    is learnt anew it is not judged, whatever alarm stays open."""
+    judged = np.flatnonzero((state.status[:, j] != UNJUDGED) & (state.reason[:, j] != Reason.LEARNING))
+    judged = judged[judged >= state.baseline]
+    return (float(state.start[judged[-1]]), float(state.end[judged[-1]])) if len(judged) else (math.nan, math.nan)
 
 
 def _mended(resolved: list[Episode]) -> bool:
@@ -252,6 +277,6 @@ def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:
 
 
 __all__ = [
-    "CHANGED", "FEWEST_NOW", "HEALTHY", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook", "axis_conditions",
-    "latest", "robot_episodes", "urgency",
+    "CHANGED", "FEWEST_NOW", "HEALTHY", "REACHED", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook",
+    "axis_conditions", "latest", "robot_episodes", "urgency",
 ]  # fmt: skip

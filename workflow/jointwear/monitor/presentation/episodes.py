@@ -19,7 +19,8 @@ class Episode:
     """Alarms of one quantity, axis and detector between two events.
 
     `axis` 1-based, None for the whole robot; `alarms` in order of time, records as in alarms.csv with `time` in
-    seconds; `resolved` by the event that followed, or None; `before`: the event that it began after, or None.
+    seconds; `resolved` by the event that followed, or None; `before`: the event that closed the episode before it, or
+    None; `earlier`: how many episodes of the same quantity, axis and detector came before it.
     """
 
     axis: int | None
@@ -28,6 +29,7 @@ class Episode:
     alarms: tuple[Mapping[str, Any], ...]
     resolved: Event | None
     before: Event | None = None
+    earlier: int = 0
 
     @property
     def first(self) -> float:
@@ -46,9 +48,9 @@ class Episode:
 
     @property
     def key(self) -> str:
-        """A name that stays the same as long as the episode lasts, whatever the times of its alarms become."""
-        began = "" if self.before is None else f"{self.before.time:.0f}"
-        return f"{self.axis or 'all'}|{self.quantity}|{self.detector}|{began}"
+        """A name that stays the same as long as the episode lasts, whatever the times of its alarms become and whatever
+        events come into the config that close nothing of its story."""
+        return f"{self.axis or 'all'}|{self.quantity}|{self.detector}|{self.earlier or ''}"
 
 
 def _resolves(event: Event, axis: int | None) -> bool:
@@ -60,15 +62,17 @@ def _resolves(event: Event, axis: int | None) -> bool:
 
 def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) -> list[Episode]:
     """Return the episodes, unresolved ones first, of these the newest first."""
-    stories: dict[tuple, list[Mapping[str, Any]]] = {}
-    around: dict[tuple, tuple[Event | None, Event | None]] = {}
+    stories: dict[tuple, list[tuple[Event | None, list[Mapping[str, Any]]]]] = {}
     for alarm in sorted(alarms, key=lambda a: a["time"]):
         axis = alarm["axis"] or None
-        own = [e for e in events if _resolves(e, axis)]
-        end = next((e for e in own if e.time >= alarm["time"]), None)
-        begin = next((e for e in reversed(own) if e.time < alarm["time"]), None)
-        key = (axis, alarm["quantity"], alarm["detector"], None if end is None else end.time)
-        stories.setdefault(key, []).append(alarm)
-        around[key] = (end, begin)
-    found = [Episode(*key[:3], tuple(rows), *around[key]) for key, rows in stories.items()]
+        end = next((e for e in events if _resolves(e, axis) and e.time >= alarm["time"]), None)
+        story = stories.setdefault((axis, alarm["quantity"], alarm["detector"]), [])
+        if not story or story[-1][0] is not end:
+            story.append((end, []))
+        story[-1][1].append(alarm)
+    found = [
+        Episode(*key, tuple(rows), end, story[k - 1][0] if k else None, k)
+        for key, story in stories.items()
+        for k, (end, rows) in enumerate(story)
+    ]
     return sorted(found, key=lambda e: (e.resolved is not None, -e.last, e.axis or 0))

@@ -12,6 +12,7 @@ from jointwear.files.errors import EMPTY, NO_SAMPLES, TRUNCATED, InputError, sho
 from jointwear.files.json_documents import read_json
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.measurement.flags import Flag
+from jointwear.monitor.events import Event
 from jointwear.monitor.judging.state import RobotState
 from jointwear.monitor.presentation.condition import (
     CHANGED,
@@ -29,7 +30,8 @@ NOTHING: dict[str, Any] = {
     "alarms": 0, "axes_changed": "", "reason": "", "logs": 0, "refused_logs": 0, "copied_logs": 0, "unjudged_logs": 0,
     "windows": 0, "refused_windows": 0, "unjudged_windows": 0, "kept_logs": 0, "last_sample": None,
     "refused_newest": 0, "unfinished": False, "last_judged": None,
-    "rhythm_hours": None, "dated": False, "axes": [], "episodes": [], "findings": [], "refusals": [], "page": None,
+    "rhythm_hours": None, "dated": False, "axes": [], "episodes": [], "closed": [], "findings": [], "refusals": [],
+    "page": None,
 }  # fmt: skip
 #: Time [s] before the newest log that its rhythm is read from: four weeks, so that weekends count with their weight.
 RHYTHM = 28 * 86400.0
@@ -61,13 +63,28 @@ def rows_of(path: str | Path, keys: Iterable[str] = NOTHING) -> list[dict[str, A
     return rows
 
 
+def left_of(path: str | Path) -> list[str]:
+    """Return the folders of robots that have left the configuration, as a JSON file of the fleet names them.
+
+    Raises
+    ------
+    InputError : naming the file, if they are no names.
+    """
+    left = read_json(path).get("left", [])
+    if not isinstance(left, list) or not all(isinstance(name, str) for name in left):
+        raise InputError(f"{path}: 'left' is {shown(left)}, must be a list of names; delete it and run again")
+    return left
+
+
 def standing(state: RobotState) -> dict[str, Any]:
     """Return what the fleet needs to know of a judged robot; `axes` in order of urgency first."""
     conditions = axis_conditions(state)
     first = urgency(conditions)
     ordered = first + [c for c in conditions if c not in first]
     unjudged = state.status == UNJUDGED
-    episodes = [e for c in ordered for e in c.episodes] + [e for e in robot_episodes(state) if e.resolved is None]
+    whole = robot_episodes(state)
+    episodes = [e for c in ordered for e in c.episodes] + [e for e in whole if e.resolved is None]
+    closed = [e for c in ordered for e in c.past] + [e for e in whole if e.resolved is not None]
     return {
         "alarms": len(state.counted),
         "axes_changed": " ".join(str(j + 1) for j in range(state.axes) if state.status[-1, j] == CHANGED),
@@ -86,6 +103,7 @@ def standing(state: RobotState) -> dict[str, Any]:
         "dated": state.dated,
         "axes": [axis_row(c) for c in ordered],
         "episodes": [episode_row(e, conditions) for e in episodes],
+        "closed": [closed_row(e) for e in closed],
         "findings": as_json(state.findings),
         "refusals": [told for told in state.refused if told][-TOLD_REFUSALS:],
     }
@@ -170,8 +188,20 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "alarms": sum(len(e.alarms) for e in condition.episodes),
         "check": condition.check,
         "over": over_words(condition),
-        "anew": None if condition.anew is None else {"time": condition.anew.time, "kind": condition.anew.kind},
+        "anew": _event_row(condition.anew),
+        "event": _event_row(condition.event),
+        "until": as_json(condition.until) if condition.event else None,
     }
+
+
+def _event_row(event: Event | None) -> dict[str, Any] | None:
+    return None if event is None else {"time": event.time, "kind": event.kind, "note": event.note}
+
+
+def closed_row(episode: Episode) -> dict[str, Any]:
+    """Return an episode that an event of the config has closed, as JSON has it."""
+    named = {"key": episode.key, "axis": episode.axis, "quantity": episode.quantity, "detector": episode.detector}
+    return {**named, "event": _event_row(episode.resolved)}
 
 
 def episode_row(episode: Episode, conditions: list[AxisCondition]) -> dict[str, Any]:

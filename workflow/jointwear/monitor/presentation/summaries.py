@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from datetime import UTC, tzinfo
 from typing import Any
@@ -18,13 +19,15 @@ from jointwear.monitor.presentation.condition import (
     CHANGED,
     FEWEST_NOW,
     HEALTHY,
+    REACHED,
     UNJUDGED,
     UNRESOLVED,
     AxisCondition,
     axis_conditions,
     latest,
 )
-from jointwear.monitor.presentation.words import BADGES, OVER, over_words
+from jointwear.monitor.presentation.standing import axis_row
+from jointwear.monitor.presentation.words import BADGES, OVER, change_words, over_words, until_words
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.present import now_windows
 from jointwear.monitor.watching.records import Reason
@@ -64,7 +67,11 @@ def axis_summary(
     remark = ""
     # Of an axis that was never judged the reason stands in the table of what cannot be judged.
     late = len(after) > 0 and bool(after[-1] < len(state.start) - FEWEST_NOW)
-    if late:
+    before = grown_before(state, condition, zone)
+    if before:
+        unknown = "; no shift since tells what is normal now" if condition.level == UNJUDGED else ""
+        remark = f"{before}{unknown}"
+    elif late:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
     elif condition.loud:
@@ -81,11 +88,11 @@ def axis_summary(
         "joint": state.joints[j],
         "status": condition.level,
         "quantity": _quantity(condition),
-        "label": OVER if condition.over else condition.level,
+        "label": OVER if condition.over else REACHED if condition.reached else condition.level,
         "badge": "close" if condition.over else BADGES[condition.level],
         "remark": remark,
-        "estimates": [_latest(state, name, j) for name in shown_estimates(state)],
-        "unknown": _unknown(state, j),
+        "estimates": [_latest(state, name, j, bool(before)) for name in shown_estimates(state)],
+        "unknown": [] if before else _unknown(state, j),
         "windows": len(judged),
         "coarse": coarse is not None,
         "late": late,
@@ -104,9 +111,18 @@ def shown_estimates(state: RobotState) -> list[str]:
     return [name for name in COLUMNS if name in state.estimates and np.isfinite(state.estimates[name][0]).any()]
 
 
-def _latest(state: RobotState, name: str, j: int) -> dict[str, Any]:
+def grown_before(state: RobotState, condition: AxisCondition, zone: tzinfo) -> str:
+    """Return what an axis had grown by before its newest event, where nothing has been judged since; else empty."""
+    if condition.event is None:
+        return ""
+    row, axis = {"dated": state.dated}, axis_row(condition)
+    return change_words(axis, until_words(row, axis, zone)) or f"being learnt anew since {condition.event.kind}"
+
+
+def _latest(state: RobotState, name: str, j: int, before: bool) -> dict[str, Any]:
+    """Return an estimate of a 0-based axis for the table; a change `before` its newest event is none of now."""
     words, other = COLUMNS[name]
-    value, std = latest(state, name, j)
+    value, std = (math.nan, math.nan) if before and name != "friction" else latest(state, name, j)
     found = {
         "name": words,
         "unit": state.estimates[name][2],
@@ -188,8 +204,9 @@ def headline(
     coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
     if changed:
         play = [s["axis"] for s in summaries if s["status"] == CHANGED and s["quantity"] == BACKLASH]
-        rubs = [s["axis"] for s in summaries if s["status"] == CHANGED and s["axis"] not in play]
-        parts = (("Friction has changed", rubs), ("backlash has grown", play))
+        full = [s["axis"] for s in summaries if s["label"] == REACHED]
+        rubs = [s["axis"] for s in summaries if s["status"] == CHANGED and s["axis"] not in [*play, *full]]
+        parts = ((REACHED, full), ("friction has changed", rubs), ("backlash has grown", play))
         heading = "; ".join(f"{words}: {name_axes(axes)}" for words, axes in parts if axes)
         heading = heading[0].upper() + heading[1:]
     elif unresolved:

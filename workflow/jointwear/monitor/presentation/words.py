@@ -9,7 +9,14 @@ from typing import Any
 
 from jointwear.monitor.local_time import duration, local_day, log_time
 from jointwear.monitor.presentation.advice import advice
-from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED, AxisCondition
+from jointwear.monitor.presentation.condition import (
+    CHANGED,
+    HEALTHY,
+    REACHED,
+    UNJUDGED,
+    UNRESOLVED,
+    AxisCondition,
+)
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS
 from jointwear.publishing.report.numbers import fixed, number
 
@@ -34,10 +41,10 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
     return {
         "axis": axis["axis"],
         "title": f"Axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else ""),
-        "level": axis["level"],
+        "level": REACHED if axis["reached"] else axis["level"],
         "badge": BADGES[axis["level"]],
         "sure": sure_words(axis.get("probability")),
-        "change": change_words(axis).replace(" %", NO_BREAK + "%"),
+        "change": change_words(axis, until_words(row, axis, zone)).replace(" %", NO_BREAK + "%"),
         "bar": bar(axis),
         "outlook": outlook_words(row, axis, zone),
         "since": "" if axis["since"] is None else log_time(axis["since"], zone, dated),
@@ -80,28 +87,45 @@ def bar(axis: Mapping[str, Any]) -> float | None:
 
     Of Coulomb or viscous friction, whichever has used up more of its limit.
     """
-    known = [g for g in (axis["growth"], axis.get("viscous_growth")) if g is not None]
+    known = [g for g in (axis["growth"], axis.get("viscous_growth")) if g is not None and not axis.get("event")]
     growth = max(known, default=0.0)
     return None if growth < LEAST_BAR * axis["limit"] or not known else min(100.0, 100 * growth / axis["limit"])
 
 
-def change_words(axis: Mapping[str, Any]) -> str:
-    """Return how much the friction of an axis has grown, beside its limit, and any other quantity that alarmed."""
+def event_words(event: Mapping[str, Any], zone: tzinfo, dated: bool, of: str = "") -> str:
+    """Return an event of the config as `service 2026-11-29 06:00 CET: greased`; `of` stands before its time."""
+    note = f": {event['note']}" if event.get("note") else ""
+    return f"{event['kind']} {of}{log_time(event['time'], zone, dated)}{note}"
+
+
+def until_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:
+    """Return until when the growth of an axis is told where nothing has been judged since an event, empty elsewhere."""
+    event = axis.get("event")
+    if event is None:
+        return ""
+    until = log_time(axis["until"], zone, row["dated"])
+    return f"until {until}, before the event ({event_words({**event, 'note': ''}, zone, row['dated'])})"
+
+
+def change_words(axis: Mapping[str, Any], until: str = "") -> str:
+    """Return how much the friction of an axis has grown, beside its limit, and any other quantity that alarmed;
+    `until` when where that is not now."""
+    now = until or "now"
     words, limit = [], f"limit {number(axis['limit'], 2)} %"
     if axis["growth"] is not None:
-        words.append(f"Coulomb friction {fixed(axis['growth'], 1, True)} % now, {limit}")
+        words.append(f"Coulomb friction {fixed(axis['growth'], 1, True)} % {now}, {limit}")
     quantity = axis["quantity"]
     size = "" if axis["change"] is None else f"{number(axis['change'], 2, True)} {axis['unit']}".rstrip()
     viscous = axis.get("viscous_growth")
     if viscous is not None:
         grown = f"more than {MOST_TOLD:+.0f}" if viscous > MOST_TOLD else fixed(viscous, 1, True)
         own = f" ({size})" if "viscous" in quantity and size else ""
-        words.insert(0 if own else 1, f"viscous friction {grown} % now{own}, {limit}")
+        words.insert(0 if own else 1, f"viscous friction {grown} % {now}{own}, {limit}")
     elif quantity and "coulomb" not in quantity:
         words.append(f"{quantity} {size or 'changed'}")
     elif size and not words:
         words.append(f"Coulomb friction {size} at its newest alarm, not judged now; {limit}")
-    told = "; ".join(words)
+    told = "; ".join([*words, "being learnt anew"] if until else words)
     return told[:1].upper() + told[1:] if viscous is not None else told
 
 
@@ -119,7 +143,7 @@ def anew_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) ->
 def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:
     """Return the forecast of an axis in words: days for logs with dates, else the time since the last sample."""
     if axis["reached"]:
-        return "limit reached"
+        return REACHED
     hours = axis.get("hours")
     if hours is None:
         return ""
