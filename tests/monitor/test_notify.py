@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from jointwear.files.errors import InputError
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.channels import blot
-from jointwear.monitor.notify.notices import Notice, notices
+from jointwear.monitor.notify.notices import Notice, closures, notices
 from jointwear.monitor.notify.outbox import MOST_LINES, Outbox
 from jointwear.monitor.notify.plan import check_channels
 from jointwear.monitor.notify.stage import notify
@@ -179,6 +179,80 @@ def test_an_episode_that_takes_the_name_of_the_other_friction_is_neither_new_nor
     assert list(outbox.told["shift"]) == ["cell_3|3|viscous friction|model|"]
     outbox.note("shift", notices([robot()], zone_of(None)), {"cell_3"}, HOUR)
     assert "resolved" in outbox.waiting[-1]["body"]
+
+
+def closed(kind, key="3|coulomb friction|model|", **more):
+    event = {"time": HOUR + 1800.0, "kind": kind, "note": "seen by Ms Müller"}
+    named = {"key": key, "axis": 3, "quantity": "coulomb friction", "detector": "model"}
+    return {**named, "event": event, **more}
+
+
+@pytest.mark.parametrize(
+    ("kind", "line", "title", "sort"),
+    [
+        ("service", "ENDED  cell_3, axis 3 (elbow): service of 2026-01-01 01:30 CET: seen by Ms Müller",
+         "Robot wear: 1 ended", "success"),
+        ("sensor", "ENDED  cell_3, axis 3 (elbow): sensor of 2026-01-01 01:30 CET: seen by Ms Müller",
+         "Robot wear: 1 ended", "success"),
+        ("acknowledged", ("CLOSED cell_3, axis 3 (elbow): acknowledged 2026-01-01 01:30 CET: seen by Ms Müller; Coulomb "
+         "friction +7.5 %, limit 20 %"), "Robot wear: 1 closed", "info"),
+    ],
+)  # fmt: skip
+def test_an_end_says_which_event_closed_the_alarm(tmp_path, monkeypatch, kind, line, title, sort):
+    event = closed(kind)["event"]
+    after = {**axis_row(), "event": event, "until": HOUR + 3600.0}
+    with web() as server:
+        monkeypatch.setenv("HOOK", f"json://127.0.0.1:{server.server_port}/{SECRET}")
+        desk = Desk(tmp_path, [{"name": "hook", "env": "HOOK"}])
+        desk.call(robot(episode()), time_zone="Europe/Berlin")
+        for _ in range(2):
+            desk.call(robot(closed=[closed(kind)], axes=[after]), time_zone="Europe/Berlin")
+    (_, post) = server.posts
+    assert (post["message"], post["title"], post["type"]) == (line, title, sort)
+
+
+def test_of_an_axis_that_was_judged_since_no_old_growth_is_told_with_its_end():
+    row = robot(closed=[closed("acknowledged")])
+    (told,) = closures([row], zone_of(None)).values()
+    assert told.words == "acknowledged 2026-01-01 00:30 UTC: seen by Ms Müller"
+
+
+def test_an_alarm_that_follows_a_closed_one_is_a_new_one(tmp_path):
+    said = []
+    desk = Desk(tmp_path, [{"name": "x", "env": "X"}])
+    later = robot(episode(key="3|coulomb friction|model|1"), closed=[closed("service")])
+    for row in (robot(episode()), later, later):
+        desk.call(row, send=lambda channel, message: said.append(message["body"]) or "")
+    assert [line.split()[0] for line in "\n".join(said).splitlines()] == ["ALARM", "ALARM", "ENDED"]
+
+
+def test_an_alarm_whose_number_changes_is_neither_new_nor_ended(tmp_path):
+    """Episodes before it are forgotten with their logs, or had another number in an earlier version."""
+    said = []
+    desk = Desk(tmp_path, [{"name": "x", "env": "X"}])
+    for number in ("", "1767225600", "1"):
+        row = robot(episode(key=f"3|coulomb friction|model|{number}"))
+        desk.call(row, send=lambda channel, message: said.append(message["body"]) or "")
+    assert len(said) == 1
+
+
+def test_robots_that_left_the_configuration_are_told_of_once(tmp_path):
+    said = []
+    desk = Desk(tmp_path, [{"name": "x", "env": "X"}])
+
+    def call(*rows, left=()):
+        (tmp_path / "rows.json").write_text(json.dumps({"robots": rows, "left": left}))
+        files = [tmp_path / name for name in ("rows.json", "outbox.json", "messages.prom")]
+        notify(files[0], desk.channels, *files[1:], now=HOUR, send=lambda _, m: said.append(m) or "")
+
+    four = episode(axis=4, key="4|backlash|model|")
+    call(robot(episode(), four), robot(episode(), name="other"))
+    # Of another configuration in the same folder nothing is known here.
+    call(robot(name="third"))
+    call(robot(name="third"), left=["cell_3"])
+    call(robot(name="third"), left=["cell_3"])
+    assert [m["body"] for m in said[1:]] == ["ENDED  cell_3: no longer in the configuration"]
+    assert not said[1]["good"]
 
 
 def test_newest_logs_that_are_refused_are_told_once_and_their_end_too():

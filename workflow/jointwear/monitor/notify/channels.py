@@ -40,8 +40,8 @@ def address_of(channel: Mapping[str, Any]) -> list[str]:
 
 
 def send(channel: Mapping[str, Any], message: Mapping[str, Any]) -> str:
-    """Send `title` and `body` of a message, a warning where it `calls` for somebody, good news where it tells of ends
-    alone; return "" or, in one line without secrets, why it could not be sent."""
+    """Send `title` and `body` of a message, a warning where it `calls` for somebody, a success where it tells of `good`
+    ends alone, else an information; return "" or, in one line without secrets, why it could not be sent."""
     addresses: list[str] = []
     logger = logging.getLogger("apprise")
     spread, logger.propagate = logger.propagate, False
@@ -58,7 +58,7 @@ def send(channel: Mapping[str, Any], message: Mapping[str, Any]) -> str:
                 title=message["title"],
                 body=message["body"],
                 body_format=apprise.NotifyFormat.TEXT,
-                notify_type=apprise.NotifyType.WARNING if message.get("calls", True) else apprise.NotifyType.SUCCESS,
+                notify_type=_type_of(message),
             )
         return "" if sent else blot(_last_line(said.getvalue()) or "not delivered", addresses)
     except InputError as error:
@@ -67,6 +67,12 @@ def send(channel: Mapping[str, Any], message: Mapping[str, Any]) -> str:
         return blot(f"{type(error).__name__}: {error}", addresses)
     finally:
         logger.propagate = spread
+
+
+def _type_of(message: Mapping[str, Any]) -> apprise.NotifyType:
+    if message.get("calls", True):
+        return apprise.NotifyType.WARNING
+    return apprise.NotifyType.SUCCESS if message.get("good", True) else apprise.NotifyType.INFO
 
 
 def _last_line(text: str) -> str:

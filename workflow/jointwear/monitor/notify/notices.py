@@ -8,9 +8,10 @@ from datetime import tzinfo
 from typing import Any
 
 from jointwear.monitor.local_time import duration, log_time
-from jointwear.monitor.presentation.words import anew_words, change_words, outlook_words
-from jointwear.monitor.watching.limits import in_sentence
+from jointwear.monitor.presentation.words import anew_words, change_words, event_words, outlook_words, until_words
+from jointwear.monitor.watching.limits import COULOMB, VISCOUS, in_sentence
 from jointwear.monitor.watching.records import DETECTORS
+from jointwear.publishing.report.numbers import fixed, number
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,14 @@ class Notice:
     subject: str
     words: str
     active: bool = True
+
+
+@dataclass(frozen=True)
+class Closure:
+    """How an event closed an alarm, in `words`; `mended`: somebody did something to the axis, not only looked at it."""
+
+    words: str
+    mended: bool
 
 
 def notices(rows: Sequence[Mapping[str, Any]], zone: tzinfo) -> list[Notice]:
@@ -55,15 +64,41 @@ def _alarms(row: Mapping[str, Any], zone: tzinfo) -> list[Notice]:
             continue
         axis = axes.get(episode["axis"])
         since = f"first alarm {log_time(episode['first'], zone, row['dated'])}"
+        subject = _subject(row, axis)
         if axis is None:
-            subject, told = f"{row['robot']}, whole robot", [in_sentence(episode["quantity"]), since]
+            told = [in_sentence(episode["quantity"]), since]
         else:
-            subject = f"{row['robot']}, axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else "")
-            quantity, change = in_sentence(episode["quantity"]), change_words(axis)
+            quantity, change = in_sentence(episode["quantity"]), change_words(axis, until_words(row, axis, zone))
             # How much it has grown begins with what has grown.
             named = quantity.lower() in change.lower()
             told = ["" if named else quantity, change, anew_words(row, axis, zone), outlook_words(row, axis, zone)]
             told += [since, axis["check"]]
         key = f"{row['folder']}|{episode['key']}"
         found.append(Notice(key, row["robot"], subject, "; ".join(t for t in told if t), episode["open"]))
+    return found
+
+
+def _subject(row: Mapping[str, Any], axis: Mapping[str, Any] | None) -> str:
+    """Return the name of robot and axis, None the whole robot."""
+    if axis is None:
+        return f"{row['robot']}, whole robot"
+    return f"{row['robot']}, axis {axis['axis']}" + (f" ({axis['joint']})" if axis["joint"] else "")
+
+
+def closures(rows: Sequence[Mapping[str, Any]], zone: tzinfo) -> dict[str, Closure]:
+    """Return what closed the alarms that events of the config have closed, by the key of their notice."""
+    found = {}
+    for row in rows:
+        axes = {axis["axis"]: axis for axis in row["axes"]}
+        for episode in row.get("closed", ()):
+            event, axis = episode["event"], axes.get(episode["axis"])
+            seen = event["kind"] == "acknowledged"
+            told = event_words(event, zone, row["dated"], "" if seen else "of ")
+            size = {COULOMB: "growth", VISCOUS: "viscous_growth"}.get(episode["quantity"])
+            grown = axis.get(size) if seen and axis is not None and axis.get("event") and size else None
+            if grown is not None:
+                # Nothing was done to it: who reads that has to know how much is left.
+                quantity, limit = in_sentence(episode["quantity"]), number(axis["limit"], 2)
+                told += f"; {quantity} {fixed(grown, 1, True)} %, limit {limit} %"
+            found[f"{row['folder']}|{episode['key']}"] = Closure(told, not seen)
     return found

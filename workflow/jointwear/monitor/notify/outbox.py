@@ -10,10 +10,12 @@ from typing import Any
 from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
-from jointwear.monitor.notify.notices import Notice
+from jointwear.monitor.notify.notices import Closure, Notice
 
 #: Lines of a message beyond which the rest is only counted: services refuse long messages.
 MOST_LINES = 40
+#: Bars in the key of an alarm: folder, axis, quantity, detector and number of the episode.
+EPISODE_BARS = 4
 
 _TEXT = {"type": "string"}
 _LAYOUT = {
@@ -41,6 +43,7 @@ _LAYOUT = {
                     "since": {"type": "number"},
                     "attempts": {"type": "integer", "minimum": 0},
                     "calls": {"type": "boolean"},
+                    "good": {"type": "boolean"},
                 },
             },
         },
@@ -53,10 +56,15 @@ def _story(key: str) -> str:
     return key.replace("|coulomb friction|", "|friction|").replace("|viscous friction|", "|friction|")
 
 
+def _of_what(key: str) -> str:
+    """Return the :func:`_story` of an alarm without the number of its episode; other notices have none."""
+    return _story(key).rpartition("|")[0] if key.count("|") == EPISODE_BARS else key
+
+
 @dataclass
 class Outbox:
     """`told`: channel -> key of a notice -> its subject and whether it was active; `waiting`: messages in order, each
-    with whether it calls for somebody (`calls`) or tells of ends alone."""
+    with whether it calls for somebody (`calls`) or tells of ends alone, and whether these are all `good`."""
 
     path: Path
     told: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
@@ -88,22 +96,33 @@ class Outbox:
         content = {"told": self.told, "waiting": self.waiting}
         write_json(self.path, content)
 
-    def note(self, channel: str, found: Sequence[Notice], folders: set[str], now: float) -> None:
+    def note(
+        self,
+        channel: str,
+        found: Sequence[Notice],
+        folders: set[str],
+        now: float,
+        closed: Mapping[str, Closure] | None = None,
+        gone: Collection[str] = (),
+    ) -> None:
         """Put what a channel has not been told yet into the outbox: what is new, what came back, what ended.
 
         Parameters
         ----------
         folders : of the robots that this call knows the state of; what was told of others stays as it is.
-        now : [s since 1970].
+        now : [s since 1970]. closed : by the key of a notice what closed it, where an event did.
+        gone : folders of robots that have left the configuration: what was told of them ends.
         """
         told = self.told.setdefault(channel, {})
         present = {notice.key: notice for notice in found}
-        for key in [k for k in told if k not in present]:
-            # More shifts may give an episode the name of the other friction: that is neither new nor resolved.
-            renamed = next((k for k in present if _story(k) == _story(key)), None)
+        closings = {_story(key): closure for key, closure in (closed or {}).items()}
+        for key in [k for k in told if k not in present and _story(k) not in closings]:
+            # More shifts may give an episode the name of the other friction, and one that came before it may come to
+            # light or be forgotten: that is neither new nor resolved.
+            renamed = next((k for k in present if k not in told and _of_what(k) == _of_what(key)), None)
             if renamed is not None:
-                told.setdefault(renamed, told.pop(key))
-        alarms, ends = [], []
+                told[renamed] = told.pop(key)
+        alarms, ends, looked_at, left = [], [], [], []
         for key, notice in present.items():
             before = told.get(key)
             if notice.active and (before is None or not before["active"]):
@@ -114,16 +133,27 @@ class Outbox:
                 ends.append(f"ENDED  {notice.subject}: back to normal, but no event says why; {notice.words}")
             told[key] = {"subject": notice.subject, "active": notice.active}
         for key in [k for k in told if k not in present and k.split("|", 1)[0] in folders]:
-            ends.append(f"ENDED  {told[key]['subject']}: resolved")
+            closure = closings.get(_story(key))
+            if closure is None:
+                ends.append(f"ENDED  {told[key]['subject']}: resolved")
+            elif closure.mended:
+                ends.append(f"ENDED  {told[key]['subject']}: {closure.words}")
+            else:
+                looked_at.append(f"CLOSED {told[key]['subject']}: {closure.words}")
             del told[key]
-        lines = alarms + ends
+        for key in [k for k in told if k.split("|", 1)[0] in gone]:
+            robot = told.pop(key)["subject"].split(", ")[0]
+            left.append(f"ENDED  {robot}: no longer in the configuration")
+        ends += dict.fromkeys(left)
+        lines = alarms + looked_at + ends
         if lines:
-            counts = [f"{len(alarms)} new" if alarms else "", f"{len(ends)} ended" if ends else ""]
+            numbers = {"new": len(alarms), "closed": len(looked_at), "ended": len(ends)}
+            counts = [f"{number} {what}" if number else "" for what, number in numbers.items()]
             rest = len(lines) - MOST_LINES
             body = lines[:MOST_LINES] + ([f"... and {rest} more on the page of the fleet"] if rest > 0 else [])
             title = f"Robot wear: {', '.join(c for c in counts if c)}"
             message = {"channel": channel, "since": now, "attempts": 0, "title": title, "body": "\n".join(body)}
-            self.waiting.append({**message, "calls": bool(alarms)})
+            self.waiting.append({**message, "calls": bool(alarms), "good": not looked_at and not left})
 
     def keep(self, channels: Collection[str]) -> None:
         """Keep the messages that wait for channels that there are; those for one that is gone would wait for ever."""

@@ -11,9 +11,9 @@ from prometheus_client import CollectorRegistry, Gauge, write_to_textfile
 
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.notify.channels import send as send_through
-from jointwear.monitor.notify.notices import notices
+from jointwear.monitor.notify.notices import closures, notices
 from jointwear.monitor.notify.outbox import Outbox
-from jointwear.monitor.presentation.standing import rows_of
+from jointwear.monitor.presentation.standing import left_of, rows_of
 
 
 def notify(
@@ -46,7 +46,8 @@ def notify(
     )
     now = time.time() if now is None else now
     box = Outbox.open(outbox)
-    told = notices(found, zone_of(time_zone))
+    told, closed = notices(found, zone_of(time_zone)), closures(found, zone_of(time_zone))
+    gone = left_of(rows)
     by_name = {channel["name"]: channel for channel in channels}
     box.keep(by_name)
     for name, channel in by_name.items():
@@ -55,7 +56,7 @@ def notify(
         # A robot that is refused has no alarms to compare with: what was told of it stays.
         kept = {row["folder"] for row in mine if row["result"] != "judged"}
         current = [notice for notice in told if notice.robot in robots]
-        box.note(name, current, {row["folder"] for row in mine} - kept, now)
+        box.note(name, current, {row["folder"] for row in mine} - kept, now, closed, gone)
     box.save()
     failed = box.deliver(list(by_name), lambda name, message: send(by_name[name], message))
     _write_metrics(box, list(by_name), metrics)
