@@ -75,6 +75,23 @@ def test_a_baseline_of_so_many_windows_is_complete_with_the_last_of_them(tmp_pat
         assert choose_baseline(month().part(slice(0, 20)), given).complete
 
 
+def test_a_baseline_that_begins_after_the_newest_log_says_so():
+    chosen = choose_baseline(month(), {"from": "1970-02-05T00:00:00Z", "until": "1970-03-01T00:00:00Z"})
+    assert (chosen.count, chosen.complete) == (0, False)
+    assert chosen.words.startswith(
+        "'from' of the baseline (1970-02-05T00:00Z) is later than the newest log (1970-01-06T00:00Z)"
+    )
+    assert "Give a time from 1970-01-01T00:00Z to 1970-01-06T00:00Z" in chosen.words
+
+
+def test_hours_are_no_end_of_the_baseline_of_logs_with_dates():
+    dated = replace(month(), start=month().start + 1e9, end=month().end + 1e9)
+    with pytest.raises(InputError, match=r"'baseline\.until' is 72, which is no date, .* or .* 'windows: 72'"):
+        choose_baseline(dated, {"until": 72})
+    assert choose_baseline(dated, {"until": 1e9 + 3 * DAY}).count == 24
+    assert choose_baseline(replace(dated, dated=False), {"until": 1e9 + 3 * DAY}).count == 24
+
+
 def test_times_without_a_zone_are_those_of_the_logs():
     # Berlin is an hour ahead of UTC in January 1970.
     entry = {"time_zone": "Europe/Berlin", "baseline": {"from": "1970-01-01T01:00:00", "until": "1970-01-04T01:00:00"}}

@@ -23,7 +23,7 @@ def scattering(*sizes):
 def test_axes_whose_windows_scatter_are_told_in_one_sentence():
     (told,) = loose_findings(HOURS, BASELINE, scattering(0.005, 0.11, None, 0.06))
     assert (told["axes"], told["time"], told["kind"]) == ([2, 4], 4 * 3600.0, LOOSE)
-    assert told["words"].startswith("The windows of axes 2 and 4 scatter by up to 11 %, so that growth is seen late")
+    assert told["words"].startswith("The windows of axes 2 and 4 scatter by up to 11 %, so that growth alarms late")
     (told,) = loose_findings(HOURS, BASELINE, scattering(0.005, 0.11))
     assert told["words"].startswith("The windows of axis 2 scatter by 11 %,")
     assert LOOSE not in ASKING

@@ -194,8 +194,8 @@ def closed(kind, key="3|coulomb friction|model|", **more):
          "Robot wear: 1 ended", "success"),
         ("sensor", "ENDED  cell_3, axis 3 (elbow): sensor of 2026-01-01 01:30 CET: seen by Ms Müller",
          "Robot wear: 1 ended", "success"),
-        ("acknowledged", ("CLOSED cell_3, axis 3 (elbow): acknowledged 2026-01-01 01:30 CET: seen by Ms Müller; Coulomb "
-         "friction +7.5 %, limit 20 %"), "Robot wear: 1 closed", "info"),
+        ("acknowledged", ("CLOSED cell_3, axis 3 (elbow): acknowledged 2026-01-01 01:30 CET: seen by Ms Müller; "
+         "Coulomb friction +7.5 %, limit 20 %"), "Robot wear: 1 closed", "info"),
     ],
 )  # fmt: skip
 def test_an_end_says_which_event_closed_the_alarm(tmp_path, monkeypatch, kind, line, title, sort):

@@ -70,3 +70,21 @@ def test_what_a_robot_learnt_is_told(tmp_path):
         "learnt: results/learned/b/learned.json, the given model stays",
         "learnt: results/learned/c/learned.json",
     ]
+
+
+def test_of_a_fleet_early_events_and_what_is_left_of_robots_are_told(tmp_path):
+    page(tmp_path / "results/fleet/index.html")
+    found = [{"kind": "scale", "words": "Else."}, {"kind": "early_event", "words": "The event changes nothing."}]
+    row = {"robot": "a", "urgency": "healthy", "result": "judged", "reason": "", "findings": found}
+    for kept in ("fleet/robots/old", "learned/old"):
+        (tmp_path / "results" / kept).mkdir(parents=True)
+    (tmp_path / "results/fleet/rows.json").write_text(json.dumps({"robots": [row], "left": ["old"]}))
+    assert closing_lines(tmp_path, time.time() - 60) == [
+        "fleet: 0 of 1 robot to look at",
+        "event: a: The event changes nothing.",
+        (
+            "left: old is no longer in the configuration; what is known of it is kept in results/fleet/robots/old and "
+            "results/learned/old; delete that if the robot does not come back"
+        ),
+        "page: results/fleet/index.html",
+    ]

@@ -10,6 +10,8 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError, available_timezones
 from jointwear.files.errors import InputError, nearest, shown
 
 DEFAULT_ZONE = "UTC"
+#: A time in the words of a finding.
+_UTC_MINUTE = re.compile(r"\b\d{4}-\d\d-\d\dT\d\d:\d\dZ")
 #: Key of the zone in which people read times; every other one is of a robot, in which its logger writes them.
 PAGES = "monitor.time_zone"
 #: A whole number of hours east of Greenwich, and an abbreviation of a time.
@@ -75,6 +77,16 @@ def local_time(seconds: float, zone: tzinfo) -> str:
 def local_day(seconds: float, zone: tzinfo) -> str:
     """Return seconds since 1970 UTC as `Mon 2026-01-05`."""
     return datetime.fromtimestamp(seconds, tz=zone).strftime("%a %Y-%m-%d")
+
+
+def with_local_times(words: str, zone: tzinfo) -> str:
+    """Return words of a finding, in which times stand as ISO 8601 UTC to the minute, with times of a zone in their
+    place: what is kept of a robot does not depend on where its page is read."""
+
+    def local(found: re.Match[str]) -> str:
+        return local_time(datetime.fromisoformat(found[0]).timestamp(), zone)
+
+    return _UTC_MINUTE.sub(local, words)
 
 
 def log_time(seconds: float, zone: tzinfo, dated: bool, short: bool = False) -> str:

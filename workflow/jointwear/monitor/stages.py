@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.monitor.events import events_of
 from jointwear.monitor.findings.clocks import clock_findings
 from jointwear.monitor.findings.read_findings import missing_temperature
 from jointwear.monitor.findings.seen_growth import COARSE, dead_band_findings
 from jointwear.monitor.judging.baseline import baseline_of, keep_baseline, with_kept_baseline
+from jointwear.monitor.judging.early_events import early_event_findings
 from jointwear.monitor.judging.judge import Judgement, judge
 from jointwear.monitor.judging.judge_settings import settings_of
 from jointwear.monitor.judging.state import write_alarms, write_state
@@ -100,7 +102,8 @@ def judge_pieces(
     begin = float(statistics.start[0])
     first = [{"time": begin, "axes": [], "kind": k, "words": w} for k, w in [*words, *(("robot", w) for w in told)]]
     judgement = replace(judgement, findings=[*first, *judgement.findings])
-    more = [*clock_findings(whole), *missing_temperature(statistics, arm)]
+    early = early_event_findings(statistics, events_of(entry), baseline.mask)
+    more = [*early, *clock_findings(whole), *missing_temperature(statistics, arm)]
     if survey is not None:
         more += _dead_bands(read_survey(survey), statistics, judgement, baseline.count)
     judgement = replace(judgement, findings=[*more, *judgement.findings])

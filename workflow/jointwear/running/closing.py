@@ -19,8 +19,8 @@ PAGES = ("results/*/index.html", "results/*/*.html", "results/*/*/*.html")
 LEARNED = "results/learned/*/learned.json"
 #: Page and rows of the fleet, and the largest file of rows that is read for a line.
 FLEET, ROWS, LARGEST_ROWS = Path("results/fleet/index.html"), Path("results/fleet/rows.json"), 5_000_000
-#: Kind of a finding on an event that changes nothing.
-IDLE = "idle_event"
+#: Kind of a finding on an event before what is judged, of `monitor.judging.early_events`.
+EARLY_EVENT = "early_event"
 #: Most lines of a kind.
 MOST = 20
 
@@ -52,9 +52,9 @@ def _refusal_of(row: dict) -> list[str]:
     return [f"refused: {row['robot']}: {told}" for told in newest]
 
 
-def _idle_of(row: dict) -> list[str]:
-    """Return the events of a robot's entry that change nothing, in a line each."""
-    return [f"event: {row['robot']}: {f['words']}" for f in row.get("findings", []) if f["kind"] == IDLE]
+def _early_of(row: dict) -> list[str]:
+    """Return the events of a robot's entry that close nothing, in a line each."""
+    return [f"event: {row['robot']}: {f['words']}" for f in row.get("findings", []) if f["kind"] == EARLY_EVENT]
 
 
 def _kept_of(name: str, rows: Path) -> str:
@@ -66,7 +66,7 @@ def _kept_of(name: str, rows: Path) -> str:
 
 
 def fleet_lines(rows: Path) -> list[str]:
-    """Return how many robots are to be looked at and for what, why any is refused, which events change nothing, and
+    """Return how many robots are to be looked at and for what, why any is refused, which events close nothing, and
     whose results are kept though no robot has them: nobody may open the pages of these. No lines where there is no such
     file, where it is damaged or where it is large.
     """
@@ -77,7 +77,7 @@ def fleet_lines(rows: Path) -> list[str]:
         robots, left = content["robots"], content.get("left", [])
         kinds = Counter(row["urgency"] for row in robots)
         waiting = len(robots) - kinds.pop("healthy", 0)
-        told = [line for row in robots for line in [*_refusal_of(row), *_idle_of(row)]]
+        told = [line for row in robots for line in [*_refusal_of(row), *_early_of(row)]]
         told += [f"left: {name} is no longer in the configuration; {_kept_of(name, rows)}" for name in left]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []

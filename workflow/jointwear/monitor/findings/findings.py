@@ -30,7 +30,7 @@ FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
 
 
 def moment_words(statistics: WindowStatistics, seconds: float) -> str:
-    """Return a time as ISO 8601 UTC, or in hours of the log's clock."""
+    """Return a time as ISO 8601 UTC, which pages tell in their zone, or in hours of the log's clock."""
     if statistics.dated:
         return datetime.fromtimestamp(seconds, tz=UTC).strftime("%Y-%m-%dT%H:%MZ")
     return f"{seconds / 3600:.4g} h"

@@ -60,7 +60,7 @@ def loose_findings(statistics: WindowStatistics, baseline: np.ndarray, level: Wa
     axes, most = [int(j) + 1 for j in loose], 100 * scatter.max()
     words = (
         f"The windows of {name_axes(axes)} scatter by {'up to ' if len(axes) > 1 else ''}{most:.0f} %, so that growth "
-        "is seen late: does the robot file lack a load, or does the robot carry parts some of the time? State the "
+        "alarms late: does the robot file lack a load, or does the robot carry parts some of the time? State the "
         "payload in the robot file, name the part under 'program', or run learn_normal."
     )
     time = float(statistics.end[np.flatnonzero(baseline)[-1]])

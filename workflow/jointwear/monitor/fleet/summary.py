@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from datetime import tzinfo
 from pathlib import Path
 
 from jointwear.files.json_documents import write_json
@@ -13,7 +14,7 @@ from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import write_fleet_page
 from jointwear.monitor.fleet.ranking import STALE_AFTER_HOURS, as_of, ranked
 from jointwear.monitor.fleet.table import write_table
-from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.local_time import with_local_times, zone_of
 from jointwear.monitor.notify.outbox import Outbox
 from jointwear.monitor.presentation.standing import rows_of
 
@@ -55,7 +56,7 @@ def summarise_fleet(
     now : [s since 1970] that staleness counts from, default the clock's.
     """
     now, zone = time.time() if now is None else now, zone_of(time_zone)
-    found = ranked([as_of(row, now, stale_after) for row in read_rows(batches)])
+    found = [_in_zone(row, zone) for row in ranked([as_of(row, now, stale_after) for row in read_rows(batches)])]
     write_table(found, table)
     write_metrics(found, now, metrics)
     parts = [Path(folder) / row["folder"] / "history.parquet" for row in found if row["result"] == "judged"]
@@ -65,3 +66,8 @@ def summarise_fleet(
     link = Path(folder).relative_to(Path(page).parent).as_posix()
     waiting = Outbox.open(outbox).waiting if outbox else []
     write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting])
+
+
+def _in_zone(row: dict, zone: tzinfo) -> dict:
+    """Return a row with the times in its findings as those of a zone."""
+    return {**row, "findings": [{**f, "words": with_local_times(f["words"], zone)} for f in row["findings"]]}

@@ -49,10 +49,16 @@ def border(statistics: WindowStatistics, baseline: Mapping[str, Any], key: str) 
 
     Raises
     ------
-    InputError : where a date is given for logs that have none.
+    InputError : where a date is given for logs that have none, or seconds for logs that have one.
     """
     value = baseline.get(key)
     if not isinstance(value, str):
+        if value is not None and key == "until" and statistics.dated and float(value) <= statistics.start[0]:
+            newest = moment_words(statistics, float(statistics.end[-1]))
+            raise InputError(
+                f"config: 'baseline.until' is {value:g}, which is no date, but the logs have dates; give one, as "
+                f"{newest} for all that there is, or a number of windows, as 'windows: {max(1, round(float(value)))}'"
+            )
         return None if value is None else float(value)
     if not statistics.dated:
         raise InputError(
@@ -79,6 +85,8 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
     """
     begin, until = border(statistics, given, "from"), border(statistics, given, "until")
     after = np.ones(statistics.windows, dtype=bool) if begin is None else statistics.start >= begin
+    if begin is not None and begin >= statistics.end[-1]:
+        return Baseline(np.zeros(statistics.windows, dtype=bool), False, _yet_to_begin(statistics, begin))
     asked = int(given.get("windows", 0))
     mask = after & (statistics.end <= until) if until is not None else np.zeros(statistics.windows, dtype=bool)
     if until is None or asked:
@@ -110,6 +118,16 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
         "Nothing is judged until they have come."
     )
     return Baseline(longer, False, words)
+
+
+def _yet_to_begin(statistics: WindowStatistics, begin: float) -> str:
+    """Return in words that the baseline begins, at `begin` [s], after the newest window."""
+    first, newest = (moment_words(statistics, float(t)) for t in (statistics.start[0], statistics.end[-1]))
+    return (
+        f"'from' of the baseline ({moment_words(statistics, begin)}) is later than the newest log ({newest}): no "
+        f"window belongs to the baseline, and nothing is judged. Give a time from {first} to {newest}, or leave 'from' "
+        "out."
+    )
 
 
 def _still_learning(statistics: WindowStatistics, until: float) -> str:

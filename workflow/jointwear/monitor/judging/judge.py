@@ -186,7 +186,7 @@ def _findings(
         *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, shown),
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),
-        *backlash_findings(seen.hidden, float(statistics.start[0])),
+        *(backlash_findings(seen.hidden, float(statistics.start[0])) if first.any() else []),
         *program_findings(statistics, first, most),
         *product_findings(statistics, seen.conditions.regime, seen.products, most),
         *override_findings(statistics, path_speed(seen.conditions.features), seen.regime, first, most),

@@ -69,8 +69,11 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     unseen = unseen_speed(path_speed(features), regime, first) != 0
     program, products = with_products(statistics, scale, regime, shift, first, unseen)
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
-    events = event_windows(settings.events, start, statistics.axes)
-    mended = event_windows([e for e in settings.events if e.mends], start, statistics.axes)
+    # What was done before the baseline is part of what is normal.
+    begin = float(start[np.flatnonzero(first)[0]]) if first.any() else -np.inf
+    told = [e for e in settings.events if e.time > begin]
+    events = event_windows(told, start, statistics.axes)
+    mended = event_windows([e for e in told if e.mends], start, statistics.axes)
     return Observed(
         baseline=first,
         series=series,

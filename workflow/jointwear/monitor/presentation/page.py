@@ -13,8 +13,9 @@ from jointwear.files.text_files import replace_text
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.findings.told_together import before_words, told_together
+from jointwear.monitor.judging.early_events import EARLY_EVENT
 from jointwear.monitor.judging.state import RobotState
-from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.local_time import with_local_times, zone_of
 from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.condition import (
     SHOWN_BY,
@@ -86,8 +87,8 @@ def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[d
         {
             "when": " to ".join(when(state, f[key], zone) for key in ("time", "end") if f.get(key) is not None),
             "axes": name_axes(f.get("axes") or ()),
-            "words": f"{f['words']}{before_words(len(before))}",
-            "asks": f["kind"] in ASKING and not f.get("answered"),
+            "words": f"{with_local_times(f['words'], zone)}{before_words(len(before))}",
+            "asks": f["kind"] in (*ASKING, EARLY_EVENT) and not f.get("answered"),
         }
         for f, *before in alike.values()
     ]
@@ -214,7 +215,7 @@ def write_page(
         "span_of": span_of,
         "reasons": [why_unjudged(state, j) for j in range(state.axes)],
         "span": (when(state, state.start[0], zone), when(state, state.end[-1], zone)),
-        "baseline_end": when(state, state.end[state.baseline - 1], zone),
+        "baseline_end": when(state, state.end[state.baseline - 1], zone) if state.baseline else "",
         # Where people read times in a zone of theirs, logs are likely to be written in it.
         "as_utc": row["dated"] and zone != UTC and state.entry.get("time_zone") is None,
         "flags": _flag_rows(state),

@@ -50,7 +50,7 @@ UNKNOWN = {
 REASONS = {
     Reason.NONE: "its friction is too small against the noise, or the motion too one-sided, to be seen",
     Reason.BASELINE: "it moves in too few windows or shifts of the normal period to know what is normal",
-    Reason.LEARNING: "what is normal is being learnt anew since an event or a step",
+    Reason.LEARNING: "its normal friction is being learnt again after an event or a step in the torque",
     Reason.CONDITIONS: "a program, speed, load or temperature that the normal period did not have",
     Reason.DRIVES: "its friction came out at zero or below: a turned sign, or a torque without friction",
     Reason.LOUD: "the model leaves several times as much of its torque as in the normal period (a unit, a load?)",

@@ -38,7 +38,7 @@ REPEAT_HOURS = 168.0
 FEWEST, ALIKE = 30, 4.0
 #: Reversals in motion of a window that suffice, and share of the baseline's windows that must show them.
 FEWEST_TURNS, MOST_WINDOWS = 3, 0.5
-#: Body torque over friction (root mean square) below which the load of the gear turns round with the motion.
+#: Body torque over friction (root mean square) below which the load of the gear reverses with the motion.
 LIGHT = 1.5
 #: Share of the noise of the regression that the quick part of the residual must stand out of: below, quantised or
 #: filtered torque hides it, or so does what the model misses.
@@ -91,7 +91,7 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
         elif turns.mean() < MOST_WINDOWS:
             reasons.append("its load keeps one direction, so that the gear stays on one flank")
         elif load < LIGHT * coulomb[j].mean():
-            reasons.append("its load is friction more than anything else and turns round with the motion")
+            reasons.append("its load is mostly friction, which reverses with the motion")
         elif short.mean() > MOST_WINDOWS:
             reasons.append("too little of its motion is clear of rests and turns")
         elif quick < QUICKEST * noise and np.sqrt(noise) > MISSED * coulomb[j].mean() > 0:

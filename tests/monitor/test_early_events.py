@@ -1,0 +1,68 @@
+"""Events before what is judged are told: what they do, why, and what is allowed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from monitor_windows import SETTINGS, residuals, statistics_of
+
+from jointwear.monitor.events import Event
+from jointwear.monitor.judging.early_events import early_event_findings, early_events
+from jointwear.monitor.judging.judge import judge
+from jointwear.monitor.local_time import with_local_times, zone_of
+from jointwear.monitor.reading.windows import blank_statistics
+from jointwear.running.closing import EARLY_EVENT
+
+#: Midnight of 2026-01-01 UTC [s].
+BEGIN = 1_767_225_600.0
+BASELINE = (np.arange(48) >= 12) & (np.arange(48) < 36)
+
+
+def windows(dated=True):
+    return blank_statistics((BEGIN if dated else 0.0) + 3600.0 * np.arange(48), 3600.0, np.ones(3), dated=dated)
+
+
+@pytest.mark.parametrize(
+    ("hour", "what"),
+    [(-24.0, "changes nothing: it lies before"), (5.0, "changes nothing: it lies before"),
+     (20.0, "closes no alarm: it lies within"), (36.0, ""), (400.0, "")],
+)  # fmt: skip
+def test_an_event_before_the_end_of_the_baseline_is_told(hour, what):
+    events = [Event(BEGIN + 3600.0 * hour, (2,), "service")]
+    found = early_event_findings(windows(), events, BASELINE)
+    assert [what in f["words"] for f in found] == ([True] if what else [])
+    assert all((f["kind"], f["axes"]) == (EARLY_EVENT, [3]) for f in found)
+
+
+def test_it_names_the_event_and_what_is_allowed_in_the_time_of_the_page():
+    found = early_event_findings(windows(), [Event(BEGIN - 86400.0, (), "sensor")], BASELINE)
+    (words,) = early_events([*found, {"kind": "scale", "words": "else"}], "Europe/Berlin")
+    assert words.startswith("The event of 2025-12-31 01:00 CET (sensor, all axes) changes nothing")
+    assert "Give a time after 2026-01-02 13:00 CET" in words
+    (undated,) = early_event_findings(windows(dated=False), [Event(3600.0, (0, 1), "service")], BASELINE)
+    assert "The event of 1 h (service, axes 1 and 2)" in undated["words"]
+
+
+def test_without_a_baseline_nothing_is_told():
+    assert not early_event_findings(windows(), [Event(BEGIN, (), "service")], np.zeros(48, dtype=bool))
+
+
+def test_an_event_before_a_baseline_that_begins_later_leaves_the_axis_judged():
+    """The baseline had been learnt from before the first event alone, of which there was nothing."""
+    growth = np.zeros((260, 3))
+    growth[160:, 1] = 0.1
+    baseline = (np.arange(260) >= 24) & (np.arange(260) < 144)
+    early = Event(10 * 3600.0, (1,), "service")
+    plain, told = (
+        judge(statistics_of(residuals(260, growth, 17)), baseline, replace(SETTINGS, events=events))
+        for events in ((), (early,))
+    )
+    assert (plain.status == told.status).all()
+    assert [a["time"] for a in plain.alarms] == [a["time"] for a in told.alarms]
+
+
+def test_times_in_findings_are_those_of_the_zone_of_the_page():
+    words = "The baseline ends at 2027-01-15T00:00Z, 'from' is 2026-07-05T00:00:00Z; 2026-07-01T10:30Z."
+    assert with_local_times(words, zone_of("Europe/Berlin")) == (
+        "The baseline ends at 2027-01-15 01:00 CET, 'from' is 2026-07-05T00:00:00Z; 2026-07-01 12:30 CEST."
+    )

@@ -1,0 +1,62 @@
+"""Events of the config that lie before what is judged: mostly a month or a year that was mistyped.
+
+Nothing is judged before the end of the baseline, so that such an event closes no alarm. One before the baseline changes
+nothing at all; one within it leaves an axis the windows before it alone to learn from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import name_axes
+from jointwear.monitor.events import Event
+from jointwear.monitor.findings.findings import moment_words
+from jointwear.monitor.local_time import with_local_times, zone_of
+from jointwear.monitor.reading.windows import WindowStatistics
+
+#: Kind of the finding.
+EARLY_EVENT = "early_event"
+
+
+def early_event_findings(
+    statistics: WindowStatistics, events: Sequence[Event], baseline: np.ndarray
+) -> list[dict[str, Any]]:
+    """Return one finding for each event before the end of the baseline: what it does, why, and what is allowed.
+
+    Parameters
+    ----------
+    events : of the config, in order of time. baseline : (w,) bool; without any window nothing is told.
+    """
+    rows = np.flatnonzero(baseline)
+    if not len(rows):
+        return []
+    begin, end = float(statistics.start[rows[0]]), float(statistics.end[rows[-1]])
+    result = []
+    for event in (e for e in events if e.time < end):
+        axes = [axis + 1 for axis in event.axes]
+        of = f"{event.kind}, {name_axes(axes) if axes else 'all axes'}"
+        told = f"The event of {moment_words(statistics, event.time)} ({of})"
+        after = moment_words(statistics, end)
+        if event.time <= begin:
+            words = (
+                f"{told} changes nothing: it lies before the baseline, which begins {moment_words(statistics, begin)}, "
+                f"and nothing is judged before that ends, {after}. Is its month or year right? Give a time after "
+                f"{after}, or take it out."
+            )
+        else:
+            words = (
+                f"{told} closes no alarm: it lies within the baseline, which ends {after}. What is normal is learnt of "
+                "what came before it alone, and learnt anew after it. Is its day or month right? Give a time after "
+                f"{after}, or let the baseline begin after it ('from')."
+            )
+        result.append({"time": None, "axes": axes, "kind": EARLY_EVENT, "words": words})
+    return result
+
+
+def early_events(findings: Sequence[Mapping[str, Any]], time_zone: str | None) -> list[str]:
+    """Return the words of those findings that are on early events, with times of a zone (IANA name; None is UTC)."""
+    zone = zone_of(time_zone)
+    return [with_local_times(found["words"], zone) for found in findings if found["kind"] == EARLY_EVENT]
