@@ -67,10 +67,10 @@ EXAMPLE_ROBOT = "puma560_example"
 def tell_of_example():
     """Say that the shipped example stands in for robots that nobody named: a lost --configfile must not look fine."""
     if workflow.is_main_process:
-        print(
+        # In one piece: Snakemake writes its own lines meanwhile, one of which came before the end of this one.
+        sys.stderr.write(
             "jointwear: the configuration names no robot under 'monitor.robots'; this is the shipped example, "
-            f"{EXAMPLE_ROBOT}",
-            file=sys.stderr,
+            f"{EXAMPLE_ROBOT}\n"
         )
 
 

@@ -104,7 +104,7 @@ class AxisCondition:
     def check(self) -> str:
         """What to check, one line; empty where nothing calls for it."""
         if self.main is None:
-            return "closed by its entry under 'events'; keep watching it" if self.level == CHANGED else ""
+            return "its alarm was closed under 'events'; keep watching it" if self.level == CHANGED else ""
         if self.turned <= self.main.last:
             return "first settle from which zero the joints count, as told below: another zero looks like friction"
         if self.level != CHANGED:
