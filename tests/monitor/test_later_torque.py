@@ -234,7 +234,7 @@ def test_a_part_on_some_moves_is_no_factor_of_all_torques(tmp_path):
         return "".join(log_statistics(path, *reading, survey, LENGTH).refused)
 
     assert not refused(1.0)
-    assert "the torques of all joints, friction included" in refused(2.0)
+    assert "gravity and inertial torques of all joints are about" in refused(2.0)
 
 
 def test_a_clock_is_asked_again_without_the_part_that_a_first_log_shows(tmp_path, monkeypatch):
@@ -287,6 +287,30 @@ def test_torques_that_are_all_halved_are_told_where_no_factor_is_clear(good):
         scaled = parts * np.array([1, 1, 1, factor])[:, None]
         found = shared_scale(Dynamics(robot), scaled, usable)
         assert found == (told and pytest.approx(told, rel=0.25))
+
+
+@pytest.mark.parametrize(("damping", "coulomb"), [(4.0, 0.0), (6.0, 0.0), (0.2, 3.0), (1.0, 1.0)])
+def test_friction_of_the_file_that_is_far_off_is_no_factor_of_all_torques_and_hides_none(damping, coulomb):
+    """A URDF states friction as its author guessed it, so that the ratio of torques changes with the speed."""
+    log, robot = make_log(48.0, seed=12), model().robot
+    levels = {k: coulomb * getattr(robot, k) for k in ("coulomb_positive", "coulomb_negative")}
+    stated = Dynamics(replace(robot, viscous=damping * robot.viscous, **levels))
+    parts = np.stack([log.position, log.velocity, log.acceleration, log.torque], axis=1)
+    usable = np.abs(log.velocity) > 0.02
+    for factor, told in ((0.1, 0.1), (0.5, 0.5), (1.0, None), (1.3, None), (2.0, 2.0), (10.0, 10.0)):
+        found = shared_scale(stated, parts * np.array([1, 1, 1, factor])[:, None], usable)
+        assert found == (told and pytest.approx(told, rel=0.25)), factor
+
+
+def test_gravity_and_inertia_that_are_too_small_beside_friction_tell_no_factor():
+    log, robot = make_log(48.0, seed=12), model().robot
+    light = replace(robot, links=[replace(k, mass=1e-6, inertia=1e-6 * k.inertia) for k in robot.links])
+    light = replace(light, armature=np.full(6, 1e-6))
+    torque = Dynamics(robot).friction_torque(log.velocity)
+    parts = np.stack([log.position, log.velocity, log.acceleration, 2.0 * torque], axis=1)
+    usable = np.abs(log.velocity) > 0.02
+    assert shared_scale(Dynamics(light), parts, usable) is None
+    assert shared_scale(Dynamics(light), parts, usable, nominal_friction=True) == pytest.approx(2.0, rel=0.25)
 
 
 def test_factors_beside_a_load_are_none_where_those_without_one_are_about_one():

@@ -166,18 +166,24 @@ def gained_by(scale: np.ndarray, dynamics: Dynamics, parts: np.ndarray, usable: 
     return likelihood(scaled, usable) - likelihood(parts, usable)
 
 
-def shared_scale(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> float | None:
-    """Return the one factor on the torques of all joints, friction included, under which a model with free parameters
-    and a payload is likeliest; None where that is no other unit, or not clearly likelier than one.
+def shared_scale(
+    dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, nominal_friction: bool = False
+) -> float | None:
+    """Return the one factor on the torques of all joints under which a model with free parameters and a payload is
+    likeliest; None where that is no other unit, or not clearly likelier than one.
 
     Factors joint by joint (:func:`factors`) lie to either side of :data:`FACTOR` where all torques are halved, and a
-    load that is picked up in between moves them. What all joints share no load does.
+    load that is picked up in between moves them. What all joints share no load does. Friction is free on each axis: a
+    URDF states it many times too large or not at all, and the factor that mends such friction changes with the speed.
+    What gravity and inertia are too small to tell is none.
 
     Parameters
     ----------
     parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
+    nominal_friction : whether friction is that of the robot file instead, as far as one drive is like another. That
+        tells how large a factor is, and not that there is one.
     """
-    likelihood = Likelihood(dynamics, FEWEST)
+    likelihood = Likelihood(dynamics if nominal_friction else _frictionless(dynamics), FEWEST)
 
     def nats(size: float) -> float:
         scaled = parts.copy()
@@ -196,6 +202,12 @@ def shared_scale(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> f
         best = max(found, key=found.__getitem__)
     clear = abs(best) > np.log(FACTOR / ALIKE) and found[best] - found[0.0] > LIKELIER
     return float(np.exp(best)) if clear else None
+
+
+def _frictionless(dynamics: Dynamics) -> Dynamics:
+    """Return the dynamics of a robot whose file leaves the friction open."""
+    none = np.zeros(dynamics.robot.joints)
+    return Dynamics(replace(dynamics.robot, viscous=none, coulomb_positive=none, coulomb_negative=none))
 
 
 def a_load_explains(measured: Measured, robot: Robot, stated: str = "N m") -> bool:

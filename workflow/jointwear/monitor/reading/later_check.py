@@ -242,10 +242,16 @@ class LaterCheck:
         ------
         Refused : with the factor.
         """
-        factor = shared_scale(self._dynamics, parts, usable)
-        if factor is None or not self._explains(parts, usable, np.full_like(self._scale, factor), plain):
+        told = shared_scale(self._dynamics, parts, usable)
+        if told is None:
             return
+        # A load that is free takes a part of a factor; friction, where the file knows it, tells the whole.
+        whole = shared_scale(self._dynamics, parts, usable, nominal_friction=True) or 1.0
+        sizes = [told, whole] if (whole - 1.0) * (told - 1.0) > 0 else [told]
+        factor = min(sizes, key=lambda size: self._left_over(parts, usable, np.full_like(self._scale, size)))
         scale = np.full_like(self._scale, factor)
+        if not self._explains(parts, usable, scale, plain):
+            return
         # A part that is carried on some moves is like a factor too: the likelihood has a load that is carried on all.
         left = self._left_over(parts, usable, scale)
         if self._load_explains(
@@ -254,9 +260,9 @@ class LaterCheck:
             return
         self._scale = scale
         self._refusal = Refused(
-            f"{self._name}: the torques of all joints, friction included, are about {significant(factor, 2)} times "
-            "those of the model, unlike in the first log; it looks like another unit, another torque constant or a "
-            f"share of a rating; it would fit times about {significant(1 / factor, 2)}",
+            f"{self._name}: gravity and inertial torques of all joints are about {significant(factor, 2)} times those "
+            "of the model whatever their friction, unlike in the first log; it looks like another unit, another torque "
+            f"constant or a share of a rating; the torque would fit times about {significant(1 / factor, 2)}",
             "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
             "logs of a robot",
         )
