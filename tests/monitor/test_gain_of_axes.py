@@ -71,6 +71,18 @@ def test_one_shift_alone_or_after_an_event_or_in_a_new_program_is_none():
     assert told(series({2: 0.2}, 1, scatter=0.2), both[1]) == []
 
 
+def test_a_product_that_comes_back_in_a_cold_spell_is_none():
+    """As on a robot whose part of 0.9 kg turned about its first axis in some shifts, and once in a cold week."""
+    cold = np.isin(SHIFT, (6, 7, 8))[:, None] * (np.arange(6) == 2)
+    carried = np.isin(SHIFT, (4, 7, 8))[:, None] * (np.arange(6) == 2)
+    rubs, moves = series({}, 1), series({}, 2)
+    rubbed = replace(rubs, value=rubs.value + 0.13 * cold)
+    assert told(rubbed, replace(moves, value=moves.value + 0.13 * carried)) == []
+    # Without a shift in which the bodies moved alone it is a gain.
+    first = carried & (SHIFT > 4)[:, None]
+    assert [s.axis for s in told(rubbed, replace(moves, value=moves.value + 0.13 * first))] == [2]
+
+
 def test_a_gain_of_an_axis_that_wears_is_told_beside_its_wear():
     """As of all axes of a robot of the shop floor (`choose` 513) whose sixth had grown by 6 %."""
     rubs, moves = series({}, 1), series({}, 2)

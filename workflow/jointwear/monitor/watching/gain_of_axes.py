@@ -137,12 +137,36 @@ def _pairs(
             both = bodies & alike & (np.abs(rubbed) > TOGETHER * rub_error) & (rubbed * moved > 0)
         # A load moves the bodies of several axes, and their friction by another share.
         loaded = (bodies & ~both).sum(axis=1) + 1 >= FEWEST_TOGETHER
-        shown.append(both & ~loaded[:, None])
+        shown.append(both & ~loaded[:, None] & ~_moved_alone(levels, errors)[rows])
         sizes.append(moved)
     first, second = sizes
     with np.errstate(invalid="ignore"):
         steady = shown[0] & shown[1] & (np.abs(second - first) < ALIKE * np.abs(second))
     return steady, (first + second) / 2, usual
+
+
+def _moved_alone(levels: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Return of each shift (s, n) whether bodies lie as far off as they did before, with friction that did not, and
+    came back from.
+
+    A product moves the bodies of an axis each time that it comes, and cold may raise its friction by the same share
+    once. A gain stays.
+
+    Parameters
+    ----------
+    levels, errors : (s, n, 2) of friction and bodies.
+    """
+    (rubbed, moved), (rub_error, move_error) = np.moveaxis(levels, -1, 0), np.moveaxis(errors, -1, 0)
+    found = np.zeros(moved.shape, dtype=bool)
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(rubbed - moved) > np.maximum(ALIKE * np.abs(moved), AGAINST * rub_error)
+        alone = apart & (np.abs(moved) > np.maximum(FINDING, AGAINST * move_error))
+        for a in range(1, len(moved)):
+            as_far = np.abs(moved[:a] - moved[a]) < ALIKE * np.abs(moved[a])
+            back = np.abs(moved[:a]) < 0.5 * np.abs(moved[a])
+            passed = np.cumsum(back[::-1], axis=0)[::-1] > 0
+            found[a] = (alone[:a] & as_far & passed).any(axis=0)
+    return found
 
 
 def _of_shifts(
