@@ -9,10 +9,12 @@ import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.watched_axis import UNSEEN
 from jointwear.monitor.watching.watching import Watch
 
-#: Kind of a finding on an axis whose limit cannot be seen, and of one on axes whose windows scatter.
-COARSE, LOOSE = "coarse", "loose"
+#: Kind of a finding on an axis whose limit cannot be seen, of one on axes whose windows scatter, and of one on axes
+#: whose viscous friction differs from shift to shift.
+COARSE, LOOSE, MISSED = "coarse", "loose", "coarse_viscous"
 #: Scatter of the windows of a shift, standard deviation of the log level beside their own noise, that is told. A shift
 #: of eight such windows is known to 1.4 %, three times worse than shifts of a steady robot differ (0.2 to 0.5 %). Of
 #: 24 simulated robots that carried parts which their file lacked ten exceed it; of 15 of them whose file was given the
@@ -65,6 +67,27 @@ def loose_findings(statistics: WindowStatistics, baseline: np.ndarray, level: Wa
     )
     time = float(statistics.end[np.flatnonzero(baseline)[-1]])
     return [{"time": time, "axes": axes, "kind": LOOSE, "words": words}]
+
+
+def missed_findings(statistics: WindowStatistics, baseline: np.ndarray, viscous: Watch) -> list[dict[str, Any]]:
+    """Return one finding on all axes whose viscous friction is not judged in some program, as shifts of the baseline
+    itself miss the prediction there by more than :data:`~.watched_axis.UNSEEN`, or none.
+
+    Parameters
+    ----------
+    baseline : (w,) bool. viscous : what was watched of viscous friction.
+    """
+    missed = np.array([0.0 if axis is None else axis.missed for axis in viscous.axes])
+    coarse = np.flatnonzero(missed > UNSEEN)
+    if not len(coarse) or not baseline.any():
+        return []
+    axes, several = [int(j) + 1 for j in coarse], len(coarse) > 1
+    words = (
+        f"Viscous friction of {name_axes(axes)} can only be judged coarsely: in the normal period alone it differed "
+        f"from shift to shift by {'up to ' if several else ''}{100 * missed.max():.0f} % of the friction of the axis, "
+        "in one program at least. It is not judged in such programs; that there is no alarm of it says nothing there."
+    )
+    return [{"time": float(statistics.end[np.flatnonzero(baseline)[-1]]), "axes": axes, "kind": MISSED, "words": words}]
 
 
 def coarse_words(least: float) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import listed, name_axes
-from jointwear.monitor.findings.seen_growth import COARSE, LOOSE
+from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REFUSED, STALE
@@ -34,7 +34,7 @@ CHECKS = {
     ASKS: "Enter what was done to it, or look for the cause",
 }
 #: Kinds of findings that hold for all logs, and have no day.
-LASTING = (COARSE, LOOSE, EARLY_EVENT, "baseline", "robot", "dead_band", "missing_temperature")
+LASTING = (COARSE, LOOSE, MISSED, EARLY_EVENT, "baseline", "robot", "dead_band", "missing_temperature")
 #: Numbers of joints, and of what is refused, by which reasons of one kind differ.
 _NUMBERS = re.compile(r"(?:, )?[-+]?\d[\d.e+-]*(?: (?:for|on) joint \d+)?")
 #: How what mends a log begins, among the clauses that say why it is refused.

@@ -18,11 +18,12 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.findings.findings import findings_of
 from jointwear.monitor.findings.odd_motion import odd_motion_findings
 from jointwear.monitor.findings.read_findings import driving_findings, reading_findings
-from jointwear.monitor.findings.seen_growth import coarse_findings, loose_findings
+from jointwear.monitor.findings.seen_growth import coarse_findings, loose_findings, missed_findings
 from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.judging.observed import Observed, observe
 from jointwear.monitor.judging.open_alarms import open_alarm_findings
 from jointwear.monitor.normal.learning import AxisNormal, learn_axes
+from jointwear.monitor.normal.missed import with_missed
 from jointwear.monitor.normal.override import override_findings, path_speed
 from jointwear.monitor.normal.products import product_findings
 from jointwear.monitor.normal.programs import program_findings
@@ -148,7 +149,7 @@ def judge(
         ),
         reason=teller.reasons(),
         findings=[
-            *_findings(statistics, seen, friction, teller, limit),
+            *_findings(statistics, seen, friction, viscous, teller, limit),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
         ],
     )
@@ -174,7 +175,7 @@ def _without_gains(
 
 
 def _findings(
-    statistics: WindowStatistics, seen: Observed, friction: _Level, teller: Teller, limit: float
+    statistics: WindowStatistics, seen: Observed, friction: _Level, viscous: Watch, teller: Teller, limit: float
 ) -> list[dict[str, Any]]:
     """Return what is no alarm but must be told; `limit` of growth, as a share."""
     first, shift, level = seen.baseline, seen.shift, friction.watch
@@ -186,6 +187,7 @@ def _findings(
         *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, shown),
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),
+        *missed_findings(statistics, first, viscous),
         *(backlash_findings(seen.hidden, float(statistics.start[0])) if first.any() else []),
         *program_findings(statistics, first, most),
         *product_findings(statistics, seen.conditions.regime, seen.products, most),
@@ -212,6 +214,8 @@ def _normal_states(
     ):
         if name not in known:
             known[name] = learn_axes(candidates, levels[: len(candidates)], seen.conditions, quiet, seen.shift, recall)
+            if name == "viscous":
+                known[name] = [axis and with_missed(axis, seen.conditions.regime, seen.shift) for axis in known[name]]
     return known
 
 

@@ -36,7 +36,8 @@ SPREAD = 0.5
 class AxisNormal:
     """Normal state of one axis: `fit` of the baseline, `design` of all windows, `dispersion`; `source`: name of the
     series; `to_coulomb`: relative growth of Coulomb friction for one of the series; `of_viscous`: relative growth of
-    the level while viscous friction grows by as much as all friction of the baseline."""
+    the level while viscous friction grows by as much as all friction of the baseline; `missed`: standard deviation by
+    which left-out shifts of the baseline miss the prediction of the program that is told worst, :mod:`.missed`."""
 
     source: str
     series_value: np.ndarray
@@ -47,6 +48,7 @@ class AxisNormal:
     to_coulomb: float
     unit: float
     of_viscous: float
+    missed: float = 0.0
 
     @property
     def noise(self) -> np.ndarray:
