@@ -83,7 +83,7 @@ class WatchedAxis:
             part = slice(a, b)
             learnt = baseline
             if k > 0:
-                learnt = self._after(a, b)
+                learnt = self._after(a, b, starts[k - 1].proposed)
                 besides = _besides(starts[k - 1], learnt & np.isfinite(normal.series_value), common)
                 posterior = relearnt(normal, learnt, shift, widened(normal, posterior), besides)
                 last = int(np.flatnonzero(learnt)[-1]) + 1 if learnt.any() else b
@@ -147,16 +147,19 @@ class WatchedAxis:
         """Variance (w,) of the residual of a window."""
         return self.normal.noise + self.normal.dispersion.between**2 + self.predicted
 
-    def _after(self, a: int, b: int) -> np.ndarray:
+    def _after(self, a: int, b: int, proposed: bool) -> np.ndarray:
         """Return the windows (w,) from which the axis is learnt anew: three shifts, and more until there are enough.
 
-        What lies outside the temperatures of the baseline teaches no level, unless nothing else comes for long.
+        What lies far outside the temperatures of the baseline teaches no level, unless nothing else comes for long.
+        After a start that is but `proposed`, as by a fall, nothing outside them does: what fell may be an error of the
+        normal state there, and its level would be held against every other day.
         """
         learnt = np.zeros(len(self.shift), dtype=bool)
         place = np.arange(len(self.shift))
         part = (place >= a) & (place < b)
         seen = np.isfinite(self.normal.series_value)
-        usual = seen & (self.normal.design.beyond < FAR**2)
+        beyond = self.normal.design.beyond
+        usual = seen & (beyond == 0 if proposed else beyond < FAR**2)
         for count, s in enumerate(np.unique(self.shift[a:b]), start=1):
             learnt |= part & (self.shift == s)
             known = learnt & (usual if count < LATEST_SHIFTS else seen)
