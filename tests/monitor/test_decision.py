@@ -123,6 +123,15 @@ def test_two_shifts_of_growth_are_evidence_and_one_small_one_is_none():
     assert np.isneginf(step[-8 + STEP_WINDOWS - 2])
 
 
+def test_growth_that_is_over_in_the_newest_shift_is_no_evidence_and_growth_that_lessens_is():
+    """Three shifts of 2.4 % before a fourth that read +0.2 % had begun an alarm."""
+    before = [0.024] * 3
+    over, less = evidence(np.array([*before, 0.002])), evidence(np.array([*before, 0.016]))
+    assert evidence(np.array(before)).growth[-1] > 2
+    assert (over.growth[24:] == -np.inf).all()
+    assert less.growth[-1] > 2
+
+
 def test_a_fall_that_is_over_by_its_third_shift_proposes_nothing():
     # A product on two of three shifts, as an example: the third lies just below normal by its noise.
     over = np.array([0, 0, -0.27, -0.27, -0.004])

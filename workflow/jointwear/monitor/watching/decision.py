@@ -5,7 +5,8 @@ least-squares mean of the residuals of these shifts less :data:`TOLERATED`, over
 holds the windows' noise, the variance between shifts, and the error of the normal state, which all shifts share; each
 shift counts by how far off the other axes are in it (:mod:`.shift_scale`). An axis alarms where
 
-- the largest z_K over K >= 2 exceeds the threshold and the last two shifts both exceed :data:`TOLERATED`, or
+- the largest z_K over K >= 2 exceeds the threshold, the last two shifts both exceed :data:`TOLERATED` and the newest
+  lies nearer to the mean than to what is normal, or
 - they do, and the last K shifts less those before them exceed a threshold of their own (friction that fell since the
   baseline, by running in, hides wear that begins from there; what is not known of the normal state they share), or
 - z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once,
@@ -118,6 +119,8 @@ def _admitted(recent: RecentShifts, mean: np.ndarray, calm: np.ndarray) -> tuple
     calm : (w,) bool, where one shift may be a large step.
     """
     up = np.repeat(_both_up(recent)[:, None], SHIFTS, axis=1)
+    # Growth lasts too: its newest shift lies nearer to it than to what is normal.
+    up &= 2 * recent.residual[:, :1] >= mean
     up[:, 0] = (recent.count >= STEP_WINDOWS) & calm & (mean[:, 0] > STEP)
     low = recent.residual[:, :FALLEN]
     lie_below = (recent.known[:, :FALLEN] & recent.usual[:, :FALLEN] & (low < -TOLERATED)).all(axis=1)
