@@ -119,11 +119,12 @@ def judge(
         normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False, coarsest=COARSEST
     )
     backlash = lasting(backlash, seen.regime, shift)
-    # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too.
+    # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too. A fall of its
+    # own starts nothing.
     fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
     # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.
     unit = np.array([1.0 / viscous_scale(float(share)) for share in seen.series["viscous"].share])
-    viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall, unit=unit)
+    viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall, unit=unit, services=False)
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
