@@ -2,14 +2,26 @@
 
 import csv
 import json
+import shutil
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointwear.files.json_documents import write_json
 from jointwear.files.storage import Variable, write_dataset
-from jointwear.monitor.fleet.plan import FEWEST_PER_JOB, JOBS, MOST_PROCESSES, ROBOTS_PER_JOB, batches, processes_of_job
+from jointwear.monitor.fleet.plan import (
+    FEWEST_PER_JOB,
+    JOBS,
+    MOST_PROCESSES,
+    ROBOTS_PER_JOB,
+    WHOSE,
+    batches,
+    begun,
+    noted,
+    processes_of_job,
+)
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.watch import watch_robots
 from jointwear.monitor.reading.reading_stages import accumulate_windows, survey_logs
@@ -93,3 +105,32 @@ def test_a_fleet_says_what_single_robots_say(log, root, tmp_path):
     text = (tmp_path / "index.html").read_text()
     assert text.index("wrong_arm") < text.index('href="robots/one/monitor.html"')
     assert (tmp_path / "robots/one/monitor.html").is_file()
+
+
+def test_a_folder_that_is_gone_is_counted_until_it_is_there_again(tmp_path):
+    """Before the job, after it, and after the folder is gone: a change of the parameter only where one is gone."""
+    notes = tmp_path / "notes.json"
+    rows = [{"robot": "arm", "folder": "arm"}, {"robot": "two", "folder": "two_12345678"}]
+
+    def ran(counts):
+        for row in rows:
+            (tmp_path / row["folder"]).mkdir(exist_ok=True)
+            (tmp_path / row["folder"] / WHOSE).touch()
+        write_json(notes, noted(rows, counts))
+
+    assert begun(notes, tmp_path) == {}
+    ran({})
+    assert begun(notes, tmp_path) == {}
+    for times in (1, 2):
+        shutil.rmtree(tmp_path / "two_12345678")
+        assert begun(notes, tmp_path) == {"two": times}
+        ran(begun(notes, tmp_path))
+        assert begun(notes, tmp_path) == {"two": times}
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[1]", '{"begun": 3, "folders": {}}', '{"begun": {"a": "x"}, "folders": {}}', "{}"]
+)
+def test_of_damaged_notes_nothing_is_known(tmp_path, text):
+    (tmp_path / "notes.json").write_text(text)
+    assert begun(tmp_path / "notes.json", tmp_path) == {}

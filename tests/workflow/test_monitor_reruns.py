@@ -1,5 +1,7 @@
 """New logs cost their own windows alone; what does not concern reading costs no window at all."""
 
+import shutil
+
 import pytest
 from monitor_logs import columns, make_log, write_bag, write_parquet
 from scratch_project import Project, copy_project
@@ -172,13 +174,35 @@ def test_a_fleet_is_planned_though_a_folder_is_lost(project):
     assert learning == {"learn_robot": 1, "learn_normal": 1}
 
 
-def test_a_fleet_without_a_robot_says_so(tmp_path):
+@pytest.mark.parametrize("target", ["fleet", "notify", "results/fleet/fleet.csv"])
+def test_a_fleet_without_a_robot_is_refused_and_keeps_what_there_is(tmp_path, target):
     project = copy_project(tmp_path)
-    done = project.snakemake("fleet", "--workflow-profile", "none", "--cores", "1", "--quiet", "all")
+    table = project.folder / "results/fleet/fleet.csv"
+    table.parent.mkdir(parents=True)
+    table.write_text("of earlier\n")
+    done = project.snakemake(target, "--workflow-profile", "none", "--cores", "1", "--quiet", "all", ok=False)
+    assert done.returncode == 1
     # Nothing else, so that cron sends a mail only where something is wrong.
     assert done.stdout == ""
-    assert done.stderr == "jointwear: the configuration names no robot under 'monitor.robots'\n"
-    assert "names no robot under" in (project.folder / "results/fleet/index.html").read_text()
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith("jointwear: the configuration names no robot under 'monitor.robots'")
+    assert "--configfile" in done.stderr
+    assert table.read_text() == "of earlier\n"
+    assert [path.name for path in table.parent.iterdir()] == ["fleet.csv"]
+
+
+def test_a_robot_whose_folder_is_gone_is_judged_again(project):
+    """Also where the folders of all robots are; a further call has nothing to judge."""
+    folders = project.folder / "results/fleet/robots"
+    project.snakemake("--cores", "1", "fleet")
+    assert "watch_fleet" not in project.planned("fleet")
+    for gone in (folders / "arm", folders):
+        shutil.rmtree(gone)
+        for _ in range(2):  # a dry run changes nothing
+            assert project.planned("fleet")["watch_fleet"] == 1
+        project.snakemake("--cores", "1", "fleet")
+        assert (folders / "arm" / "read.json").is_file()
+        assert "watch_fleet" not in project.planned("fleet")
 
 
 @pytest.mark.parametrize("target", ["monitor", "learn_normal"])

@@ -20,7 +20,9 @@ rule watch_fleet:
         templates=PAGE_TEMPLATES,
         modules=modules_of("watch_fleet"),
     output:
-        "results/fleet/batches/{fleet_batch}.json",
+        rows="results/fleet/batches/{fleet_batch}.json",
+        # Which folders the robots have; by the next call one may be gone.
+        notes=update("results/fleet/folders/{fleet_batch}.json"),
     log:
         "results/logs/watch_fleet/{fleet_batch}.log",
     wildcard_constraints:
@@ -44,13 +46,15 @@ rule watch_fleet:
         robots=len(MONITOR["robots"]),
         folder="results/fleet/robots",
         configuration=CONFIGURATION,
+        # A robot whose folder was deleted or moved away is read and judged again.
+        begun=lambda wildcards: begun_anew(wildcards.fleet_batch),
     script:
         "../scripts/watch_fleet.py"
 
 
 rule summarise_fleet:
     input:
-        batches=expand("results/fleet/batches/{fleet_batch}.json", fleet_batch=FLEET),
+        batches=fleet_batches,
         templates=templates("fleet.html.j2", "robots.html.j2"),
         modules=modules_of("summarise_fleet"),
     output:

@@ -2,7 +2,7 @@
 import time
 
 from jointwear.files.digests import digest
-from jointwear.monitor.fleet.plan import batches, seen, processes_of_job
+from jointwear.monitor.fleet.plan import batches, begun, seen, processes_of_job
 from jointwear.monitor.learned_model import model_file
 from jointwear.monitor.plan import window_seconds
 
@@ -21,3 +21,19 @@ def fleet_entries(wildcards):
         name: {**entry, "robot": model_file(name, entry)}
         for name, entry in entries.items()
     }
+
+
+@cache
+def begun_anew(batch):
+    """How often robots of a batch were begun anew, as it was before the job makes their folders."""
+    return begun(f"results/fleet/folders/{batch}.json", "results/fleet/robots")
+
+
+def fleet_batches(wildcards):
+    """Results of all batches; a call that lost its --configfile must neither look healthy nor empty the table."""
+    if not FLEET:
+        sys.exit(
+            "jointwear: the configuration names no robot under 'monitor.robots', so there is no fleet to judge, and "
+            "earlier results stay as they are; a configuration of your own is given as --configfile plant.yaml"
+        )
+    return expand("results/fleet/batches/{fleet_batch}.json", fleet_batch=FLEET)

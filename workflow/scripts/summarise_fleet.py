@@ -1,7 +1,5 @@
 """Write the page, the table, the metrics and the history of the fleet."""
 
-import sys
-
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.running.script import reported
 
@@ -20,6 +18,3 @@ if __name__ == "__main__":
             stale_after=snakemake.params.stale_after,
             configuration=snakemake.params.configuration,
         )
-        if not snakemake.input.batches:
-            # A schedule that lost its --configfile must not look healthy.
-            print("jointwear: the configuration names no robot under 'monitor.robots'", file=sys.stderr)

@@ -9,10 +9,12 @@ if __name__ == "__main__":
             snakemake.params.entries,
             snakemake.params.logs,
             snakemake.params.folder,
-            snakemake.output[0],
+            snakemake.output.rows,
             unreachable=snakemake.params.unreachable,
             time_zone=snakemake.params.time_zone,
             robots=snakemake.params.robots,
             processes=snakemake.threads,
             configuration=snakemake.params.configuration,
+            begun=snakemake.params.begun,
+            notes=snakemake.output.notes,
         )

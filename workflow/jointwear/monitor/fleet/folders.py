@@ -11,6 +11,7 @@ from jointwear.files.digests import digest
 from jointwear.files.errors import InputError
 from jointwear.files.regular_files import read_text
 from jointwear.files.text_files import replace_text
+from jointwear.monitor.fleet.plan import WHOSE
 from jointwear.monitor.fleet.reading import Readings
 
 #: Largest mark of whose a folder is: two digests, a checksum and a line's end. Bytes.
@@ -37,7 +38,7 @@ def own_folder(
     """
     whose = digest(list(entry.get("logs", ())))
     known = [folder / name, *sorted(folder.glob(f"{name}_{'[0-9a-f]' * 8}"))]
-    marks = {own: _mark(own / "whose.txt") for own in known if (own / "whose.txt").exists()}
+    marks = {own: _mark(own / WHOSE) for own in known if (own / WHOSE).exists()}
     own = next((own for own, mark in marks.items() if mark[:1] == [whose]), None)
     if own is None:
         own = next((own for own, mark in marks.items() if _taken_on(own, mark, logs, configuration)), None)
@@ -46,7 +47,7 @@ def own_folder(
     own = own or folder / (name if folder / name not in marks else f"{name}_{whose[:8]}")
     mark = f"{whose} {configuration}".strip()
     if marks.get(own) != mark.split():
-        replace_text(own / "whose.txt", f"{mark} {_checksum(mark)}\n")
+        replace_text(own / WHOSE, f"{mark} {_checksum(mark)}\n")
     return own
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from jointwear.files.digests import digest
+from jointwear.files.errors import InputError
+from jointwear.files.json_documents import read_json
 from jointwear.monitor.plan import log_sources
 
 #: Robots of a job at most, because starting a job costs as much as judging one or two robots; at least, where there are
@@ -13,6 +16,8 @@ from jointwear.monitor.plan import log_sources
 ROBOTS_PER_JOB, FEWEST_PER_JOB, JOBS = 50, 5, 16
 #: Processes in which a job reads logs at most: beyond, the judgement, which one process does, takes most of the time.
 MOST_PROCESSES = 4
+#: What marks the folder of a robot, whose it is: the first file that is written there.
+WHOSE = "whose.txt"
 
 
 def robots_of_job(count: int) -> int:
@@ -38,6 +43,38 @@ def batches(robots: Sequence[str]) -> dict[str, list[str]]:
 def seen(logs: Sequence[str], reason: str = "") -> str:
     """Return a digest of the logs as they are on disk (names, sizes, times) and of why some cannot be reached."""
     return digest([[stamp_of(log) for log in logs], reason])
+
+
+def begun(known: str | Path, folder: str | Path) -> dict[str, int]:
+    """Return how often each robot of a job was or has to be begun anew because its folder had been taken away.
+
+    A parameter of the job, which runs again where it changes. It has to stay once the job has made the folder again, so
+    the job notes it.
+
+    Parameters
+    ----------
+    known : file in which the job notes folders and counts, see :func:`noted`; where it cannot be read nothing is known.
+    folder : of the robots.
+
+    Returns
+    -------
+    dict : by name, of the robots that were begun anew at all.
+    """
+    try:
+        notes = read_json(known)
+        counts = {str(name): int(times) for name, times in notes["begun"].items()}
+        folders = {str(name): Path(folder) / str(own) for name, own in notes["folders"].items()}
+    except (InputError, OSError, KeyError, TypeError, ValueError, AttributeError):
+        return {}
+    for name, own in folders.items():
+        if not (own / WHOSE).is_file():
+            counts[name] = counts.get(name, 0) + 1
+    return counts
+
+
+def noted(rows: Sequence[Mapping[str, Any]], counts: Mapping[str, int]) -> dict[str, dict[str, Any]]:
+    """Return what :func:`begun` wants to know the next time, from the rows of robots and what it said before."""
+    return {"folders": {row["robot"]: row["folder"] for row in rows}, "begun": dict(counts)}
 
 
 def stamp_of(log: str) -> list[list[str | int]]:

@@ -15,6 +15,7 @@ from jointwear.files.json_documents import write_json
 from jointwear.files.text_files import remove
 from jointwear.monitor.fleet.folders import namesakes, own_folder
 from jointwear.monitor.fleet.history import write_history
+from jointwear.monitor.fleet.plan import noted
 from jointwear.monitor.fleet.ranking import asks
 from jointwear.monitor.fleet.reading import Readings
 from jointwear.monitor.judging.state import read_state
@@ -150,6 +151,8 @@ def watch_robots(
     robots: int | None = None,
     processes: int = 1,
     configuration: str = "",
+    begun: Mapping[str, int] | None = None,
+    notes: str | Path | None = None,
 ) -> None:
     """Judge every robot of a batch and write what came out as JSON.
 
@@ -162,6 +165,7 @@ def watch_robots(
     unreachable : of robots whose logs cannot all be reached, why. time_zone : of the pages.
     robots : number of robots of the whole fleet, which decides who has a page. processes : in which logs are read.
     configuration : see :func:`own_folder`.
+    begun, notes : see :func:`~jointwear.monitor.fleet.plan.begun`, and the file in which it is noted.
     """
     begin = time.process_time()
     page = (robots or len(entries)) <= PAGES
@@ -184,3 +188,5 @@ def watch_robots(
         )
     spent = time.process_time() - begin
     write_json(output, {"robots": rows, "process_seconds": round(spent, 3)})
+    if notes:
+        write_json(notes, noted(rows, begun or {}))
