@@ -11,7 +11,14 @@ from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
 from jointwear.monitor.days_in_names import days_of
 from jointwear.monitor.order_of_logs import in_order
-from jointwear.monitor.plan import check_robots, find_all_logs, find_logs, programs_without_logs, window_seconds
+from jointwear.monitor.plan import (
+    check_robots,
+    check_shared_logs,
+    find_all_logs,
+    find_logs,
+    programs_without_logs,
+    window_seconds,
+)
 
 
 @pytest.fixture
@@ -219,3 +226,53 @@ def test_programs_that_no_log_is_named_after_are_told():
     for quiet in ({"logs": {"*/weld_*": "weld", "*/paint_*": "paint"}}, {"columns": "task"}, None):
         assert programs_without_logs("cell", {"program": quiet}, logs) == ""
     assert programs_without_logs("cell", {"program": {"logs": {"*/weld_*": "weld"}}}, []) == ""
+
+
+def shared(**robots):
+    config = {"monitor": {"robots": {name: {"robot": "arm.yaml", **entry} for name, entry in robots.items()}}}
+    return check_shared_logs(find_all_logs(config)[0], config)
+
+
+@pytest.fixture
+def presses(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for folder in ("press_1", "press_2"):
+        Path(folder).mkdir()
+        for day in range(2):
+            Path(folder, f"day_{day}.csv").touch()
+    Path("linked").symlink_to("press_1")
+    Path("single").mkdir()
+    for day in range(2):
+        Path(f"single/day_{day}.csv").hardlink_to(f"press_1/day_{day}.csv")
+
+
+@pytest.mark.parametrize("pattern", ["press_1/*.csv", "./press_2/../press_1/day_?.csv", "linked/*", "single/*.csv"])
+def test_the_same_logs_of_two_robots_are_refused(presses, pattern):
+    third = {"logs": ["press_1/*"], "variables": {"position": "left_q"}}
+    with pytest.raises(InputError, match=r"'monitor\.robots\.two\.logs' holds the logs of 'one'") as error:
+        shared(third=third, one={"logs": ["press_1/*"]}, two={"logs": [pattern]})
+    assert "allowed: the logs of one machine for each robot" in str(error.value)
+
+
+def test_some_shared_logs_are_told(presses):
+    one, two = {"logs": ["press_*/*"]}, {"logs": ["press_2/*"]}
+    assert shared(one=one) == shared(one={"logs": ["press_1/*"]}, two=two) == []
+    told = shared(one=one, two=two)
+    assert len(told) == 1
+    assert "'monitor.robots.two.logs' holds 'press_2/day_0.csv', which 'one' holds too" in told[0]
+    assert len(shared(one=two, two=two | {"robot": "other.yaml"})) == 1
+
+
+def test_two_arms_of_one_controller_share_its_logs(presses):
+    left, right = ({"logs": ["press_1/*"], "variables": {"position": f"{side}_q"}} for side in ("left", "right"))
+    assert shared(left=left, right=right) == []
+    assert (
+        shared(left={"logs": ["press_1/*"], "topic": "/left"}, right={"logs": ["press_1/*"], "topic": "/right"}) == []
+    )
+
+
+def test_logs_that_are_yet_to_be_fetched_are_compared_by_their_path():
+    logs = {"one": ["data/a.csv"], "two": ["data/../data/a.csv"]}
+    config = {"monitor": {"robots": {name: {"robot": "arm.yaml"} for name in logs}}}
+    with pytest.raises(InputError, match="holds the logs of 'one'"):
+        check_shared_logs(logs, config)

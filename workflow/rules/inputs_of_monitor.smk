@@ -10,6 +10,7 @@ from jointwear.monitor.plan import (
     READING_KEYS,
     batches_of,
     check_robots,
+    check_shared_logs,
     find_all_logs,
     find_logs,
     log_sources,
@@ -22,10 +23,15 @@ try:
     zone_of(config["monitor"]["time_zone"])
     check_channels(config["monitor"])
     check_robots(config)
+    FOUND_LOGS, SILENT = find_all_logs(config)
+    SHARED_LOGS = (
+        check_shared_logs(FOUND_LOGS, config) if workflow.is_main_process else ()
+    )
 except InputError as error:
     sys.exit(told(error))
-FOUND_LOGS, SILENT = find_all_logs(config)
 if workflow.is_main_process:
+    for reason in SHARED_LOGS:
+        print(told(reason), file=sys.stderr)
     for reason in SILENT.values():
         print(f"{told(reason)}; the other robots go on", file=sys.stderr)
     for name, entry in config["monitor"]["robots"].items():
