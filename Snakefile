@@ -48,3 +48,4 @@ rule all:
 
 
 include: "workflow/rules/everything.smk"
+include: "workflow/rules/checks_of_the_call.smk"

@@ -6,8 +6,9 @@ An effect is one file of :mod:`jointwear.effects.entries` that defines ``EFFECT`
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -104,24 +105,38 @@ def check_effects(robot: Robot) -> None:
     ------
     InputError : names the entry and key that is wrong and what is allowed.
     """
-    for i, entry in enumerate(robot.effects):
-        where = f"robot '{robot.name}': 'effects[{i}]"
+    check_entries([asdict(entry) for entry in robot.effects], robot.joints, f"robot '{robot.name}'")
+
+
+def check_entries(entries: Sequence[Mapping[str, Any]], joints: int, name: str) -> None:
+    """Check `effects` as a robot file has them against the library.
+
+    Parameters
+    ----------
+    entries : with `effect` and, where given, `axis`, `source_axis` and `parameters`. joints : of the robot.
+    name : what a message calls the robot: its name or its file.
+
+    Raises
+    ------
+    InputError : names the entry and key that is wrong and what is allowed.
+    """
+    for i, entry in enumerate(entries):
+        where = f"{name}: 'effects[{i}]"
+        identifier, axis, source = entry["effect"], entry.get("axis"), entry.get("source_axis")
         try:
-            effect = get_effect(entry.effect)
+            effect = get_effect(identifier)
         except InputError as error:
             raise InputError(f"{where}.effect': {error}") from None
         if not effect.identifiable:
-            raise InputError(f"{where}.effect' is '{entry.effect}', which has no torque function: {effect.reason}")
-        if not effect.whole_arm and entry.axis is None:
-            raise InputError(
-                f"{where}.axis' is missing; '{entry.effect}' acts on one axis (allowed: 1 to {robot.joints})"
-            )
-        if effect.needs_source and entry.source_axis is None:
-            raise InputError(f"{where}.source_axis' is missing; '{entry.effect}' comes from another axis")
-        if effect.needs_source and entry.source_axis == entry.axis:
-            raise InputError(f"{where}.source_axis' is {entry.axis}, as is 'axis'; it must be another one")
+            raise InputError(f"{where}.effect' is '{identifier}', which has no torque function: {effect.reason}")
+        if not effect.whole_arm and axis is None:
+            raise InputError(f"{where}.axis' is missing; '{identifier}' acts on one axis (allowed: 1 to {joints})")
+        if effect.needs_source and source is None:
+            raise InputError(f"{where}.source_axis' is missing; '{identifier}' comes from another axis")
+        if effect.needs_source and source == axis:
+            raise InputError(f"{where}.source_axis' is {axis}, as is 'axis'; it must be another one")
         known = {p.name: p for p in effect.parameters}
-        for key, value in entry.parameters.items():
+        for key, value in (entry.get("parameters") or {}).items():
             if key == "correction" and effect.shape is not None:
                 _check_table(f"{where}.parameters.correction'", value)
                 continue
@@ -137,6 +152,11 @@ def check_effects(robot: Robot) -> None:
                     else ""
                 )
                 raise InputError(f"{where}.parameters.{key}' is {value!r} (allowed: >= {low} and <= {high}){near}")
+        free = [p.name for p in effect.parameters if not p.fixed]
+        if free and not set(entry.get("parameters") or {}) & {*free, "correction"}:
+            raise InputError(f"{where}.parameters' says no size of '{identifier}' (allowed: {', '.join(free)})")
+        if entry in entries[:i]:
+            raise InputError(f"{where}' is the same as 'effects[{entries.index(entry)}]'; it would act twice")
 
 
 def _check_table(where: str, table: Any) -> None:
@@ -191,6 +211,7 @@ __all__ = [
     "Parameter",
     "State",
     "check_effects",
+    "check_entries",
     "effect_torque",
     "get_effect",
     "library",
