@@ -1,5 +1,5 @@
 # Which logs every monitored robot has, and what the rules of monitor.smk take from its entry.
-from snakemake.exceptions import WorkflowError
+from jointwear.files.errors import nearest
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
 from jointwear.monitor.reading.kept_surveys import surveyed_log
@@ -96,15 +96,24 @@ def logs_of(name):
     """Batches of logs of a robot; those of a shipped example are looked up only where they are wanted."""
     if name in LOGS:
         return LOGS[name]
-    if name not in SHIPPED_ROBOTS:
-        raise WorkflowError(SILENT.get(name, f"monitor.robots has no '{name}'"))
-    entry = SHIPPED_ROBOTS[name]
+    if name in config["monitor"]["robots"]:
+        sys.exit(told(SILENT[name]))
+    entry = entry_of(name)
     return batches_of(find_logs(entry["logs"]), entry)
+
+
+def entry_of(name):
+    """The entry of a robot of the configuration or of a shipped example; ends the call where neither has it."""
+    known = {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}
+    if name not in known:
+        hint = nearest(name, config["monitor"]["robots"] or known)
+        sys.exit(told(f"config: 'monitor.robots' has no '{name}'{hint}"))
+    return known[name]
 
 
 def given_entry(wildcards):
     """The entry of a robot as it is given."""
-    return {**SHIPPED_ROBOTS, **config["monitor"]["robots"]}[wildcards.monitored]
+    return entry_of(wildcards.monitored)
 
 
 def monitored_entry(wildcards):
