@@ -7,16 +7,18 @@ from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.local_time import zone_of
-from jointwear.monitor.notify.channels import blot
+from jointwear.monitor.notify.channels import blot, without_address
 from jointwear.monitor.notify.notices import Notice, closures, notices
 from jointwear.monitor.notify.outbox import MOST_LINES, Outbox
 from jointwear.monitor.notify.plan import check_channels
 from jointwear.monitor.notify.stage import notify
+from jointwear.running.configuration import prepare
 
 SECRET = "Zk4-topsecret"
 HOUR = 1_767_225_600.0
@@ -356,3 +358,24 @@ def test_a_wrong_channel_is_named(channel, words):
         check_channels({"notify": [channel], "robots": {"cell_3": {}}})
     with pytest.raises(InputError, match="given twice"):
         check_channels({"notify": [{"name": "a", "env": "A"}] * 2, "robots": {}})
+
+
+@pytest.mark.parametrize("channel", [{"env": f"https://hooks.example/{SECRET}"}, {"file": f"slack://{SECRET}/a"}])
+def test_an_address_in_the_place_of_its_name_is_not_repeated(root, channel):
+    given = yaml.safe_load((root / "config/config.yaml").read_text())
+    given["monitor"] = {"robots": {}, "notify": [{"name": "shop", **channel}]}
+    with pytest.raises(InputError, match="not repeated here") as error:
+        check_channels(prepare(given)["monitor"])
+    assert SECRET not in str(error.value)
+    assert ("the name of an environment variable" if "env" in channel else "the path of a file") in str(error.value)
+
+
+def test_a_channel_without_an_address_is_told_though_nothing_is_to_be_sent(tmp_path, monkeypatch):
+    monkeypatch.setenv("SHOP_URL", f"json://{SECRET}")
+    monkeypatch.delenv("OFFICE_URL", raising=False)
+    channels = [{"name": "shop", "env": "SHOP_URL"}, {"name": "office", "env": "OFFICE_URL"}]
+    channels.append({"name": "cell", "file": str(tmp_path / "gone")})
+    told = without_address(channels)
+    assert told[0] == "office: environment variable OFFICE_URL is not set or empty"
+    assert told[1].startswith("cell: file ")
+    assert len(told) == 2

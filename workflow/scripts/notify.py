@@ -2,6 +2,7 @@
 
 import sys
 
+from jointwear.monitor.notify.channels import without_address
 from jointwear.monitor.notify.stage import notify
 from jointwear.running.script import reported
 
@@ -16,3 +17,7 @@ if __name__ == "__main__":
         )
         for line in failed:
             print(f"jointwear: not sent, kept for the next call: {line}", file=sys.stderr)
+        # Else an alarm would be the first to find out.
+        for line in without_address(snakemake.params.channels):
+            if line not in failed:
+                print(f"jointwear: nothing can be sent: {line}", file=sys.stderr)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,17 @@ def address_of(channel: Mapping[str, Any]) -> list[str]:
     if not found:
         raise InputError(f"{where} is not set or empty")
     return found
+
+
+def without_address(channels: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return one line, without secrets, for every channel whose address is not there."""
+    told = []
+    for channel in channels:
+        try:
+            address_of(channel)
+        except InputError as error:
+            told.append(f"{channel['name']}: {error}")
+    return told
 
 
 def send(channel: Mapping[str, Any], message: Mapping[str, Any]) -> str:

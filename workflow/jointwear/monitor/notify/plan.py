@@ -26,6 +26,11 @@ def check_channels(monitor: Mapping[str, Any]) -> None:
                 f"config: '{where}' must name its address either by 'env' (an environment variable) or by 'file'; the "
                 "address itself is a secret and has no place in a config"
             )
+        if "://" in channel.get("file", ""):
+            raise InputError(
+                f"config: '{where}.file' holds an address, which is a secret and is not repeated here; allowed: the "
+                "path of a file that holds it"
+            )
         for robot in channel.get("robots", ()):
             if robot not in monitor["robots"]:
                 hint = nearest(robot, monitor["robots"])
