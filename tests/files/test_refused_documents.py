@@ -269,3 +269,15 @@ def test_a_configuration_that_holds_itself_is_refused(root):
     config["wear"]["axes"] = config["wear"]
     with pytest.raises(InputError, match="holds itself"):
         prepare(config)
+
+
+@pytest.mark.parametrize(
+    ("key", "meaning"), [("on", "true"), ("no", "false"), ("null", "nothing"), ("~", "nothing"), ("Yes", "true")]
+)
+def test_a_name_that_yaml_takes_for_a_value_needs_quotation_marks(tmp_path, key, meaning):
+    path = tmp_path / "plant.yaml"
+    path.write_text(f"monitor:\n  robots:\n    {key}: {{}}\n")
+    with pytest.raises(InputError, match=f"line 3: YAML reads '{key}' as {meaning}; put a name between quotation"):
+        read_yaml(path)
+    path.write_text(f"monitor:\n  robots:\n    '{key}': {{}}\n")
+    assert read_yaml(path)["monitor"]["robots"] == {key: {}}

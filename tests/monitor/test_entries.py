@@ -139,3 +139,11 @@ def test_what_is_allowed_is_said(root, more, words):
     with pytest.raises(InputError) as told:
         prepare({**config, "monitor": {"robots": {"cell": entry}}})
     assert words in str(told.value)
+
+
+def test_a_name_is_short_enough_for_a_file():
+    entry = {"logs": ["logs/*.csv"], "robot": str(ROBOT), "baseline": {"windows": 8}}
+    check_robots({"monitor": {"robots": {"x" * 100: entry}}})
+    with pytest.raises(InputError, match=r"a name of 300 characters \(allowed: up to 100") as error:
+        check_robots({"monitor": {"robots": {"x" * 300: entry}}})
+    assert len(str(error.value)) < 200

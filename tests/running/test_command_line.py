@@ -50,6 +50,7 @@ FILES = {
     "date": ("seed: 2026-13-45\n", "not valid YAML"),
     "template": ("__use_yte__: true\nseed: ?__import__('os').system('touch executed')\n", "runs code"),
     "empty": ("# nothing yet\n", "is empty; a mapping of keys to values is expected"),
+    "tab": ("wear:\n  shape:\tlinear\n", "line 2: holds a tab that YAML does not take there; write spaces"),
     "bytes": ("seed: 7", "UTF-8"),
 }
 
@@ -173,3 +174,8 @@ def test_files_count_where_snakemake_has_found_them(tmp_path):
         check_command_line(["--configfile", "mine.yaml"], [path])
     assert f"{path}: '__use_yte__'" in str(ended.value.code)
     check_command_line(["--configfile", "nowhere.yaml"], [])
+
+
+def test_tabs_that_every_reader_takes_pass(tmp_path):
+    (tmp_path / "x.yaml").write_text('seed: 7 # a\tcomment\nnote: "a\tb"\n')
+    check_command_line(["--configfile", str(tmp_path / "x.yaml")])

@@ -10,7 +10,7 @@ import pytest
 import jointwear
 from jointwear.files.errors import InputError
 from jointwear.measurement.refused import Refused
-from jointwear.running.script import reported
+from jointwear.running.script import INTERRUPTED, reported
 
 
 @pytest.mark.parametrize(
@@ -69,3 +69,12 @@ with reported(None, ['pandas']):
 """
     library = Path(jointwear.__file__).parents[1]
     subprocess.run([sys.executable, "-c", code], cwd=library, check=True, timeout=120)
+
+
+def test_an_interrupted_job_leaves_a_log_and_no_traceback(tmp_path, capsys):
+    """Without the log the logger plugin fails beside the job."""
+    with pytest.raises(SystemExit) as ended, reported(str(tmp_path / "log")):
+        raise KeyboardInterrupt
+    assert ended.value.code == INTERRUPTED
+    assert (tmp_path / "log").read_text() == "jointwear: interrupted\n"
+    assert capsys.readouterr().err == ""

@@ -58,6 +58,10 @@ def _mapping(loader: _StrictLoader, node: yaml.MappingNode, deep: bool = False) 
         key = loader.construct_object(key_node, deep=True)
         if not isinstance(key, (str, int, float, date, type(None))):
             raise InputError(f"line {line}: a key must be text, not a list or a mapping")
+        if key is None or isinstance(key, bool):
+            said = _quoted(key_node.value) if key_node.value else "an empty key"
+            meaning = "nothing" if key is None else str(key).lower()
+            raise InputError(f"line {line}: YAML reads {said} as {meaning}; put a name between quotation marks")
         if key in seen:
             raise InputError(f"line {line}: key {_quoted(key)} is given twice")
         seen.add(key)
@@ -129,6 +133,25 @@ def _check_depth(text: str) -> None:
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if depth > DEEPEST:
             raise InputError(f"line {event.start_mark.line + 1}: is nested more than {DEEPEST} levels deep")
+
+
+def check_tabs(path: str | Path) -> None:
+    """Check a YAML file for tabs that readers written in Python refuse, Snakemake's among them, and others take.
+
+    Raises
+    ------
+    InputError : naming the line.
+    """
+    text = read_text(path, LARGEST_YAML)
+    if "\t" not in text:
+        return
+    try:
+        for _ in yaml.scan(text, Loader=yaml.SafeLoader):
+            pass
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f" line {mark.line + 1}:" if mark else ""
+        raise InputError(f"{path}:{line} holds a tab that YAML does not take there; write spaces") from None
 
 
 def _load(text: str) -> Any:
@@ -267,6 +290,9 @@ def _describe(error) -> str:
         return f"'{where + '.' if where else ''}{missing}' is missing{told}"
     where = where or "the document"
     said = _SAID[value] if value is None or isinstance(value, bool) else shown(value)
+    if error.schema.get("writeOnly"):
+        # What a schema marks so may be a secret.
+        said = "a value that is not repeated here"
     if rule == "enum":
         allowed = [str(v) for v in error.validator_value]
         return f"'{where}' is {said}; allowed: {', '.join(allowed)}{nearest(str(value), allowed)}"

@@ -40,6 +40,8 @@ _COLUMNS = ("variables", "joints", "topic")
 _ALIKE = (*_COLUMNS, "robot", "use_learned")
 #: Logs that one job reads [bytes]: they take as long to read as the job takes to start (a second or two on one core).
 BATCH_BYTES = 8e6
+#: Longest name of a robot [characters]: with an ending it is that of a file, which some systems end at 143.
+LONGEST_NAME = 100
 #: Shortest and longest length of time [s] in a config: a stroke of an arm, and the life of one.
 SHORTEST, LONGEST = 1.0, 3650 * 86400.0
 #: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
@@ -175,6 +177,11 @@ def check_robots(config: Mapping[str, Any]) -> None:
         where = f"monitor.robots.{name}"
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
             raise InputError(f"config: '{where}': a robot's name is letters, digits and _, a letter first")
+        if len(name) > LONGEST_NAME:
+            raise InputError(
+                f"config: 'monitor.robots' holds {shown(name)}, a name of {len(name)} characters (allowed: up to "
+                f"{LONGEST_NAME}, as files are named after it)"
+            )
         path = Path(entry["robot"])
         if os.path.isdir(path):
             there = next(iter(sorted(path.glob("*.yaml"))), path / "my_arm.yaml").as_posix()

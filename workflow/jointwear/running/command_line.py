@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from jointwear.files.documents import check_written_out, read_yaml
+from jointwear.files.documents import check_tabs, check_written_out, read_yaml
 from jointwear.files.errors import InputError, shown
 from jointwear.running.script import message_of
 
@@ -46,7 +46,9 @@ def check_command_line(arguments: Sequence[str], files: Sequence[str | Path] | N
         for path in _given(arguments, _FILES) if files is None else files:
             if files is None and _is_word(path):
                 raise InputError(f"{path}: no such file; {_TAKES_ALL.format(option='--configfile')}")
-            if TEMPLATE in read_yaml(path):
+            values = read_yaml(path)
+            check_tabs(path)
+            if TEMPLATE in values:
                 raise InputError(f"{path}: '{TEMPLATE}' makes a template of it, which runs code; only values are read")
         for text in _given(arguments, _VALUES):
             _check_entry(text)

@@ -18,6 +18,8 @@ SURROUNDINGS = frozenset(
         *(errno.ELOOP, errno.ENAMETOOLONG, errno.ENOTDIR, errno.EISDIR, errno.EMFILE, errno.ENFILE),
     )
 )
+#: Exit status of a job that Ctrl-C ends.
+INTERRUPTED = 130
 
 
 def with_suggestion(error: InputError) -> str:
@@ -54,7 +56,8 @@ def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[Non
     """Turn what a user can mend into one line on standard error (and in the rule's log) and exit 1.
 
     That is an :class:`InputError`, a file or folder that the system refuses, or want of memory. Of any other error the
-    traceback is in the log too: a failed job without a log makes the logger plugin fail beside it.
+    traceback is in the log too: a failed job without a log makes the logger plugin fail beside it. Ctrl-C is noted
+    there alone.
 
     Parameters
     ----------
@@ -73,6 +76,9 @@ def reported(log: str | None = None, absent: Sequence[str] = ()) -> Iterator[Non
         print(message, file=sys.stderr)
         _note(message, log)
         sys.exit(1)
+    except KeyboardInterrupt:
+        _note("jointwear: interrupted", log)
+        sys.exit(INTERRUPTED)
     finally:
         sys.meta_path.remove(finder)
 
