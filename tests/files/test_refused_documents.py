@@ -281,3 +281,10 @@ def test_a_name_that_yaml_takes_for_a_value_needs_quotation_marks(tmp_path, key,
         read_yaml(path)
     path.write_text(f"monitor:\n  robots:\n    '{key}': {{}}\n")
     assert read_yaml(path)["monitor"]["robots"] == {key: {}}
+
+
+def test_a_number_in_place_of_bodies_is_one_line(root, tmp_path):
+    content = yaml.safe_load((root / "config/robots/puma560.yaml").read_text()) | {"links": 3}
+    (tmp_path / "arm.yaml").write_text(yaml.safe_dump(content))
+    with pytest.raises(InputError, match="'links' is 3, must be a list"):
+        read_robot_file(tmp_path / "arm.yaml")

@@ -387,7 +387,13 @@ def _list_of(where: str, value: Any, rule: str | list[str], schema: dict[str, An
     from jsonschema import Draft202012Validator
 
     plain = isinstance(value, (str, int, float)) and not isinstance(value, bool)
-    if rule != "array" or not plain or not Draft202012Validator(schema).is_valid([value]):
+    # What a schema refers to is out of reach here: it holds mappings, none of which is plain.
+    if (
+        rule != "array"
+        or not plain
+        or "$ref" in schema.get("items", {})
+        or not Draft202012Validator(schema).is_valid([value])
+    ):
         return ""
     if where.endswith(".sign"):
         return "; one for each axis, as [1, 1, -1, 1, 1, 1] of an arm that has six"
