@@ -79,11 +79,20 @@ def test_an_arm_for_a_thousand_kilograms_is_taken():
 
 
 def test_the_links_of_a_urdf_hold_its_payload_too(tmp_path):
-    text = Path("config/robots/ur10.yaml").read_text()
-    data = yaml.safe_load(text)
-    urdf = (PUMA.parent / data["urdf"]).resolve() if ":" not in data["urdf"] else data["urdf"]
-    data |= {"urdf": str(urdf), "payload": {"mass": 5000.0, "com": [0, 0, 0]}}
+    body = (
+        '<inertial><origin xyz="0.2 0 0"/><mass value="4"/><inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" iyz="0" '
+        'ixz="0"/></inertial>'
+    )
+    joint = (
+        '<joint name="j{0}" type="revolute"><parent link="l{0}"/><child link="l{1}"/><origin xyz="0.4 0 0"/>'
+        '<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="50" velocity="3"/></joint>'
+    )
+    links = "".join(f'<link name="l{k}">{body if k else ""}</link>' for k in range(4))
+    text = f'<robot name="arm">{links}{"".join(joint.format(k, k + 1) for k in range(3))}</robot>'
+    (tmp_path / "arm.urdf").write_text(text)
     path = tmp_path / "arm.yaml"
-    path.write_text(yaml.safe_dump(data))
+    path.write_text(yaml.safe_dump({"name": "arm", "urdf": "arm.urdf", "payload": {"mass": 5.0, "com": [0, 0, 0]}}))
+    read_robot_file(path)
+    path.write_text(yaml.safe_dump({"name": "arm", "urdf": "arm.urdf", "payload": {"mass": 5000.0, "com": [0, 0, 0]}}))
     with pytest.raises(InputError, match=r"'payload.mass' is 5000, in kg, on links of .* this looks like g: 5"):
         read_robot_file(path)
