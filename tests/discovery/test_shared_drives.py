@@ -20,6 +20,14 @@ from jointwear.robots.robot import load_robot
 SIGMAS = Settings().noise_sigmas
 
 
+def two_joints(rng):
+    """Velocity, acceleration, usable samples and inertial torque of two joints that swing at speeds of their own."""
+    time = np.arange(4000) / RATE
+    velocity = np.stack([np.sin(2.0 * time), np.cos(3.1 * time)], axis=1)
+    acceleration = np.gradient(velocity, 1 / RATE, axis=0)
+    return velocity, acceleration, np.ones((4000, 2), dtype=bool), rng.standard_normal((4000, 2, 2))
+
+
 def test_samples_of_a_shared_drive_that_sticks_are_left_out():
     rng = np.random.default_rng(3)
     time = np.arange(4000) / RATE
@@ -41,10 +49,7 @@ def test_samples_of_a_shared_drive_that_sticks_are_left_out():
 def test_a_shared_drive_is_known_by_the_few_of_its_slow_samples_at_which_it_sticks():
     """Where a wrist moves its two joints against each other its drive is slow for long, and sticks here and there."""
     rng = np.random.default_rng(6)
-    time = np.arange(4000) / RATE
-    velocity = np.stack([np.sin(2.0 * time), np.cos(3.1 * time)], axis=1)
-    acceleration = np.gradient(velocity, 1 / RATE, axis=0)
-    usable, inertial = np.ones((4000, 2), dtype=bool), rng.standard_normal((4000, 2, 2))
+    velocity, acceleration, usable, inertial = two_joints(rng)
     speed = velocity.sum(axis=1)
     slow = np.abs(speed) < assumed.STICKS
     level = np.sign(speed)
@@ -79,10 +84,7 @@ def test_a_shared_drive_that_sticks_for_a_third_of_the_time_is_no_program():
 def test_samples_beside_reversals_of_a_dragging_neighbour_are_left_out():
     """A filter rounds the jump of a neighbour's friction on a joint that moves on."""
     rng = np.random.default_rng(5)
-    time = np.arange(4000) / RATE
-    velocity = np.stack([np.sin(2.0 * time), np.cos(3.1 * time)], axis=1)
-    acceleration = np.gradient(velocity, 1 / RATE, axis=0)
-    usable, inertial = np.ones((4000, 2), dtype=bool), rng.standard_normal((4000, 2, 2))
+    velocity, acceleration, usable, inertial = two_joints(rng)
     slow = np.abs(velocity[:, 1]) < assumed.STICKS
     level = np.where(slow, rng.uniform(-1, 1, 4000), np.sign(velocity[:, 1]))
     missing = 0.02 * rng.standard_normal((4000, 2)) + 0.8 * level[:, None] * np.array([1, 0])

@@ -49,28 +49,27 @@ def test_a_later_window_moves_no_shift(more):
     )
 
 
-def test_left_out_residuals_are_those_of_a_fit_without_the_shift():
-    random = np.random.default_rng(1)
+def with_and_without_a_shift(seed):
+    """Six shifts of a level that follows one condition: design, values, labels, the fit of all and that without 2."""
+    random = np.random.default_rng(seed)
     shift = np.repeat(np.arange(6), 10)
     x = np.stack([np.ones(60), random.standard_normal(60)], axis=1)
     y = x @ [0.3, 0.1] + 0.01 * random.standard_normal(60)
     noise, prior = Noise(np.full(60, 1e-4), 0.0, 1e-5), Posterior(np.zeros(2), np.eye(2))
-    whole = fit_normal_state(x, y, noise, shift, prior)
+    values = y, np.where(shift == 2, np.nan, y)
+    return x, y, shift, *(fit_normal_state(x, value, noise, shift, prior) for value in values)
+
+
+def test_left_out_residuals_are_those_of_a_fit_without_the_shift():
+    x, y, shift, whole, rest = with_and_without_a_shift(1)
     assert whole.posterior.mean == pytest.approx([0.3, 0.1], abs=0.01)
-    rest = fit_normal_state(x, np.where(shift == 2, np.nan, y), noise, shift, prior)
     expected = y[shift == 2] - x[shift == 2] @ rest.posterior.mean
     assert whole.left_out[shift == 2] == pytest.approx(expected, abs=2e-3)
 
 
 def test_the_mean_of_a_shift_is_predicted_as_its_mean_conditions_are():
     """Windows at other temperatures err apart: their mean is known better than each of them."""
-    random = np.random.default_rng(3)
-    shift = np.repeat(np.arange(6), 10)
-    x = np.stack([np.ones(60), random.standard_normal(60)], axis=1)
-    y = x @ [0.3, 0.1] + 0.01 * random.standard_normal(60)
-    noise, prior = Noise(np.full(60, 1e-4), 0.0, 1e-5), Posterior(np.zeros(2), np.eye(2))
-    whole = fit_normal_state(x, y, noise, shift, prior)
-    rest = fit_normal_state(x, np.where(shift == 2, np.nan, y), noise, shift, prior)
+    x, _, shift, whole, rest = with_and_without_a_shift(3)
     _, variance = rest.posterior.predict(x[shift == 2].mean(axis=0, keepdims=True))
     assert whole.mean_variance[shift == 2] == pytest.approx(np.full(10, variance[0]), rel=0.1)
     assert (whole.mean_variance < [whole.left_out_variance[shift == k].mean() for k in shift]).all()

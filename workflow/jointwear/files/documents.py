@@ -285,9 +285,8 @@ def _describe(error) -> str:
         return f"unknown key {_quoted(full)}{nearest(key, allowed)} (allowed: {', '.join(allowed)})"
     if rule == "required":
         missing = next(k for k in error.validator_value if k not in value)
-        allowed = error.schema.get("properties", {}).get(missing, {}).get("enum", [])
-        told = f" (allowed: {', '.join(map(str, allowed))})" if allowed else ""
-        return f"'{where + '.' if where else ''}{missing}' is missing{told}"
+        allowed = _one_of(error.schema.get("properties", {}).get(missing, {}))
+        return f"'{where + '.' if where else ''}{missing}' is missing{allowed}"
     where = where or "the document"
     said = _SAID[value] if value is None or isinstance(value, bool) else shown(value)
     if error.schema.get("writeOnly"):

@@ -84,5 +84,6 @@ def _sticks(
         return False
     near = missing[inside] - np.concatenate([base[inside], shared[inside]], axis=1) @ theta
     # Not all slow samples stick: a drive that reverses fast is as good a friction as elsewhere.
-    odd_near, odd = (np.square(x) > sigmas**2 * np.mean(left**2) for x in (near, left))
+    noise = sigmas**2 * np.mean(left**2)
+    odd_near, odd = near**2 > noise, left**2 > noise
     return bool(np.sum(odd_near) >= FEWEST and np.mean(odd_near) > sigmas * np.mean(odd))

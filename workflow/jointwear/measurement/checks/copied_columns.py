@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -51,12 +50,7 @@ def check_columns_differ(measured: Measured, robot: Robot, name: str, records: b
     labels = [int(measured.trajectory[piece.start]) for piece in pieces]
     _check(measured, robot, name)
     for label, piece in zip(labels, pieces, strict=True) if len(pieces) > 1 else ():
-        _check(_part(measured, piece), robot, name, label)
-
-
-def _part(measured: Measured, piece: slice) -> Measured:
-    names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
-    return replace(measured, **{name: getattr(measured, name)[piece] for name in names})
+        _check(measured.part(piece), robot, name, label)
 
 
 def _check(measured: Measured, robot: Robot, name: str, label: int | None = None) -> None:

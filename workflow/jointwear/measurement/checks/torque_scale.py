@@ -275,8 +275,7 @@ def check_size(measured: Measured, robot: Robot, name: str) -> None:
 def thinned(measured: Measured) -> Measured:
     """Return about :data:`THINNED` of the samples."""
     step = max(1, len(measured.time) // THINNED)
-    names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
-    return replace(measured, **{n: getattr(measured, n)[::step] for n in names})
+    return measured.part(slice(None, None, step))
 
 
 @dataclass(frozen=True)

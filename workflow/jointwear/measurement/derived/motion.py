@@ -97,6 +97,11 @@ class Measured:
         """Position, velocity, acceleration and torque (m, 4, n); torque that was not measured is zero."""
         return np.stack([self.position, self.velocity, self.acceleration, np.nan_to_num(self.torque)], axis=1)
 
+    def part(self, rows: slice | np.ndarray) -> Measured:
+        """Return the samples `rows` alone, with what is known of all; marks of samples as they were recorded stay."""
+        names = ("time", "trajectory", "position", "velocity", "acceleration", "torque", "temperature", "usable")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
     @property
     def vague_ends(self) -> int:
         """Samples at either end of a record whose fitted accelerations are far more uncertain than those inside.

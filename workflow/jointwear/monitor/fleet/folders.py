@@ -81,7 +81,7 @@ def left_folders(folder: Path, known: Collection[str], configuration: str) -> li
     folder : of the robots. known : names of the folders of the robots that the configuration names now.
     configuration : see :func:`own_folder`; robots of another one are none of it.
     """
-    marks = {path.parent.name: _mark(path) for path in sorted(folder.glob("*/whose.txt"))}
+    marks = {path.parent.name: _mark(path) for path in sorted(folder.glob(f"*/{WHOSE}"))}
     return [name for name, mark in marks.items() if name not in known and mark[1:] == [configuration]]
 
 

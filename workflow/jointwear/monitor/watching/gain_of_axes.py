@@ -127,7 +127,7 @@ def _pairs(
         a shift and the next are held against.
     """
     usual = usual[:-1]
-    shown, sizes = [], []
+    shown, sizes, alone = [], [], _moved_alone(levels, errors)
     for rows in (slice(None, -1), slice(1, None)):
         rubbed, moved = np.moveaxis(levels[rows] - usual, -1, 0)
         rub_error, move_error = np.moveaxis(errors[rows], -1, 0)
@@ -137,7 +137,7 @@ def _pairs(
             both = bodies & alike & (np.abs(rubbed) > TOGETHER * rub_error) & (rubbed * moved > 0)
         # A load moves the bodies of several axes, and their friction by another share.
         loaded = (bodies & ~both).sum(axis=1) + 1 >= FEWEST_TOGETHER
-        shown.append(both & ~loaded[:, None] & ~_moved_alone(levels, errors)[rows])
+        shown.append(both & ~loaded[:, None] & ~alone[rows])
         sizes.append(moved)
     first, second = sizes
     with np.errstate(invalid="ignore"):
