@@ -29,6 +29,15 @@ def test_runs_on_which_nothing_happens_alarm_as_often_as_is_allowed(share):
     assert np.mean((level > of_level) | (step > of_step)) == pytest.approx(share, rel=0.1)
 
 
+@pytest.mark.parametrize("windows", [6, 11, 12, 23, 24, 48])
+def test_the_rate_holds_however_many_windows_a_shift_has(windows):
+    """Runs of the axis as it is, against the threshold that it gets from those of an axis on the grid."""
+    axis, a_window = Axis(0.0077, 0.44, 0.0054, 0.0021, windows), 5 / 1000 / 6
+    (level, step), (of_level, of_step) = _maxima(axis), null_thresholds(axis, a_window)
+    alarms = np.mean((level > of_level) | (step > of_step))
+    assert alarms == pytest.approx(-np.expm1(-a_window * JUDGED * windows), rel=0.15)
+
+
 def test_shifts_of_null_runs_scatter_as_is_stated():
     drawn = _draws(8)
     assert np.std(drawn.fresh) == pytest.approx(1.0, rel=0.1)

@@ -9,7 +9,7 @@ six is not the largest of a year.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -47,10 +47,13 @@ class Axis:
     spread: float
     normal: float
     within: float
-    windows: int
+    windows: float
 
     def rounded(self) -> Axis:
-        """Return it on a coarse grid, so that axes and robots share runs; rounded up, to the safe side."""
+        """Return it on a coarse grid, so that axes and robots share runs, with the windows that it has.
+
+        Deviations are rounded up, to the safe side, the spread to the nearest.
+        """
 
         def up(value: float, least: float) -> float:
             return float(least * RATIO ** np.ceil(np.log(max(value, least) / least) / np.log(RATIO) - 1e-9))
@@ -60,7 +63,7 @@ class Axis:
             round(max(self.spread, LEAST_SPREAD), 1),
             up(self.normal, LEAST_NORMAL),
             up(self.within, LEAST_WITHIN),
-            int(np.clip(2 ** round(np.log2(max(self.windows, 1))), FEWEST_WINDOWS, MOST_WINDOWS)),
+            self.windows,
         )
 
 
@@ -166,9 +169,10 @@ def null_thresholds(axis: Axis, chance_per_window: float) -> tuple[float, float]
     ----------
     chance_per_window : false alarms of this axis a window.
     """
-    rounded = axis.rounded()
-    maxima = _maxima(rounded)
-    wanted = -np.expm1(-chance_per_window * JUDGED * rounded.windows)
+    # Runs have the nearest power of two of windows. A rate counts those that the axis has, up to a factor of 1.4 apart.
+    of_runs = np.clip(2 ** round(np.log2(max(axis.windows, 1))), FEWEST_WINDOWS, MOST_WINDOWS)
+    maxima = _maxima(replace(axis.rounded(), windows=int(of_runs)))
+    wanted = -np.expm1(-chance_per_window * JUDGED * axis.windows)
     smallest = FEWEST / RUNS
     at = 1 - min(max(wanted, smallest), 0.5)
     alone = [_quantile(m, at) for m in maxima]

@@ -364,7 +364,7 @@ def _null_of(axis: AxisNormal, shift: np.ndarray, baseline: np.ndarray) -> Axis:
     within = np.sqrt(noise * float(inflated(usual, axis.dispersion.memory)) / usual)
     left = axis.fit.left_out_variance
     normal = float(np.sqrt(np.nanmedian(left))) if np.isfinite(left).any() else _USUAL_NORMAL
-    return Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), int(usual)).rounded()
+    return Axis(axis.dispersion.between, axis.dispersion.spread, normal, float(within), usual).rounded()
 
 
 def _thresholds(null: Axis, rate: float, recall: Recall) -> list[float]:
