@@ -2,6 +2,22 @@
 # stages of the reproduction in a working directory of its own, as a user's experiment would.
 BESIDE = {name: f"results/side_by_side/{name}" for name in ("literal", "closest")}
 BESIDE_TABLES = ["table_ii", "table_iv", "table_v", "table_vi"]
+# The stages behind these tables.
+BESIDE_STAGES = [
+    "simulate_training",
+    "simulate_wear",
+    "build_reference",
+    "compute_features",
+    "fit_normal_model",
+    "diagnose_run",
+    "tabulate_results",
+]
+# What lies under a config of these directories, and what the literal experiment has of it; the closest has its own.
+BESIDE_SHIPPED = ["config/config.yaml", "config/paper/published.yaml"]
+LITERAL_SHIPPED = [
+    "config/robots/puma560_paper.yaml",
+    *[f"config/tasks/{name}.yaml" for name in RECOVER_TASKS],
+]
 STUDY_PICTURES["side_by_side"] = ["hours"]
 
 
@@ -45,17 +61,15 @@ rule write_closest:
 rule tabulate_beside:
     input:
         config="results/side_by_side/{beside}/config/config.yaml",
+        shipped=lambda wildcards: [
+            from_here(LIBRARY.parent / path)
+            for path in (
+                *BESIDE_SHIPPED,
+                *(LITERAL_SHIPPED if wildcards.beside == "literal" else ()),
+            )
+        ],
         modules=lambda wildcards: sorted(
-            {
-                path
-                for stage in (
-                    "simulate_wear",
-                    "compute_features",
-                    "diagnose_run",
-                    "tabulate_results",
-                )
-                for path in modules_of(stage)(wildcards)
-            }
+            {path for stage in BESIDE_STAGES for path in modules_of(stage)(wildcards)}
         ),
     output:
         expand(
