@@ -1,4 +1,8 @@
 DETECTION_READING = reading_of(config, "detection")
+# Of these, what a normal model depends on when its series are chosen.
+MODEL_READING = {
+    k: v for k, v in DETECTION_READING.items() if k not in ("onset_rule", "pca_input")
+}
 
 
 rule fit_normal_model:

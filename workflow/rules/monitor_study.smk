@@ -68,7 +68,7 @@ rule measure_factory:
             **MONITOR_PAPER,
             "seed": config["seed"],
             "factory_replicates": 8,
-            "reading": config["reading"],
+            "reading": {**reading_of(config, "features"), **MODEL_READING},
         },
     script:
         "../scripts/measure_factory.py"

@@ -149,7 +149,6 @@ rule judge_candidates:
 rule export_experiment:
     input:
         robot=UNLOADED,
-        published=RECOVER_TABLES,
         ensemble="results/recovery/ensemble_published_hours.nc",
         modules=modules_of("export_experiment"),
     output:
@@ -177,7 +176,7 @@ rule predict_detection:
             "seed": config["seed"],
             **config["recover"]["prediction"],
             "noise": config["noise"],
-            "reading": config["reading"],
+            "reading": reading_of(config, "simulation", "features", "detection"),
             "bins": config["histogram"]["bins"],
             "confidence": config["detection"]["confidence"],
             "variance_share": config["detection"]["variance_share"],

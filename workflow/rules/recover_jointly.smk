@@ -4,9 +4,7 @@ JOINT_CONTROLS = {"ours": 4, "known": 10, "shuffled": 10}
 JOINT_SHARED = {
     "seed": config["seed"],
     "noise": config["noise"],
-    "sampling": config["sampling"],
     "wear_hours": config["wear"]["hours"],
-    "normal_hours": config["normal"]["test_hours"],
     "bins": config["histogram"]["bins"],
     "confidence": config["detection"]["confidence"],
     "variance_share": config["detection"]["variance_share"],
@@ -172,6 +170,8 @@ rule write_joint_posterior:
     params:
         settings={
             **JOINT_SHARED,
+            "sampling": config["sampling"],
+            "normal_hours": config["normal"]["test_hours"],
             "reading": config["reading"],
             "check_replicates": 100,
             "kept": JOINT_KEPT,
