@@ -62,7 +62,8 @@ def detection_verdict(
     """Compare detection: `published` hour, or None where the paper did not detect.
 
     Where the paper did not detect, we agree if we detect in less than half of the replicates and are close below
-    three quarters. Where it did, we must detect in at least half, and the hours are compared.
+    three quarters. Where it did, hours are compared if we detect in at least half; in at least a quarter we are close
+    where the median is within 10 h, else we differ. The hours are those of the replicates that detect.
     """
     if not ran:
         return NOT_COMPARABLE
