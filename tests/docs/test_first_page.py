@@ -35,6 +35,9 @@ def percent(good, of):
 
 def test_fleets_of_other_makers(root, page):
     *fleets, total = rows_of(root, "fleets_of_other_makers.md")
+    for fleet in fleets:
+        # Which axis is first is asked of those that were found.
+        assert share(fleet[6])[1] <= share(fleet[5])[0], fleet[0]
     found, named = share(*(f[5] for f in fleets)), share(*(f[6] for f in fleets))
     newest = int(re.match(r"\d+", fleets[-1][0])[0])
     assert f"{newest} fleets" in page
