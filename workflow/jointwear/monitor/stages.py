@@ -48,10 +48,11 @@ def judge_windows(
 
     Parameters
     ----------
-    windows : files of :func:`accumulate_windows`, in the order of their logs.
+    windows : files of :func:`jointwear.monitor.reading.reading_stages.accumulate_windows`, in the order of their logs.
     entry : the robot's entry of the config. recall : what the baseline told, read if it is there and written for the
         next call. name : of that entry, for the page; default the robot's own.
-    survey : file of :func:`survey_logs`, from which it is told that a dead band is all noise.
+    survey : file of :func:`jointwear.monitor.reading.reading_stages.survey_logs`, from which it is told that a dead
+        band is all noise.
 
     Raises
     ------

@@ -29,8 +29,8 @@ def q_limit(residual_eigenvalues: np.ndarray, confidence: float) -> float:
     h = 1 - 2 * theta[0] * theta[2] / (3 * theta[1] ** 2)
     quantile = NormalDist().inv_cdf(confidence)
     if h <= 0:
-        # One residual direction dwarfs the rest only with h0 = 1/3 at the least for k = 1; below zero the
-        # transform is not defined and Box's scaled chi-square with the same two moments takes its place.
+        # One large variance above many small ones. Below zero the power falls as Q grows, and the deviate would take
+        # its sign (Jackson 1991); Box's scaled chi-square with the same two moments is the better approximation here.
         from scipy.special import chdtri
 
         return largest * theta[1] / theta[0] * float(chdtri(theta[0] ** 2 / theta[1], 1 - confidence))

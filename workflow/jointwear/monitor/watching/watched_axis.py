@@ -192,7 +192,7 @@ class WatchedAxis:
         shared : (w,) error in common with the other axes. extra : (w,) variance of it, and of leaving the range.
         loud : (w,) factor of the variance of a shift but for the noise of its windows, :mod:`.shift_scale`. own : what
         it is at least for growth.
-        calm : (w,) bool, see :func:`_calm`.
+        calm : (w,) bool, where all axes together have moved too little for a finding: one shift may be a large step.
         """
         residual = np.where(self.judged, self.residual - shared, np.nan)
         windows = AxisWindows(
