@@ -13,7 +13,7 @@ from mutations import NUMBERS, WORDS, broken_bytes, broken_documents, finite_num
 from scratch_project import ROOT
 
 from jointwear.files.documents import read_yaml
-from jointwear.files.provenance import digest
+from jointwear.files.provenance import settings_digest
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import read_robot_file
@@ -72,7 +72,7 @@ def accepted_config(data):
     check_experiment(config)
     check_datasets(config)
     assert finite_numbers(config)
-    digest(config)
+    settings_digest(config)
     return config["wear"]["shape"]
 
 

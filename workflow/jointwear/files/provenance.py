@@ -17,9 +17,9 @@ from jointwear.files.storage import open_dataset
 LINEAGE = "lineage"
 
 
-def digest(value: Any) -> str:
-    """Return the SHA-256 of a value made of dicts, lists, numbers and text, independent of key order."""
-    text = json.dumps(value, sort_keys=True, separators=(",", ":"), default=str)
+def settings_digest(settings: Any) -> str:
+    """Return the SHA-256 of settings made of dicts, lists, numbers and text, independent of key order."""
+    text = json.dumps(settings, sort_keys=True, separators=(",", ":"), default=str)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -52,7 +52,7 @@ def attributes(
         "title": title,
         "source": f"jointwear {__version__}",
         "workflow_version": __version__,
-        "config_digest": digest(dict(settings)),
+        "config_digest": settings_digest(dict(settings)),
         "config": json.dumps(dict(settings), sort_keys=True),
         LINEAGE: json.dumps(lineage, sort_keys=True),
     }

@@ -231,5 +231,5 @@ def assemble(results: Results, config: Mapping[str, Any]) -> dict[str, Any]:
         "assumptions": assumptions(config["reading"]),
         "paper": paper_facts(printed),
         "config": dict(config),
-        "config_digest": provenance.digest(dict(config)),
+        "config_digest": provenance.settings_digest(dict(config)),
     }
