@@ -8,6 +8,11 @@ import re
 import pytest
 from scipy.stats import chi2
 
+from jointwear.files import provenance
+from jointwear.files.json_documents import read_json
+from jointwear.reproduction.verdicts import AGREES, CLOSE, DIFFERS
+from jointwear.running.configuration import layer_files, prepare
+
 #: Fleets and benches that are told of by themselves.
 NEWEST = 5
 
@@ -73,6 +78,23 @@ def test_benches_of_other_makers(root, page):
     assert (
         f"nothing hidden {nothing}, one effect {one}, two {two}, outside {outside}, {worse or 'none'} of {sets}" in told
     )
+
+
+def test_verdicts_on_the_paper(root, page, monkeypatch):
+    monkeypatch.chdir(root)
+    stored = read_json(root / "data/studies/reproduction.json")
+    # Of the experiment as it is shipped.
+    config = prepare(layer_files({}))
+    paper = {key: value for key, value in config.items() if key not in ("recover", "discover", "monitor")}
+    assert stored["config_digest"] == provenance.settings_digest(paper)
+    hours = stored["scores"]["table_iv"]
+    agree, close, differ = (hours["verdicts"][verdict] for verdict in (AGREES, CLOSE, DIFFERS))
+    assert f"all {hours['compared']} runs in {config['replicates']} replicates" in page
+    assert f"{agree} runs agree, {close} come close and **{differ} differ**" in page
+    assert f"detected or not is as printed in {hours['same_pattern']}" in page
+    assert stored["verdicts"]["table_iv"] == DIFFERS
+    assert {stored["verdicts"][key] for key in ("table_v", "table_vi", "table_ii", "location")} == {CLOSE}
+    assert "**Tables V, VI and II and the location of the worn axis come close.**" in page
 
 
 def test_scores_of_our_own(root, page):

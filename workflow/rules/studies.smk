@@ -36,3 +36,28 @@ rule store_study:
     shell:
         "mkdir -p data/studies/{wildcards.study} && cp {input} data/studies/{wildcards.study}/"
         " && sha256sum {input} > {output} 2> {log}"
+
+
+# The verdicts of the report itself, which the first page of the project tells.
+rule store_reproduction:
+    input:
+        scores="results/report/summary.json",
+        modules=modules_of("store_reproduction"),
+    output:
+        "results/reproduction/stored.json",
+    log:
+        "results/logs/store_reproduction.log",
+    script:
+        "../scripts/store_reproduction.py"
+
+
+# As store_study: declares no output in data/studies.
+rule keep_reproduction:
+    input:
+        "results/reproduction/stored.json",
+    output:
+        "results/reproduction/kept.txt",
+    log:
+        "results/logs/keep_reproduction.log",
+    shell:
+        "cp {input} data/studies/reproduction.json && sha256sum {input} > {output} 2> {log}"
