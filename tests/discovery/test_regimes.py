@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from jointwear.discovery.presentation.drawing import axis_of, draw_effect, draw_regimes
 from jointwear.discovery.problem.regimes import (
     BINS,
-    Motion,
+    ModelSamples,
     axis_of_most,
     binned_mean,
     pose_of_most,
-    read_motion,
+    read_model_samples,
     residual_by_regime,
 )
 from jointwear.files.storage import Variable, write_dataset
@@ -26,7 +26,7 @@ def motion(missing, samples=1600, noise=0.01):
     error = noise * np.random.default_rng(5).standard_normal((samples, 3))
     usable = np.ones((samples, 3), dtype=bool)
     usable[:, 2] = False
-    return Motion(
+    return ModelSamples(
         time=time,
         position=position,
         velocity=velocity,
@@ -93,7 +93,7 @@ def test_a_payload_is_shown_where_it_matters_most(tmp_path):
     assert axis_of_most(found) == 1
     assert pose_of_most(found, 1) == 0
     path = stored(found, tmp_path / "models.nc")
-    np.testing.assert_allclose(read_motion(path).retuned, found.retuned)
+    np.testing.assert_allclose(read_model_samples(path).retuned, found.retuned)
     effect = {"effect": "payload", "axis": None, "source_axis": None, "regime": {"argument": "pose"}}
     assert axis_of(effect, path) == 1
     assert axis_of({**effect, "axis": 3}, path) == 2

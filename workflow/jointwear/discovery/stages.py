@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.estimates.scan import scan
-from jointwear.discovery.experiment import Experiment as Motion
+from jointwear.discovery.experiment import Experiment
 from jointwear.discovery.findings import argument_of
 from jointwear.discovery.pipeline import MODELS, Discovery, discover
 from jointwear.discovery.settings import settings_of
@@ -90,15 +90,15 @@ def discover_dataset(
 
 def complete_verdict(found: Discovery, next_experiment: str | Path) -> Verdict:
     """Return the verdict with the proposed experiment, to be found in a file, and the free identification."""
-    motion: Motion | None = found.experiment
+    experiment: Experiment | None = found.experiment
     purpose = None
-    if motion is not None:
+    if experiment is not None:
         purpose = NextExperiment(
-            motion.pair, motion.axis + 1, six_digits(motion.share_now), six_digits(motion.share_then)
+            experiment.pair, experiment.axis + 1, six_digits(experiment.share_now), six_digits(experiment.share_then)
         )
     return replace(
         found.content,
-        next_experiment=None if motion is None else str(next_experiment),
+        next_experiment=None if experiment is None else str(next_experiment),
         next_experiment_purpose=purpose,
         free_identification=tuple(None if e is None else six_digits(e) for e in found.free_identification),
     )

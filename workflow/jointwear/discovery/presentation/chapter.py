@@ -16,7 +16,7 @@ from jointwear.discovery.presentation.drawing import (
     draw_where,
 )
 from jointwear.discovery.presentation.page import body_in_words, lead
-from jointwear.discovery.problem.regimes import read_motion, residual_by_regime
+from jointwear.discovery.problem.regimes import read_model_samples, residual_by_regime
 from jointwear.effects import library
 from jointwear.files.json_documents import read_json, write_json
 
@@ -43,7 +43,7 @@ def write_chapter(
     """
     content = read_json(verdict)
     known = library()
-    regimes = residual_by_regime(read_motion(models))
+    regimes = residual_by_regime(read_model_samples(models))
     draw_regimes(regimes, figures["regimes"])
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])

@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Rectangle
 
-from jointwear.discovery.problem.regimes import Regimes, axis_of_most, pose_of_most, read_motion, residual_by_regime
+from jointwear.discovery.problem.regimes import (
+    Regimes,
+    axis_of_most,
+    pose_of_most,
+    read_model_samples,
+    residual_by_regime,
+)
 from jointwear.files.json_documents import read_json
 from jointwear.files.storage import open_dataset, read_variables
 from jointwear.measurement.clock import GAP
@@ -156,13 +162,13 @@ def _test_of(models: str | Path, trajectory: np.ndarray) -> np.ndarray:
 
 def axis_of(effect: dict[str, Any], models: str | Path) -> int:
     """Return the 0-based axis on which an effect is shown; one of the whole arm where it matters most."""
-    return effect["axis"] - 1 if effect["axis"] is not None else axis_of_most(read_motion(models))
+    return effect["axis"] - 1 if effect["axis"] is not None else axis_of_most(read_model_samples(models))
 
 
 def _argument_of(effect: dict[str, Any], place: int, models: str | Path, axis: int) -> tuple[np.ndarray, str]:
     """Return what an effect depends on at every sample, and its label; of the whole arm a position that moves it."""
     if effect["axis"] is None:
-        joint = pose_of_most(read_motion(models), axis)
+        joint = pose_of_most(read_model_samples(models), axis)
         position = read_variables(models, "position")[0]
         return position[:, joint], f"position of joint {joint + 1} [rad]"
     regime = effect["regime"]
@@ -219,7 +225,7 @@ def draw_all(verdict: str | Path, where: str | Path, models: str | Path, folder:
     content = read_json(verdict)
     folder = Path(folder)
     figures = {name: folder / f"{name}.svg" for name in ("regimes", "where", "gap", "held_out")}
-    draw_regimes(residual_by_regime(read_motion(models)), figures["regimes"])
+    draw_regimes(residual_by_regime(read_model_samples(models)), figures["regimes"])
     draw_where(where, figures["where"])
     draw_gap(verdict, figures["gap"])
     draw_held_out(models, axis_shown(content, models), figures["held_out"])

@@ -19,7 +19,7 @@ LEAST_SAMPLES = 10 * BINS
 
 
 @dataclass(frozen=True)
-class Motion:
+class ModelSamples:
     """Samples of models.nc: arrays (N, joints) but for `time` (N,) [s]; torques and residuals in N m."""
 
     time: np.ndarray
@@ -66,13 +66,13 @@ class Regimes:
         }
 
 
-def read_motion(models: str | Path) -> Motion:
+def read_model_samples(models: str | Path) -> ModelSamples:
     """Read models.nc of a data set; its retuned and augmented torques become residuals, measured less model."""
     names = ("time", "position", "velocity", "acceleration", "temperature", "load", "usable")
     *found, torque, retuned, augmented = read_variables(models, *names, "torque", "retuned", "augmented")
     values = dict(zip(names, found, strict=True))
     values["usable"] = values["usable"] > 0
-    return Motion(**values, retuned=torque - retuned, augmented=torque - augmented)
+    return ModelSamples(**values, retuned=torque - retuned, augmented=torque - augmented)
 
 
 def binned_mean(residual: np.ndarray, argument: np.ndarray, carrier: np.ndarray) -> np.ndarray:
@@ -88,44 +88,44 @@ def binned_mean(residual: np.ndarray, argument: np.ndarray, carrier: np.ndarray)
     return factor[place] * carrier
 
 
-def _regimes(motion: Motion, axis: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+def _regimes(samples: ModelSamples, axis: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Yield name, argument (N,) and carrier (N,) of every regime of one 0-based axis."""
-    q, v = motion.position[:, axis], motion.velocity[:, axis]
+    q, v = samples.position[:, axis], samples.velocity[:, axis]
     one, sense = np.ones(len(q)), np.sign(v)
-    warm = motion.temperature[:, axis]
+    warm = samples.temperature[:, axis]
     yield "position", q, one
     yield "position x direction", q, sense
     yield "velocity", v, one
-    yield "acceleration", motion.acceleration[:, axis], one
-    yield "load", motion.load[:, axis], one
-    yield "load x direction", motion.load[:, axis], sense
+    yield "acceleration", samples.acceleration[:, axis], one
+    yield "load", samples.load[:, axis], one
+    yield "load x direction", samples.load[:, axis], sense
     yield "temperature", warm, one
     yield "temperature x direction", warm, sense
     yield "temperature x velocity", warm, v
-    yield "time", motion.time, one
-    yield "time x direction", motion.time, sense
-    for other in range(motion.joints):
+    yield "time", samples.time, one
+    yield "time x direction", samples.time, sense
+    for other in range(samples.joints):
         if other != axis:
-            yield "position of another joint", motion.position[:, other], one
-            yield "velocity of another joint", motion.velocity[:, other], one
+            yield "position of another joint", samples.position[:, other], one
+            yield "velocity of another joint", samples.velocity[:, other], one
 
 
-def residual_by_regime(motion: Motion) -> Regimes:
-    """Return what binned means over each argument explain of the residual after retuning, all motion.
+def residual_by_regime(samples: ModelSamples) -> Regimes:
+    """Return what binned means over each argument explain of the residual after retuning, all samples.
 
     Of several other joints the one that explains most counts. Arguments that no joint has are left out.
     """
     names: list[str] = []
     cells: dict[tuple[int, str], tuple[float, float]] = {}
-    residual_rms = np.full(motion.joints, np.nan)
-    for axis in range(motion.joints):
-        chosen = motion.usable[:, axis] & np.isfinite(motion.retuned[:, axis])
+    residual_rms = np.full(samples.joints, np.nan)
+    for axis in range(samples.joints):
+        chosen = samples.usable[:, axis] & np.isfinite(samples.retuned[:, axis])
         if chosen.sum() < LEAST_SAMPLES:
             continue
-        residual = motion.retuned[chosen, axis]
+        residual = samples.retuned[chosen, axis]
         whole = float(np.mean(residual**2))
         residual_rms[axis] = np.sqrt(whole)
-        for name, argument, carrier in _regimes(motion, axis):
+        for name, argument, carrier in _regimes(samples, axis):
             values = argument[chosen]
             if not np.isfinite(values).all() or np.ptp(values) == 0 or whole == 0:
                 continue
@@ -134,25 +134,25 @@ def residual_by_regime(motion: Motion) -> Regimes:
                 names.append(name)
             if square > cells.get((axis, name), (-1.0, 0.0))[0] ** 2 or (axis, name) not in cells:
                 cells[axis, name] = (np.sqrt(square), square / whole)
-    shape = (motion.joints, len(names))
+    shape = (samples.joints, len(names))
     rms, share = np.full(shape, np.nan), np.full(shape, np.nan)
     for (axis, name), found in cells.items():
         rms[axis, names.index(name)], share[axis, names.index(name)] = found
     return Regimes(tuple(names), rms, share, residual_rms)
 
 
-def axis_of_most(motion: Motion) -> int:
+def axis_of_most(samples: ModelSamples) -> int:
     """Return the 0-based axis whose sum of squared residuals falls most from the retuned to the augmented model."""
-    square = np.where(motion.usable, motion.retuned**2 - motion.augmented**2, 0.0)
+    square = np.where(samples.usable, samples.retuned**2 - samples.augmented**2, 0.0)
     return int(np.argmax(np.nansum(square, axis=0)))
 
 
-def pose_of_most(motion: Motion, axis: int) -> int:
+def pose_of_most(samples: ModelSamples, axis: int) -> int:
     """Return the 0-based joint whose position explains most of what the effects add to the torque of `axis`."""
-    chosen = motion.usable[:, axis]
-    added = (motion.retuned - motion.augmented)[chosen, axis]
+    chosen = samples.usable[:, axis]
+    added = (samples.retuned - samples.augmented)[chosen, axis]
     explained = [
-        np.mean(binned_mean(added, motion.position[chosen, j], np.ones(len(added))) ** 2) if len(added) else 0.0
-        for j in range(motion.joints)
+        np.mean(binned_mean(added, samples.position[chosen, j], np.ones(len(added))) ** 2) if len(added) else 0.0
+        for j in range(samples.joints)
     ]
     return int(np.argmax(explained))

@@ -54,25 +54,21 @@ def whitened_change(white: White, fit: Fit, axis: int, delay: float) -> np.ndarr
 
     A change that ends at such a sample jumps there, and where noise changes slowly a jump is worth more than all else.
     """
-    change, known = _change(white, fit, axis, delay)
+    change, known = change_in_time(white, fit, axis, delay)
     whitener = white.whiteners[axis]
     order = len(whitener.lags)
     judged = sliding_window_view(known, order + 1).all(axis=1)[whitener.rows - order]
     return np.where(judged, white.columns(axis, change[:, None])[:, 0], 0.0)
 
 
-def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> np.ndarray:
-    """Return the recorded torque of an axis (0-based) less what it is when put forward by `delay` [s], (m,) [N m].
+def change_in_time(white: White, fit: Fit, axis: int, delay: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the recorded torque of an axis (0-based) less what it is when put forward by `delay` [s], (m,) [N m],
+    and where it can be judged, (m,).
 
     What a delay adds to a torque: less it, with a coefficient of one, the log is that of no delay. Friction turns
     between two samples, as :class:`Steps` has it. Below 0 it is early. 0 where what was recorded at the other time
     cannot be judged: a torque that is led over stops and reversals says nothing of a delay.
     """
-    return _change(white, fit, axis, delay)[0]
-
-
-def _change(white: White, fit: Fit, axis: int, delay: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return :func:`change_in_time` and where it can be judged, both (m,)."""
     problem = white.problem
     torque, used = problem.measured.torque[problem.train, axis], problem.usable[:, axis]
     late, now = (_coulomb(problem.train_state, fit, axis, d) for d in (delay, 0.0))
