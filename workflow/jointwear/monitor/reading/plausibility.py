@@ -37,6 +37,8 @@ LOOK = 6000
 MOST_LEFT, FEWEST_AXES = 1.0, 3
 #: Multiple of the limits up to which a joint that turns on and on is believed: beyond lies a value gone wrong.
 TURNS = 4.0
+#: How far [rad] beyond its limits a position is still believed.
+MARGIN = 0.5
 
 
 def check_first(
@@ -166,11 +168,11 @@ def _busiest(velocity: np.ndarray, most: int) -> slice:
     return slice(start, start + most)
 
 
-def outside_limits(position: np.ndarray, robot: Robot, margin: float = 0.5) -> np.ndarray:
-    """Return where positions lie further than `margin` [rad] outside the limits of the joint, (m, n).
+def outside_limits(position: np.ndarray, robot: Robot) -> np.ndarray:
+    """Return where positions lie further than :data:`MARGIN` outside the limits of the joint, (m, n).
 
     A joint that may turn on beyond its limits is given :data:`TURNS` times their width.
     """
     wider = np.where(turns_on(robot), TURNS, 1.0)
     with np.errstate(invalid="ignore"):
-        return (position < wider * robot.lower - margin) | (position > wider * robot.upper + margin)
+        return (position < wider * robot.lower - MARGIN) | (position > wider * robot.upper + MARGIN)

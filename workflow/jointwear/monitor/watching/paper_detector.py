@@ -38,24 +38,24 @@ class PaperVerdict:
     axis: np.ndarray
 
 
-def folded_histograms(statistics: WindowStatistics, baseline: int, bins: int = BINS) -> np.ndarray:
-    """Return histograms (w, n, bins) of |torque| over the largest of the normal period, NaN where there is nothing."""
+def folded_histograms(statistics: WindowStatistics, baseline: int) -> np.ndarray:
+    """Return histograms (w, n, BINS) of |torque| over the largest of the normal period, NaN where there is nothing."""
     half = HISTOGRAM_BINS // 2
     counts = statistics.torque_histogram
     size = counts[..., half:] + counts[..., :half][..., ::-1]
     peak = statistics.torque_peak[:baseline].max(axis=0) / statistics.torque_reference
     middle = (np.arange(half) + 0.5) * HISTOGRAM_SPAN / half
-    result = np.zeros((*counts.shape[:2], bins))
+    result = np.zeros((*counts.shape[:2], BINS))
     for j in range(counts.shape[1]):
-        place = np.floor(middle / max(peak[j], 1e-12) * bins).astype(int)
+        place = np.floor(middle / max(peak[j], 1e-12) * BINS).astype(int)
         # What lies beyond the largest torque of the normal period is left out, as in the reproduction.
-        for b in range(bins):
+        for b in range(BINS):
             result[:, j, b] = size[:, j, place == b].sum(axis=1)
     total = result.sum(axis=2, keepdims=True)
     return np.where(total > 0, result / np.where(total > 0, total, 1.0), np.nan)
 
 
-def raised_limit(ratio: np.ndarray, rate: float, consecutive: int = CONSECUTIVE, mixed: bool = False) -> float:
+def raised_limit(ratio: np.ndarray, rate: float, mixed: bool = False) -> float:
     """Return the factor >= 1 on the limit at which runs of windows above it have at most `rate` alarms a window.
 
     Parameters
@@ -65,17 +65,17 @@ def raised_limit(ratio: np.ndarray, rate: float, consecutive: int = CONSECUTIVE,
 
     Notes
     -----
-    The smallest ratio of `consecutive` windows in a row must exceed the factor. Its tail beyond what the normal
+    The smallest ratio of :data:`CONSECUTIVE` windows in a row must exceed the factor. Its tail beyond what the normal
     period shows is continued as an exponential. Of several programs that change from window to window, such a run
     forgives what a later shift of one of them does not: there a window's own ratio must stay below the factor, one
-    chance for every `consecutive` windows.
+    chance for every :data:`CONSECUTIVE` windows.
     """
-    if len(ratio) < 2 * consecutive:
+    if len(ratio) < 2 * CONSECUTIVE:
         return 1.0
     if mixed:
-        tried, chances = ratio, consecutive
+        tried, chances = ratio, CONSECUTIVE
     else:
-        tried, chances = np.lib.stride_tricks.sliding_window_view(ratio, consecutive).min(axis=-1), 1
+        tried, chances = np.lib.stride_tricks.sliding_window_view(ratio, CONSECUTIVE).min(axis=-1), 1
     edge = np.quantile(tried, 1 - _TAIL)
     excess = float(np.mean(tried[tried >= edge] - edge))
     return float(max(1.0, edge + excess * np.log(max(_TAIL / (chances * rate), 1.0))))

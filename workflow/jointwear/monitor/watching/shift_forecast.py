@@ -37,6 +37,8 @@ _POINTS = ((-1.35, 0.25), (0.0, 0.5), (1.35, 0.25))
 UNEVEN = 0.25
 #: A limit farther away than this many times the history may never be reached.
 FARTHEST = 30.0
+#: Probability of the interval.
+INTERVAL = 0.8
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,6 @@ def forecast_shifts(
     shared: float,
     start: float,
     now: float,
-    share: float = 0.8,
 ) -> Forecast:
     """Return hours from `now` until the growth reaches `limit`: median and interval.
 
@@ -65,7 +66,7 @@ def forecast_shifts(
     ----------
     time : (s,) [h] middle of the shifts. growth, variance : (s,) relative growth and the variance of its own error.
     limit : relative growth, as it is, not as it is told. shared : standard deviation of the error all shifts share.
-    start : end of the normal period [h], before which nothing had begun. now : [h]. share : of the interval.
+    start : end of the normal period [h], before which nothing had begun. now : [h].
     """
     good = np.isfinite(growth) & (variance > 0) & np.isfinite(variance)
     t, y, v = time[good], growth[good], variance[good]
@@ -93,7 +94,7 @@ def forecast_shifts(
     order = np.argsort(left)
     total = np.cumsum(weight[order])
     never = float(np.exp(resting - largest).sum())
-    edge = (1 - share) / 2
+    edge = (1 - INTERVAL) / 2
     wanted = np.array([0.5, edge, 1 - edge]) * (total[-1] + never)
     found = np.interp(wanted, total, left[order], right=np.inf)
     hours = np.where(found > FARTHEST * (now - start), np.inf, np.maximum(found, 0.0))

@@ -9,6 +9,10 @@ import numpy as np
 from jointwear.statistics.randomness import generator
 from jointwear.studies.recovery.sampled_motion import INSTANTS
 
+#: Cycles of the task in an hour's samples, hours of training and of normal operation: those of the paper, whatever the
+#: configuration asks the reproduction for.
+REPEATS, TRAINING_HOURS, NORMAL_HOURS = 10, 120, 168
+
 
 @dataclass(frozen=True)
 class NoiseBank:
@@ -29,20 +33,12 @@ class NoiseBank:
         return self.training.shape[3]
 
 
-def draw_bank(
-    seed: int,
-    name: str,
-    axes: int,
-    replicates: int,
-    repeats: int = 10,
-    training_hours: int = 120,
-    normal_hours: int = 168,
-) -> NoiseBank:
+def draw_bank(seed: int, name: str, axes: int, replicates: int) -> NoiseBank:
     """Draw the deviates of a task; `name` keys the stream."""
     random = generator(seed, "joint fit", name, replicate=0)
 
     def draw(hours: int) -> np.ndarray:
-        return random.standard_normal((axes, INSTANTS, repeats, replicates, hours), dtype=np.float32)
+        return random.standard_normal((axes, INSTANTS, REPEATS, replicates, hours), dtype=np.float32)
 
-    training = draw(training_hours)
-    return NoiseBank(training, draw(normal_hours), training.max(axis=(2, 4)), training.min(axis=(2, 4)))
+    training = draw(TRAINING_HOURS)
+    return NoiseBank(training, draw(NORMAL_HOURS), training.max(axis=(2, 4)), training.min(axis=(2, 4)))

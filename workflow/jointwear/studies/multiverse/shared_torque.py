@@ -177,6 +177,6 @@ class SharedTask:
 CELL_STEP = 14  # hours between the stretches of normal hours of successive cells: 12 cells share a week
 
 
-def cell_offset(axis: int, column: int, axes: int, step: int = CELL_STEP) -> int:
+def cell_offset(axis: int, column: int, axes: int) -> int:
     """Return the offset [h] of the run of a 1-based `axis` in a 0-based column of increase."""
-    return (column * axes + axis - 1) * step
+    return (column * axes + axis - 1) * CELL_STEP

@@ -176,12 +176,12 @@ def reachable_from(published: np.ndarray, segment_time: np.ndarray, bound: np.nd
     return result
 
 
-def largest_speed(robot: Robot, tables: Tables, increase: float = 0.0) -> np.ndarray:
+def largest_speed(robot: Robot, tables: Tables) -> np.ndarray:
     """Return (n,) the velocity [rad/s] at which Coulomb and viscous friction alone make the largest published maximum.
 
     Only for axes that bear neither gravity nor inertia worth mentioning is this a bound on their speed: 1 and 6.
     """
-    weakest = (1 + increase) * np.minimum(robot.coulomb_positive, -robot.coulomb_negative)
+    weakest = np.minimum(robot.coulomb_positive, -robot.coulomb_negative)
     return np.maximum(tables.maximum.max(axis=(0, 2)) - weakest, 0.0) / robot.viscous
 
 

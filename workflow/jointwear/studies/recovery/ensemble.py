@@ -23,6 +23,10 @@ from jointwear.studies.recovery.tables import TORQUE_ROUNDING, Tables, read_tabl
 
 #: Fewest pose sets from which a spread is told.
 FEWEST = 10
+#: Difference [rad] in some moving joint of every task that makes two solutions distinct.
+LEAST = np.radians(10.0)
+#: Random starts of a task, iterations of its fit, and rounds at most.
+STARTS, ITERATIONS, ROUNDS = 120, 120, 60
 
 
 @dataclass(frozen=True)
@@ -150,22 +154,17 @@ def build_ensemble(
     random: np.random.Generator,
     wanted: int,
     tolerance: Tolerance,
-    least: float = np.radians(10.0),
-    starts: int = 120,
-    iterations: int = 120,
-    rounds: int = 60,
     growth: np.ndarray | None = None,
     growth_spread: np.ndarray | None = None,
 ) -> Ensemble:
     """Return up to `wanted` solutions from independent starts that are within tolerance and distinct.
 
     Every round draws another payload and wear shape near the fit and holds them; each task then is
-    fitted from `starts` new random starts, of which the best quarter goes on. Solutions of equal rank make one pose
-    set, which is fitted again as a whole with everything free.
+    fitted from :data:`STARTS` new random starts, of which the best quarter goes on. Solutions of equal rank make one
+    pose set, which is fitted again as a whole with everything free.
 
     Parameters
     ----------
-    least : difference [rad] in some moving joint of every task that makes two solutions distinct.
     growth, growth_spread : as of :class:`TableProblem`, where the hours are not to be used.
     """
     chosen = candidate(fit.candidate)
@@ -175,7 +174,7 @@ def build_ensemble(
     whole = first.with_outward(outward)
     widened = whole.widened
     kept: list[np.ndarray] = []
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         common = draw_effect(fit, settings, random, 1)[0]
         ranked = []
         for task in range(len(tables.tasks)):
@@ -190,27 +189,27 @@ def build_ensemble(
                 growth_spread=None if growth_spread is None else growth_spread[part],
                 outward=outward[part],
             )
-            start = screened_start(alone, random, starts, draws=20)
-            found = minimise(alone.residuals, alone.residuals_and_jacobian, start, iterations // 3)
-            better = found.point[np.argsort(found.cost)[: max(starts // 4, 1)]]
-            found = minimise(alone.residuals, alone.residuals_and_jacobian, better, iterations)
+            start = screened_start(alone, random, STARTS, draws=20)
+            found = minimise(alone.residuals, alone.residuals_and_jacobian, start, ITERATIONS // 3)
+            better = found.point[np.argsort(found.cost)[: STARTS // 4]]
+            found = minimise(alone.residuals, alone.residuals_and_jacobian, better, ITERATIONS)
             order = np.argsort(found.cost)
             point = found.point[order]
             begin, end = alone.split(alone.physical(point))[:2]
-            ranked.append(point[distinct(begin, end, least)])
+            ranked.append(point[distinct(begin, end, LEAST)])
         sets = min(6, *(len(r) for r in ranked))
         point = np.zeros((sets, whole.size))
         for task, columns in enumerate(whole.columns_by_task):
             point[:, columns] = ranked[task][:sets]
         rest = common[1:] if growth is not None else common
         point[:, whole.trajectory_count :] = _free_rest(whole, rest)
-        found = minimise(whole.residuals, whole.residuals_and_jacobian, point, iterations // 2)
+        found = minimise(whole.residuals, whole.residuals_and_jacobian, point, ITERATIONS // 2)
         predicted = whole.predict(found.point)
         good = within(tables, predicted.maximum, predicted.variation, tolerance, widened)
         kept += list(found.point[good])
         if kept:
             begin, end = whole.split(whole.physical(np.array(kept)))[:2]
-            kept = [kept[k] for k in distinct(begin, end, least)]
+            kept = [kept[k] for k in distinct(begin, end, LEAST)]
         if len(kept) >= wanted:
             break
     point = np.array(kept[:wanted]).reshape(-1, whole.size)

@@ -13,6 +13,8 @@ from jointwear.files.storage import open_dataset, read_variable
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.studies.recovery.sampled_motion import CYCLE
 
+#: Cost above the least (half a sum of squares) up to which a solution fits as well.
+SLACK = 5.0
 _SOURCE = "recovered from Tables V and VI of the paper, whose text gives no poses"
 
 
@@ -75,7 +77,7 @@ def task_data(name: str, start: np.ndarray, stop: np.ndarray, outward: float, ph
     }
 
 
-def typical_solution(cost: np.ndarray, parameters: np.ndarray, slack: float = 5.0) -> int:
+def typical_solution(cost: np.ndarray, parameters: np.ndarray) -> int:
     """Return the position of the solution that stands for all.
 
     Among solutions that fit as well as the best, which one is best is chance. The one is taken whose parameters lie
@@ -83,13 +85,13 @@ def typical_solution(cost: np.ndarray, parameters: np.ndarray, slack: float = 5.
 
     Parameters
     ----------
-    cost : (S,); solutions within `slack` of the least count as equally good (half a sum of squares).
+    cost : (S,); solutions within :data:`SLACK` of the least count as equally good (half a sum of squares).
     parameters : (S, p) what is common to the tasks, such as the wear shape and the payload.
     """
     spread = parameters.std(axis=0)
     scaled = (parameters - np.median(parameters, axis=0)) / np.where(spread > 0, spread, 1.0)
     away = (scaled**2).sum(axis=1)
-    return int(np.argmin(np.where(cost <= cost.min() + slack, away, np.inf)))
+    return int(np.argmin(np.where(cost <= cost.min() + SLACK, away, np.inf)))
 
 
 def export_experiment(

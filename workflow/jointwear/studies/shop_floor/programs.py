@@ -17,6 +17,8 @@ from jointwear.studies.shop_floor.arms import ArmType, robot_data, robot_of
 
 #: Step of the phase [s] at full speed, and of the control loop [s].
 STEP = 0.005
+#: Phases from one at which a mass matrix is computed to the next.
+EVERY = 25
 
 
 @dataclass(frozen=True)
@@ -92,10 +94,10 @@ def bodies_along(robot: Robot, program: Program) -> np.ndarray:
     return np.stack([gravity, rigid - gravity], axis=1)
 
 
-def inertia_along(robot: Robot, program: Program, every: int = 25) -> np.ndarray:
+def inertia_along(robot: Robot, program: Program) -> np.ndarray:
     """Return the diagonal of the mass matrix along the path (m, n) [kg m2], computed at every 25th phase."""
     dynamics = Dynamics(robot)
-    index = np.arange(0, len(program.position), every)
+    index = np.arange(0, len(program.position), EVERY)
     coarse = np.einsum("mjj->mj", dynamics.mass_matrix(program.position[index]))
     phases = np.arange(len(program.position))
     return np.stack([np.interp(phases, index, c) for c in coarse.T], axis=1)

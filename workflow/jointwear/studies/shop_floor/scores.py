@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import bootstrap, chi2
 
-from jointwear.statistics.intervals import counted_share
+from jointwear.statistics.intervals import CONFIDENCE, counted_share
 from jointwear.statistics.randomness import generator
 
 #: Worn axes are to be found within this time [h].
@@ -17,19 +17,19 @@ TWO_WEEKS = 336.0
 RESAMPLES, SEED = 9999, 0
 
 
-def poisson_rate(count: int, hours: float, confidence: float = 0.95) -> dict[str, Any]:
-    """Return `count`, `hours` and the rate per 1,000 h with its exact interval (Garwood 1936)."""
+def poisson_rate(count: int, hours: float) -> dict[str, Any]:
+    """Return `count`, `hours` and the rate per 1,000 h with its exact 95 % interval (Garwood 1936)."""
     if hours <= 0:
         return {"count": count, "hours": 0, "per_1000_h": None, "low": None, "high": None}
-    side = (1 - confidence) / 2
+    side = (1 - CONFIDENCE) / 2
     low = float(chi2.ppf(side, 2 * count) / 2) if count else 0.0
     high = float(chi2.ppf(1 - side, 2 * count + 2) / 2)
     per = 1000 / hours
     return {"count": count, "hours": int(hours), "per_1000_h": count * per, "low": low * per, "high": high * per}
 
 
-def rate_over_robots(counts: Sequence[int], hours: Sequence[float], confidence: float = 0.95) -> dict[str, Any]:
-    """Return the interval `robots_low`, `robots_high` of a rate per 1,000 h whose events of one robot belong together.
+def rate_over_robots(counts: Sequence[int], hours: Sequence[float]) -> dict[str, Any]:
+    """Return the 95 % interval `robots_low`, `robots_high` of a rate per 1,000 h; events of one robot belong together.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def rate_over_robots(counts: Sequence[int], hours: Sequence[float], confidence: 
 
     drawn = generator(SEED, "rate over robots", replicate=0)
     interval = bootstrap(
-        (counts, hours), per_1000_h, paired=True, n_resamples=RESAMPLES, confidence_level=confidence, rng=drawn
+        (counts, hours), per_1000_h, paired=True, n_resamples=RESAMPLES, confidence_level=CONFIDENCE, rng=drawn
     ).confidence_interval
     return {"robots_low": float(interval.low), "robots_high": float(interval.high)}
 
