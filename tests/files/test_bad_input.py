@@ -43,6 +43,54 @@ def test_number_types_do_not_matter(config):
     assert prepare(put(config, "noise.encoder", "1e-4")) == prepare(put(config, "noise.encoder", 1e-4))
 
 
+MONITORED = {"logs": ["1"], "robot": "config/robots/puma560.yaml", "baseline": {"windows": 8}}
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("logs", ["1"]),
+        ("joints", ["1", "2", "3", "4", "5", "6"]),
+        ("variables", {"position": ["1", "2", "3", "4", "5", "6"], "time": "0"}),
+        ("units", {"time": "1"}),
+        ("topic", "4711"),
+        ("program", {"columns": ["7"]}),
+        ("program", {"columns": "7"}),
+        ("program", {"logs": {"*": "12", "b*": "0815"}}),
+        ("events", [{"time": "20260201", "kind": "service", "note": "4711"}]),
+        ("events", [{"time": "2026-02-01", "kind": "service", "note": "0815"}]),
+        ("baseline", {"until": "20260115"}),
+        ("window", "3600"),
+    ],
+)
+def test_text_that_looks_like_a_number_stays_text_where_text_is_allowed(config, key, value):
+    """A serial number, a column of a CSV file, a day without hyphens."""
+    prepared = prepare({**config, "monitor": {"robots": {"arm": {**MONITORED, key: value}}}})
+    assert prepared["monitor"]["robots"]["arm"][key] == value
+
+
+def test_the_names_of_a_data_set_may_look_like_numbers(config):
+    entry = {"measured": "1", "robot": "2", "topic": "3", "joints": ["4"], "variables": {"position": ["5", "6"]}}
+    assert prepare({**config, "discover": {"datasets": {"x": entry}}})["discover"]["datasets"]["x"] == entry
+
+
+@pytest.mark.parametrize("text", ["5e4", "5E4", "+5.e+4", "5.0e4"])
+def test_what_snakemake_reads_as_text_is_a_number_where_one_is_allowed(config, text):
+    """Of a file that Snakemake has read, 5e4 without quotation marks arrives as text."""
+    given = {**MONITORED, "window": text, "baseline": {"until": text}, "scale": text, "torque_constant": [text] * 6}
+    entry = prepare({**config, "monitor": {"robots": {"arm": given}}})["monitor"]["robots"]["arm"]
+    assert entry["window"] == entry["baseline"]["until"] == entry["scale"] == 50000.0
+    assert entry["torque_constant"] == [50000.0] * 6
+    assert not isinstance(entry["window"], str)
+
+
+def test_text_that_holds_a_number_is_one_where_no_text_is_allowed(config):
+    prepared = prepare(put(put(config, "replicates", "120"), "wear.increase_percent", ["10", ".5"]))
+    assert prepared["replicates"] == 120
+    assert isinstance(prepared["replicates"], int)
+    assert prepared["wear"]["increase_percent"] == [10.0, 0.5]
+
+
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [

@@ -133,6 +133,17 @@ def test_a_length_in_words_is_told_as_it_is_written(text, meant):
     window_seconds(meant)
 
 
+@pytest.mark.parametrize("text", ["3600", " 3600.0 ", 3600, 3600.0])
+def test_a_length_without_a_unit_is_in_seconds_as_text_too(text):
+    assert window_seconds(text) == 3600.0
+
+
+def test_seconds_in_quotation_marks_are_told_to_be_written_without(root):
+    entry = {"logs": ["x"], "robot": str(root / "config/robots/puma560.yaml"), "baseline": {"until": "86400"}}
+    with pytest.raises(InputError, match="'86400'; did you mean 86400, without quotation marks"):
+        check_robots({"monitor": {"robots": {"arm": entry}}})
+
+
 def test_five_m_may_be_minutes_or_months():
     with pytest.raises(InputError, match=r"as 1h\)$"):
         window_seconds("5m")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from copy import deepcopy
 from datetime import date
 from functools import lru_cache
@@ -31,6 +32,8 @@ DEEPEST = 50
 
 #: A number in quotes, with a decimal comma (1,000 is left alone, which means two things) or a percent sign.
 _NUMBER = re.compile(r"(?P<number>[-+]?[0-9]+(?:\.[0-9]+|,(?![0-9]{3}\b)[0-9]+)?)\s*(?P<percent>%?)")
+#: A number as Snakemake, which reads 1e-4 as text, may hand it on.
+_AS_TEXT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(?P<exponent>[eE][-+]?\d+)?", re.ASCII)
 #: What the parser says at the line after one whose colon has no space behind it, and such a line.
 _NO_KEY = ("could not find expected ':'", "mapping values are not allowed in this context")
 _INDENT, _BARE = re.compile(r" *"), re.compile(r"[\w.-]+(?![^#]*:(?:\s|$))\s+[^\s#]")
@@ -448,19 +451,41 @@ def normalise_numbers(data: Any, schema: dict[str, Any]) -> Any:
 
     A rule whose parameter changes from 5 to 5.0 would otherwise run again.
     """
+    return _by_kind(data, schema, _normalised)
+
+
+def read_numbers(data: Any, schema: dict[str, Any]) -> Any:
+    """Return `data` with text that holds a number read as one where the schema says number and not text.
+
+    Snakemake reads 1e-4 as text; where the schema says number or text, what has such an exponent is read, too, and all
+    other text stays what it is: "4711" in quotes is text.
+    """
+    return _by_kind(data, schema, _number_read)
+
+
+def _by_kind(data: Any, schema: dict[str, Any], change: Callable[[Any, list], Any]) -> Any:
+    """Return `data` with each value changed by `change`, which is told the types that the schema allows for it."""
     if isinstance(data, dict):
         properties = schema.get("properties", {})
         rest = schema.get("additionalProperties", {})
         rest = rest if isinstance(rest, dict) else {}
-        return {k: normalise_numbers(v, properties.get(k, rest)) for k, v in data.items()}
+        return {k: _by_kind(v, properties.get(k, rest), change) for k, v in data.items()}
     if isinstance(data, list):
-        return [normalise_numbers(v, schema.get("items", {})) for v in data]
+        return [_by_kind(v, schema.get("items", {}), change) for v in data]
     kinds = schema.get("type")
-    kinds = kinds if isinstance(kinds, list) else [kinds]
-    if isinstance(data, bool) or not isinstance(data, (int, float)):
-        return data
+    return change(data, kinds if isinstance(kinds, list) else [kinds])
+
+
+def _normalised(value: Any, kinds: list) -> Any:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return value
     if "number" in kinds:
-        return float(data)
-    if "integer" in kinds and float(data).is_integer():
-        return int(data)
-    return data
+        return float(value)
+    return int(value) if "integer" in kinds and float(value).is_integer() else value
+
+
+def _number_read(value: Any, kinds: list) -> Any:
+    if not isinstance(value, str) or not {"number", "integer"} & set(kinds):
+        return value
+    found = _AS_TEXT.fullmatch(value)
+    return float(value) if found and ("string" not in kinds or found["exponent"]) else value

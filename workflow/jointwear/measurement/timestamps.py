@@ -32,7 +32,12 @@ def moment_of(given: float | str, zone: tzinfo = UTC) -> float:
 
 
 def meant(given: object) -> str:
-    """Return a hint ``; did you mean '2026-01-31'?`` for a time that is written otherwise, or an empty string."""
+    """Return a hint ``; did you mean '2026-01-31'?`` for a time that is written otherwise, or an empty string.
+
+    Seconds in quotation marks are text, which is taken for a day.
+    """
+    if isinstance(given, str) and re.fullmatch(r"[-+]?\d+\.?\d*", given.strip(), re.ASCII):
+        return f"; did you mean {given.strip()}, without quotation marks?"
     found = _iso_of(str(given).strip())
     return f"; did you mean {_or(found)}?" if found else ""
 

@@ -56,7 +56,7 @@ _SAID = {
 
 
 def window_seconds(text: str | float) -> float:
-    """Return the length of a window [s] from `1h`, `30min`, `600s`, `1d` or a number of seconds.
+    """Return the length of a window [s] from `1h`, `30min`, `600s`, `1d` or a number of seconds, as text or not.
 
     Raises
     ------
@@ -65,9 +65,9 @@ def window_seconds(text: str | float) -> float:
     if isinstance(text, (int, float)):
         length = float(text)
     else:
-        match = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h|d)\s*", text)
+        match = re.fullmatch(r"\s*([0-9.]+)\s*(s|min|h|d)?\s*", text)
         try:
-            length = float(match[1]) * _SECONDS[match[2]]
+            length = float(match[1]) * _SECONDS[match[2] or "s"]
         except (TypeError, ValueError):
             raise InputError(
                 f"{shown(text)} is no length of time (allowed: a number with s, min, h or d, as 1h){_meant(text)}"

@@ -5,13 +5,12 @@ Imported by the Snakefile at every call: nothing heavy is imported here.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from datetime import date
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
+from jointwear.files.documents import check, normalise_numbers, read_numbers, read_schema, read_yaml
 from jointwear.files.errors import InputError, nearest
 from jointwear.files.numbers import check_numbers
 from jointwear.files.patterns import matches
@@ -26,7 +25,6 @@ from jointwear.running.shipped import shipped, shipped_glob
 MONITOR_DEFAULTS: dict[str, Any] = {"robots": {}, "time_zone": "UTC", "stale_after": "72h", "notify": []}
 #: The experiment that comes with the workflow, and the user's own in the working directory.
 CONFIG = "config/config.yaml"
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 def config_schema() -> dict[str, Any]:
@@ -41,13 +39,11 @@ def config_schema() -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Turn what Snakemake loaded into plain dicts, lists, numbers and text (it reads 1e-4 as text)."""
+    """Turn what Snakemake loaded into plain dicts, lists, numbers and text."""
     if isinstance(value, Mapping):
         return {str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(v) for v in value]
-    if isinstance(value, str) and _NUMBER.fullmatch(value):
-        return float(value)
     # YAML turns a date without quotes into one of its own.
     return value.isoformat() if isinstance(value, date) else value
 
@@ -139,7 +135,7 @@ def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict
         read_yaml(path)
     schema = config_schema()
     try:
-        config = _plain(config)
+        config = read_numbers(_plain(config), schema)
         # What came by --config no reader of files has seen.
         check_numbers(config, "config")
     except RecursionError:
