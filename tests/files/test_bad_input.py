@@ -11,7 +11,7 @@ from jointwear.files.errors import InputError
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
-from jointwear.running.configuration import check_experiment, prepare, reading_of
+from jointwear.running.configuration import check_experiment, experiment_of, prepare, reading_of
 
 
 @pytest.fixture
@@ -41,6 +41,12 @@ def test_the_default_config_is_valid(config, root, monkeypatch):
 def test_number_types_do_not_matter(config):
     assert prepare(put(config, "wear.shape", 2)) == prepare(put(config, "wear.shape", 2.0))
     assert prepare(put(config, "noise.encoder", "1e-4")) == prepare(put(config, "noise.encoder", 1e-4))
+
+
+def test_the_experiment_is_the_same_whatever_is_monitored(config):
+    more = {"monitor": {"robots": {"arm": MONITORED}}, "discover": {"datasets": {"x": {"measured": "a", "robot": "b"}}}}
+    assert experiment_of(prepare({**config, **more})) == experiment_of(prepare(config))
+    assert not {"monitor", "discover"} & experiment_of(prepare(config)).keys()
 
 
 MONITORED = {"logs": ["1"], "robot": "config/robots/puma560.yaml", "baseline": {"windows": 8}}

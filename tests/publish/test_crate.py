@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from offline_validator import fill_cache, problems
 from scratch_project import Project
 from small_crate import sign
@@ -97,6 +98,40 @@ def test_verify_finds_every_file_equal(published):
     assert listed, output[-3000:]
     assert listed[1] == listed[2]
     assert int(listed[1]) > 30
+
+
+PLANT = """
+monitor:
+  notify: [{name: night, env: SECRET_SLACK}]
+  robots:
+    SecretCell:
+      logs: ["plant/*.parquet"]
+      robot: config/robots/puma560.yaml
+      baseline: {windows: 24}
+"""
+
+
+@pytest.mark.parametrize("place", ["plant.yaml", "config/config.yaml"])
+def test_the_crate_knows_nothing_of_the_robots_of_the_user(published, tmp_path, place):
+    """Nor does who verifies it have their logs, nor does an edit of theirs pack it anew."""
+    project = Project(tmp_path / "project")
+    shutil.copytree(published.folder, project.folder, symlinks=True)
+    shutil.rmtree(project.folder / "crate")
+    shutil.copytree(project.folder / "data/examples/monitor_puma560", project.folder / "plant")
+    given = project.folder / place
+    before = yaml.safe_load(given.read_text()) if given.exists() else {}
+    given.write_text(yaml.safe_dump({**before, **yaml.safe_load(PLANT)}))
+    files = ["--configfile", "config/examples/tiny.yaml", *([place] if place == "plant.yaml" else [])]
+    project.snakemake("--cores", "2", "write_crate", *files)
+    for path in sorted((project.folder / "crate").rglob("*")):
+        if path.is_file() and path.suffix in (".yaml", ".json"):
+            assert "SECRET_SLACK" not in path.read_text(), path
+            assert "SecretCell" not in path.read_text(), path
+    given.write_text(given.read_text().replace("windows: 24", "windows: 48"))
+    assert "write_crate" not in project.planned("write_crate", *files)
+    shutil.rmtree(project.folder / "plant")
+    done = published.snakemake("--cores", "2", "verify", "--config", f"crate={project.folder / 'crate'}")
+    assert re.search(r"verify: (\d+) files: \1 equal\n", done.stdout + done.stderr)
 
 
 def test_verify_names_what_differs_and_fails(published, crate, tmp_path):

@@ -26,6 +26,7 @@ from jointwear.running.command_line import check_command_line
 from jointwear.running.configuration import (
     check_experiment,
     config_layers,
+    experiment_of,
     layer_files,
     prepare,
     reading_of,
@@ -100,6 +101,19 @@ except (InputError, OSError) as error:
         if isinstance(error, InputError)
         else message_of(error) or f"jointwear: {error}"
     )
+
+
+def checkout_alone(rule, why):
+    """An input of a rule that works on the checkout: none, or the refusal of any other folder before a job starts."""
+
+    def asked(wildcards):
+        if not Path.cwd().samefile(LIBRARY.parent):
+            sys.exit(
+                f"jointwear: {rule} {why}; run it in {LIBRARY.parent}, without --directory"
+            )
+        return []
+
+    return asked
 
 
 wildcard_constraints:

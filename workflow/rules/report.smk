@@ -85,11 +85,7 @@ rule build_report:
         "results/logs/build_report.log",
     params:
         # The report prints the whole configuration of the reproduction.
-        config={
-            k: v
-            for k, v in config.items()
-            if k not in ("recover", "discover", "monitor")
-        },
+        config={k: v for k, v in experiment_of(config).items() if k != "recover"},
         tables=REPORT_TABLES,
         figures=[*REPORT_FIGURES, *CHAPTER_FIGURES],
         figure_run=["simulation", "features", "detection", "task"],

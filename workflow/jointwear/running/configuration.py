@@ -25,6 +25,8 @@ from jointwear.running.shipped import shipped, shipped_glob
 MONITOR_DEFAULTS: dict[str, Any] = {"robots": {}, "time_zone": "UTC", "stale_after": "72h", "notify": []}
 #: The experiment that comes with the workflow, and the user's own in the working directory.
 CONFIG = "config/config.yaml"
+#: Sections of a config that are the user's own: the reproduction and its crate know nothing of them.
+OF_THE_USER = ("discover", "monitor")
 
 
 def config_schema() -> dict[str, Any]:
@@ -185,6 +187,11 @@ def check_experiment(config: Mapping[str, Any]) -> dict[str, Any]:
             )
         read_task_file(shipped(f"config/tasks/{task}.yaml"), robot)
     return robot
+
+
+def experiment_of(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a configuration without the user's own data sets and robots: what the reproduction depends on."""
+    return {key: value for key, value in config.items() if key not in OF_THE_USER}
 
 
 def reading_of(config: Mapping[str, Any], *stages: str) -> dict[str, str]:

@@ -22,13 +22,15 @@ from rocrate.model.creativework import CreativeWork
 from rocrate.rocrate import ROCrate
 
 from jointwear import __version__
+from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import read_json
 from jointwear.publishing.crate.layout import COMMIT, CONFIG, FILES, METADATA, PROJECT, PROJECT_FILES, files_of
 from jointwear.publishing.crate.records import Run, trace
 from jointwear.publishing.crate.software import software
 from jointwear.publishing.report import origin
 from jointwear.publishing.soundness import check_results, checksum
-from jointwear.running.configuration import config_schema
+from jointwear.running.configuration import CONFIG as OWN_CONFIG
+from jointwear.running.configuration import OF_THE_USER, config_schema, experiment_of
 
 PROFILES = (
     ("https://w3id.org/ro/wfrun/process/0.5", "Process Run Crate", "0.5"),
@@ -82,7 +84,7 @@ def write_crate(
     ----------
     output : folder of the crate; what it held is replaced when the new crate is complete.
     wanted : result files, relative to `root`; everything that they were made from comes with them.
-    config : the configuration of the run, complete.
+    config : the configuration of the run, complete but for the user's own data sets and robots.
     root : folder of the project.
     agent : who ran the workflow.
 
@@ -119,7 +121,10 @@ def _result_files(run: Run, root: Path) -> Iterator[str]:
 
 
 def _own_files(folder: Path, run: Run, config: Mapping, files: Mapping[str, Path], root: Path) -> dict[str, Path]:
-    """Write the configuration, the commit and the list of files; return them by their names in the crate."""
+    """Write the configuration, the commit and the list of files; return them by their names in the crate.
+
+    The project's own configuration is written anew where it holds data sets and robots of the user.
+    """
     made = {name: run.results[name].rule for name in files if name in run.results}
     listed = {
         "results": {
@@ -137,6 +142,10 @@ def _own_files(folder: Path, run: Run, config: Mapping, files: Mapping[str, Path
         FILES: json.dumps(listed, indent=1, sort_keys=True) + "\n",
         COMMIT: json.dumps(origin.commit(root), sort_keys=True) + "\n",
     }
+    given = read_yaml(files[OWN_CONFIG]) if OWN_CONFIG in files else {}
+    if any(value for section in OF_THE_USER for value in (given.get(section) or {}).values()):
+        # Robots of a plant are nobody else's business, and who verifies the crate does not have their logs.
+        texts[OWN_CONFIG] = yaml.safe_dump(experiment_of(given), sort_keys=False)
     for name, text in texts.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
