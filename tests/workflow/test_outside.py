@@ -99,6 +99,25 @@ def test_a_read_only_checkout_runs_a_job(clone, tmp_path):
     assert not (clone.folder / "results").exists()
 
 
+@pytest.mark.parametrize(
+    "target",
+    [
+        "write_crate",
+        "adopt_recovered",
+        "results/challenge/report/kept.txt",
+        "results/challenge/world/report/kept.txt",
+    ],
+)
+def test_what_works_on_the_checkout_is_refused_elsewhere_before_any_job(clone, tmp_path, target):
+    done = Project(tmp_path).plan("--snakefile", str(clone.folder / "Snakefile"), target, ok=False)
+    assert done.returncode != 0
+    told = [line for line in (done.stdout + done.stderr).splitlines() if line.startswith("jointwear: ")]
+    assert len(told) == 1
+    assert f"the checkout; run it in {clone.folder}" in told[0] or f"results; run it in {clone.folder}" in told[0]
+    assert "Traceback" not in done.stdout + done.stderr
+    assert not (tmp_path / "results").exists()
+
+
 def test_the_tables_are_what_they_were(built):
     """The rooms of the library moved no number of the reproduction."""
     for path in sorted((ROOT / "tests/data/before").glob("*.csv")):

@@ -165,6 +165,7 @@ rule keep_challenge:
     input:
         scores="results/challenge/{part}/stored.json",
         peers=peers_to_keep,
+        place=checkout_alone("keep_challenge", "stores scores in the checkout"),
     output:
         "results/challenge/{part}/kept.txt",
     log:
@@ -217,7 +218,8 @@ rule score_world:
 
 rule keep_world:
     input:
-        "results/challenge/world/{world_part}/scores.json",
+        scores="results/challenge/world/{world_part}/scores.json",
+        place=checkout_alone("keep_world", "stores scores in the checkout"),
     output:
         "results/challenge/world/{world_part}/kept.txt",
     log:

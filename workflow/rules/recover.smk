@@ -264,6 +264,7 @@ rule adopt_recovered:
         robot="results/recovery/robot.yaml",
         tasks=expand("results/recovery/tasks/{name}.yaml", name=RECOVER_TASKS),
         wear="results/recovery/wear.yaml",
+        place=checkout_alone("adopt_recovered", "renews files of the checkout"),
         modules=modules_of("adopt_recovered"),
     output:
         touch("results/recovery/adopted"),
