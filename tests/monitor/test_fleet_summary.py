@@ -17,6 +17,7 @@ from jointwear.monitor.findings.findings import fell_words
 from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.told_together import told_together
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
+from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import robot_item, write_fleet_page
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REFUSED, as_of, ranked
 from jointwear.monitor.fleet.summary import summarise_fleet
@@ -333,6 +334,36 @@ def test_metrics_are_what_prometheus_reads(built):
     assert found["jointwear_robot_urgency", "broken", "refused"] == 1
     assert found["jointwear_robot_stale_logs", "silent"] == 5
     assert found["jointwear_run_timestamp_seconds",] == NOW
+
+
+def test_growth_from_before_an_event_is_no_growth_of_now(tmp_path):
+    """An axis that was served on the last day: the table has no number, and a board would count down from the old."""
+    served = {"event": {"time": NOW - 3600, "kind": "service", "note": ""}, "until": NOW - 7200}
+    aged = axis(3, UNRESOLVED, growth=25.0, viscous_growth=31.0)
+    rows = [as_of(robot("served", {**aged, **served}), NOW), as_of(robot("worn", aged), NOW)]
+    write_metrics(rows, NOW, tmp_path / "metrics.prom")
+    lines = (tmp_path / "metrics.prom").read_text().splitlines()
+    told = sorted(line for line in lines if re.match(r"jointwear_axis_\w+_(growth|limit)_ratio\{", line))
+    assert told == [
+        'jointwear_axis_coulomb_growth_ratio{axis="3",joint="joint_3",robot="worn"} 0.25',
+        'jointwear_axis_coulomb_limit_ratio{axis="3",joint="joint_3",robot="worn"} 0.2',
+        'jointwear_axis_viscous_growth_ratio{axis="3",joint="joint_3",robot="worn"} 0.31',
+    ]
+    for row, growths in zip(rows, (["", ""], [25.0, 31.0]), strict=True):
+        cells = table_row(row)
+        assert [cells["growth_percent"], cells["viscous_growth_percent"]] == growths
+
+
+def test_every_metric_is_documented(built, root):
+    """In full, or as its end beside one of the same beginning, where the words before that end are named."""
+    told = (root / "docs/howto/metrics.md").read_text()
+    kinds = re.findall(r"`(\w+_)`", told)
+    named = set(re.findall(r"`(jointwear_\w+)`", told)) | {"jointwear_robot_windows"}
+    named |= {f"jointwear_robot_{kind}{what}" for kind in kinds for what in ("logs", "windows")}
+    there = set(re.findall(r"^# TYPE (\w+)", (built / "metrics.prom").read_text(), re.MULTILINE))
+    assert "`jointwear_robot_logs`, `_windows`" in told
+    assert there <= named
+    assert named - {"jointwear_messages_waiting"} <= there
 
 
 def test_an_empty_history_is_a_table_all_the_same(built, tmp_path):

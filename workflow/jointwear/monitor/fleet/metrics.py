@@ -11,6 +11,7 @@ from prometheus_client import CollectorRegistry, Gauge, write_to_textfile
 
 from jointwear.monitor.fleet.ranking import ORDER
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
+from jointwear.monitor.presentation.words import growth_now
 
 LEVELS = (HEALTHY, UNRESOLVED, CHANGED, UNJUDGED)
 #: Columns of a robot's row that are gauges of their own: name of the metric -> what it counts.
@@ -59,11 +60,12 @@ def write_metrics(rows: Sequence[Mapping[str, Any]], now: float, output: str | P
             labels = (name, str(found["axis"]), found["joint"])
             for level in LEVELS:
                 state.labels(*labels, level).set(int(found["level"] == level))
-            if found["growth"] is not None:
-                growth.labels(*labels).set(found["growth"] / 100)
+            coulomb_now, viscous_now = growth_now(found)
+            if coulomb_now is not None:
+                growth.labels(*labels).set(coulomb_now / 100)
                 limit.labels(*labels).set(found["limit"] / 100)
-            if found["viscous_growth"] is not None:
-                viscous.labels(*labels).set(found["viscous_growth"] / 100)
+            if viscous_now is not None:
+                viscous.labels(*labels).set(viscous_now / 100)
             for bound, value in zip(("median", "low", "high"), found["hours"] or (), strict=False):
                 hours.labels(*labels, bound).set(math.inf if value is None else value)
     Path(output).parent.mkdir(parents=True, exist_ok=True)

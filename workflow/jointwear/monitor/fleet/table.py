@@ -12,7 +12,7 @@ from typing import Any
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.presentation.condition import UNJUDGED
-from jointwear.monitor.presentation.words import change_words, until_words
+from jointwear.monitor.presentation.words import change_words, growth_now, until_words
 
 #: What each column holds is told in docs/howto/fleet.md.
 COLUMNS = (
@@ -32,7 +32,7 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
     if first and first.get("event"):
         # No number of now: it is told in words, until when it holds.
         check = f"{change_words(first, until_words(row, first, UTC))}; {check}"
-        first = {**first, "growth": None, "viscous_growth": None}
+    growth, viscous = growth_now(first) if first else ("", "")
 
     def axes(held: Callable[[Mapping[str, Any]], bool]) -> str:
         return " ".join(str(a) for a in sorted(axis["axis"] for axis in row["axes"] if held(axis)))
@@ -41,8 +41,8 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
         **{name: row[name] for name in COLUMNS if name in row},
         "axis_to_check": first["axis"] if first else "",
         "what_to_check": check,
-        "growth_percent": first["growth"] if first else "",
-        "viscous_growth_percent": first.get("viscous_growth") if first else "",
+        "growth_percent": growth,
+        "viscous_growth_percent": viscous,
         "limit_percent": first["limit"] if first else "",
         **dict(zip(("hours_to_limit", "hours_to_limit_low", "hours_to_limit_high"), hours, strict=True)),
         "alarms_unresolved": len(row["episodes"]),

@@ -82,12 +82,20 @@ def sure_percent(probability: float | None) -> str:
     return "" if probability is None else "> 99 %" if probability > SURE else f"{100 * probability:.0f} %"
 
 
+def growth_now(axis: Mapping[str, Any]) -> tuple[float | None, float | None]:
+    """Return the growth of Coulomb and of viscous friction [%] as of now, None where unknown or not told.
+
+    After an event that of before is told in words alone, with until when it holds, while nothing has been judged since.
+    """
+    return (None, None) if axis.get("event") else (axis["growth"], axis.get("viscous_growth"))
+
+
 def bar(axis: Mapping[str, Any]) -> float | None:
     """Return the growth as a share of the limit in percent, at most 100; None where it is unknown or hardly any.
 
     Of Coulomb or viscous friction, whichever has used up more of its limit.
     """
-    known = [g for g in (axis["growth"], axis.get("viscous_growth")) if g is not None and not axis.get("event")]
+    known = [g for g in growth_now(axis) if g is not None]
     growth = max(known, default=0.0)
     return None if growth < LEAST_BAR * axis["limit"] or not known else min(100.0, 100 * growth / axis["limit"])
 
