@@ -8,7 +8,8 @@ import time
 
 import numpy as np
 import pytest
-from scratch_project import TINY, copy_project, merged
+from scratch_project import LONGEST, TINY, copy_project, merged
+from warm_snakemake import warm_snakemake
 
 from jointwear.files.storage import open_dataset
 
@@ -208,3 +209,12 @@ def test_an_edited_effect_reruns_a_robot_that_has_it(project):
     path = project.folder / "workflow/jointwear/effects/entries/torque_constant_error.py"
     path.write_text(path.read_text() + "\n# edited\n")
     assert project.planned("results/simulation/T1/normal.nc") == {"simulate_normal": 1}
+
+
+@pytest.mark.parametrize("asked", ["--unlock", "--dag", "--summary", "--list-rules"])
+@pytest.mark.parametrize("target", ["results/trajectories/T1.nc", "verify"])
+def test_no_cores_are_needed_where_no_job_runs_on_this_machine(built, asked, target):
+    """As of every call to a cluster that passes over the default profile."""
+    done = warm_snakemake(["--workflow-profile", "none", target, asked], built.folder, LONGEST)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "WorkflowError" not in done.stdout + done.stderr

@@ -56,6 +56,8 @@ elif workflow.is_main_process and (other := call_at_work(Path.cwd())) is not Non
 
 
 BEGIN = time.time()
+# None where nothing asks for cores: on a cluster, and for --unlock and --summary. `workflow.cores` would end the call.
+CORES = workflow.resource_settings.cores
 
 
 onstart:

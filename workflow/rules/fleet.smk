@@ -27,7 +27,7 @@ rule watch_fleet:
         "results/logs/watch_fleet/{fleet_batch}.log",
     wildcard_constraints:
         fleet_batch="[0-9a-f]{12}",
-    threads: processes_of_job(len(FLEET), workflow.cores)
+    threads: processes_of_job(len(FLEET), CORES)
     params:
         entries=fleet_entries,
         logs=lambda wildcards: {

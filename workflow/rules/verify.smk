@@ -4,7 +4,7 @@ rule verify:
         modules=modules_of("verify"),
     log:
         "results/logs/verify.log",
-    threads: workflow.cores
+    threads: CORES or 1
     params:
         crate=CRATE,
         trust=TRUST,
