@@ -175,3 +175,11 @@ def test_what_windows_scatter_beyond_their_noise_is_that_of_dersimonian_and_lair
     # Of nine windows the sum has eight degrees of freedom and scatters by four.
     assert found(11.9) == 0.0
     assert found(20.0) == pytest.approx((20.0 - 8.0 - 4.0) / (9e4 - 9e8 / 9e4))
+
+
+def test_friction_that_dipped_and_came_back_is_no_growth():
+    """A healthy axis alarmed at +0.4 % of its normal, as it had read -2 % in a cold spell."""
+    dipped = np.array([*[-0.03] * 8, 0.004, 0.004, 0.004])
+    # How far above normal it is, where what normal is is hardly known, nothing tells.
+    assert evidence(dipped, known=1e-4).step[-1] == -np.inf
+    assert evidence(dipped + np.where(dipped > 0, 0.02, 0.0), known=1e-4).step[-1] > 2

@@ -8,7 +8,8 @@ shift counts by how far off the other axes are in it (:mod:`.shift_scale`). An a
 - the largest z_K over K >= 2 exceeds the threshold, the last two shifts both exceed :data:`TOLERATED` and the newest
   lies nearer to the mean than to what is normal, or
 - they do, and the last K shifts less those before them exceed a threshold of their own (friction that fell since the
-  baseline, by running in, hides wear that begins from there; what is not known of the normal state they share), or
+  baseline, by running in, hides wear that begins from there; what is not known of the normal state they share) while
+  their mean lies above normal by more than its error (friction that dipped and came back is as it was), or
 - z_1 does in a shift of at least :data:`STEP_WINDOWS` windows that exceeds :data:`STEP`: a large step is told at once,
   unless all axes move together in that shift: what one of them has beyond the others is then weather too.
 
@@ -35,8 +36,10 @@ SHIFTS, TOLERATED, STEP, STEP_WINDOWS = 6, 0.001, 0.025, 6
 LEAST, DOUBT = 0.1, 1.5
 #: Growth up to which friction that had alarmed counts as back to normal.
 NORMAL = 0.002
-#: Fewest shifts before the last ones that these are held against.
-FEWEST_BEFORE = 3
+#: Fewest shifts before the last ones that these are held against, and standard errors by which the last ones lie above
+#: normal themselves: by fewer it may be the shifts before that were off, in the cold or under another load. More would
+#: hide wear on an axis whose normal state is hardly known, which the shifts before and the last ones share.
+FEWEST_BEFORE, ABOVE = 3, 1.0
 #: Last shifts that must all lie below for a fall.
 FALLEN = 3
 
@@ -83,7 +86,7 @@ def shift_evidence(windows: AxisWindows, normal: Sequence[Posterior], memory: fl
     return Evidence(
         growth.max(axis=1),
         fall.max(axis=1),
-        _steps(recent, least).max(axis=1),
+        np.where(mean > ABOVE * std, _steps(recent, least), -np.inf).max(axis=1),
         np.where(best < 0, 0.0, mean[row, best]),
         np.where(best < 0, np.inf, std[row, best]),
         best + 1,
