@@ -138,6 +138,16 @@ def test_the_limit_that_is_reached_first_is_told(coulomb, viscous, first):
         assert limits.forecast(63, 0, name)[0] == first
 
 
+def test_viscous_friction_that_rose_on_all_axes_gives_the_limit_of_coulomb_friction_no_date():
+    """In a cold spell viscous friction read +55 %, and the forecast was that its limit is reached."""
+    cold = np.repeat(np.where(np.arange(16) >= 11, 0.3, 0.0), 4).reshape(16, 4)
+    level, part = watched(np.log1p(0.3 * GROWN), alarm_from=8), watched(cold + noise_of(4))
+    grown = viscous_growth(level, part, 0, SHIFT, 0.5)
+    for together, first in ((None, VISCOUS_FRICTION), (cold.ravel() > 0, COULOMB_FRICTION)):
+        limits = Limits(level, part, np.array([0.5]), [grown], SHIFT, 3600.0 * np.arange(64), 0.2, together)
+        assert limits.forecast(63, 0, COULOMB_FRICTION)[0] == first
+
+
 def test_growth_that_is_gone_has_no_date_of_a_limit():
     gone = np.log1p(np.concatenate([GROWN[:12], np.zeros((4, 4))]))
     level = watched(gone + noise_of(5), alarm_from=8)

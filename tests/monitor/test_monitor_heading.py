@@ -228,6 +228,19 @@ def test_viscous_growth_beyond_its_limit_has_reached_it(monitored):
     )
 
 
+def test_viscous_growth_of_a_cold_spell_reaches_no_limit(monitored):
+    """An axis that alarmed for Coulomb friction was told as at its limit, viscous +55 %, while all axes were cold."""
+    folder, _, _ = monitored
+    state = changed(read_state(folder / "state.nc"), "coulomb friction")
+    worn = with_estimates(state, coulomb_percent=5.0, viscous_percent=56.0)
+    worn = replace(worn, now_error={**worn.now_error, "viscous_percent": np.full(worn.axes, 2.0)})
+    cold = {"time": float(worn.start[-3]), "axes": [], "kind": "shared", "words": "All axes moved together."}
+    others = [f for f in worn.findings if f["kind"] != "shared"]
+    for spell, reached in (({}, True), (cold, False), ({**cold, "end": float(worn.end[-2])}, True)):
+        seen = replace(worn, findings=[*others, *([spell] if spell else [])])
+        assert standing(seen)["axes"][0]["reached"] == reached
+
+
 def test_an_axis_that_is_back_to_normal_heads_no_red_card(monitored):
     folder, _, _ = monitored
     state = with_estimates(changed(read_state(folder / "state.nc"), "coulomb friction"), coulomb_percent=0.1)

@@ -27,6 +27,8 @@ WITH_SCALE = 2
 AGAIN = 0.5
 #: Kind of a finding on a fall that may be a service, on a program that the baseline lacks, and on most axes together.
 FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
+#: Kind of a finding on what all axes do together; without an `end` they still do.
+SHARED = "shared"
 
 
 def moment_words(statistics: WindowStatistics, seconds: float) -> str:
@@ -121,8 +123,9 @@ def _at_once(
             continue
         window = min(k for _, k, _, _ in here)
         words = (
-            f"Within two shifts friction {_moved(rose, fell)}, which no gear does: logs of another robot under this "
-            "name, exchanged drives, another controller, a load, or weather that no thermometer shows. Look for that "
+            f"Within two shifts friction {_moved(rose, fell)}, which no gear does: new grease in several "
+            "axes, logs of another robot under this name, exchanged drives, another controller, a load, or weather "
+            "that no thermometer shows. Look for that "
             "before you look at a gear, and enter under 'events' what was changed."
         )
         return [_of_many(statistics, level, window, axes, words)]
@@ -139,8 +142,8 @@ def _exchanged(statistics: WindowStatistics, level: Watch, one: Exchange) -> dic
         since, then = f", and for {lasted},", "these windows are not judged"
     words = (
         f"From one shift to the next{since} friction {_moved(rose, fell)}, which no gear does: logs of another robot "
-        f"under this name, exchanged drives, or another controller. No wear is told of it, and {then}: put the logs "
-        "where they belong, or enter under 'events' what was changed."
+        "under this name, exchanged drives, another controller, or new grease in several axes. No wear is told of it, "
+        f"and {then}: put the logs where they belong, or enter under 'events' what was changed."
     )
     return _of_many(statistics, level, one.window, sorted([*rose, *fell]), words)
 
@@ -241,5 +244,5 @@ def _shared(
             "the unit of the torque."
         )
         until = {"end": end} if b < len(names) else {}
-        result.append({"time": time, **until, "axes": [], "kind": "shared", "words": words})
+        result.append({"time": time, **until, "axes": [], "kind": SHARED, "words": words})
     return result

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.events import Event, events_of
+from jointwear.monitor.findings.findings import SHARED
 from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.judging.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.judging.state import RobotState
@@ -60,7 +61,8 @@ class AxisCondition:
     `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered. `anew`: the
     newest event that mends it, from which its growth counts; None where there is none. `event`: the newest event after
     which nothing of the axis has been judged yet, None where there is none; its growth is then that of before, up to
-    `until` [s], the end of the window that it was judged in last, and NaN elsewhere.
+    `until` [s], the end of the window that it was judged in last, and NaN elsewhere. `together`: by now all axes have
+    moved together, as in the cold.
     """
 
     axis: int
@@ -81,6 +83,7 @@ class AxisCondition:
     anew: Event | None = None
     event: Event | None = None
     until: float = math.nan
+    together: bool = False
 
     @property
     def closed(self) -> bool:
@@ -130,8 +133,9 @@ class AxisCondition:
     @property
     def viscous_told(self) -> bool:
         """Whether growth of viscous friction is told: it has alarmed, or has clearly passed the limit beside another
-        alarm."""
-        beside = self.level == CHANGED and self.viscous >= max(self.limit, CLEAR * self.viscous_std)
+        alarm while the axes do not all move together, in which it could not alarm either."""
+        beyond = self.viscous >= max(self.limit, CLEAR * self.viscous_std)
+        beside = self.level == CHANGED and not self.together and beyond
         return self.viscous_alarm or bool(beside)
 
     @property
@@ -206,6 +210,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         anew=mending[-1] if mending else None,
         event=event,
         until=until if event else math.nan,
+        together=any(f["kind"] == SHARED and "end" not in f for f in state.findings),
     )
 
 

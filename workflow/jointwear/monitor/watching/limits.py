@@ -59,6 +59,8 @@ class Limits:
     ----------
     level, viscous : what was watched. share : (n,) of Coulomb friction in the friction of the baseline.
     grown : of each axis, what of its growth is viscous. shift : (w,) labels. end : (w,) [s]. limit : relative growth.
+    together : (w,) bool, where all axes move together, as in the cold, None for nowhere: what viscous friction does
+    there raises no alarm, and where nothing else tells of its growth it gives no date either.
     """
 
     def __init__(
@@ -70,7 +72,9 @@ class Limits:
         shift: np.ndarray,
         end: np.ndarray,
         limit: float,
+        together: np.ndarray | None = None,
     ) -> None:
+        self._apart = np.ones(len(shift), dtype=bool) if together is None else ~together
         self._level, self._viscous, self._share, self._grown = level, viscous, share, grown
         self._shift, self._end, self._limit = shift, end, limit
         self._place = np.arange(len(shift))
@@ -85,7 +89,7 @@ class Limits:
         found = []
         if own is not None and (not now or own.clear(Q80)):
             found.append((name, self._of(own, k)))
-        too = self._growth(k, j, other)
+        too = self._growth(k, j, other, self._apart if other == VISCOUS else None)
         counts = too is not None and len(too.value) >= LATEST and self._counts(j, other)
         if counts and too.clear(VISCOUS_CLEAR, self._wander(k, j, other)):
             found.append((other, self._of(too, k)))
@@ -106,19 +110,20 @@ class Limits:
         """Return the variance of the growth of viscous friction in shifts outside episodes, 0 of Coulomb friction."""
         if name == COULOMB:
             return 0.0
-        quiet = ~self._level.baseline & (self._place <= k)
+        quiet = ~self._level.baseline & (self._place <= k) & self._apart
         for episode, _ in episode_parts(self._level, j, self._shift):
             quiet[episode] = False
         means = shift_means(self._viscous, j, quiet, self._shift, self._end)
         return viscous_scale(float(self._share[j])) ** 2 * wander(means)
 
-    def _growth(self, k: int, j: int, name: str) -> Growth | None:
-        """Return the growth of a quantity by window `k`, None where none is known."""
+    def _growth(self, k: int, j: int, name: str, within: np.ndarray | None = None) -> Growth | None:
+        """Return the growth of a quantity by window `k`, of viscous friction in windows `within` (w,) bool alone; None
+        where none is known."""
         if name == COULOMB and self._level.axes[j] is not None:
             return self._coulomb(k, j)
         if self._viscous.axes[j] is None:
             return None
-        means, start = self._means(self._viscous, k, j)
+        means, start = self._means(self._viscous, k, j, within)
         if not len(means.value):
             return None
         scale, shared = viscous_scale(float(self._share[j])), normal_error(self._viscous, j)
@@ -145,10 +150,11 @@ class Limits:
         scale = axis.to_coulomb
         return Growth(means.time / 3600, scale * value, scale**2 * variance, scale * shared, start)
 
-    def _means(self, watched: Watch, k: int, j: int) -> tuple[ShiftMeans, float]:
+    def _means(self, watched: Watch, k: int, j: int, within: np.ndarray | None = None) -> tuple[ShiftMeans, float]:
         """Return the means of the shifts since growth last began anew, and the end of what is normal [h]."""
         begin = max([s.window for s in watched.starts[j] if s.window <= k and s.grown is None], default=0)
         rows = ~watched.baseline & (self._place <= k) & (self._place >= begin)
+        rows &= True if within is None else within
         before = np.flatnonzero(watched.baseline) if not begin else np.arange(begin)
         start = float(self._end[before[-1]]) / 3600 if len(before) else float(self._end[0]) / 3600
         return shift_means(watched, j, rows, self._shift, self._end), start

@@ -11,7 +11,8 @@ import numpy as np
 
 #: Odds that an alarm at its threshold is wear and no chance, where another cause is at hand: beside a stronger alarm of
 #: another axis, as robots on which two axes begin to wear in one month are rarer than the false alarms that the stated
-#: rate allows in it; and while all axes move together, where what they share may not be all taken out.
+#: rate allows in it; and while all axes move together, where what they share may not be all taken out, or where an axis
+#: is hardly above normal and has but risen since the shifts before.
 SECOND, TOGETHER = 0.2, 1.0
 #: Largest statistic, and exponent, of which an exponential is taken: beyond, it is certain all the same.
 LARGEST, STEEPEST = 30.0, 700.0
@@ -22,7 +23,7 @@ def honest_probability(statistic: np.ndarray, threshold: np.ndarray, together: b
 
     Parameters
     ----------
-    statistic, threshold : (n,), as there. together : all axes move together at that time.
+    statistic, threshold : (n,), as there. together : all axes move together at that time, or what alarms may be none.
 
     Notes
     -----

@@ -68,6 +68,11 @@ def _is_news(last: _Told, now: _Told, error: float) -> bool:
     return risen or since >= REPEAT_LATEST
 
 
+def _together(level: Watch) -> np.ndarray:
+    """Return where (w,) all axes have moved together by more than is a finding."""
+    return np.abs(level.shared.common) > FINDING
+
+
 class Teller:
     """Alarms and states of the axes of one robot; `least` (n,): smallest growth of Coulomb friction that is seen;
     `viscous_alarm` (w, n): alarms of viscous friction by charts of its own."""
@@ -92,7 +97,7 @@ class Teller:
         share = series["friction"].share
         self.grown = [viscous_growth(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))]
         self._named = np.stack([g.named for g in self.grown], axis=1)
-        self._limits = Limits(level, viscous, share, self.grown, shift, statistics.end, limit)
+        self._limits = Limits(level, viscous, share, self.grown, shift, statistics.end, limit, _together(level))
         self.least = self._least_seen()
         self._told = self._spaced()
         self.status = self._states()
@@ -105,10 +110,9 @@ class Teller:
         speed as well. None where the level has fallen: new grease is thicker, and what wears does not fall.
         """
         alone = np.array([a is not None for a in self._level.axes])
-        together = np.abs(self._level.shared.common) > FINDING
         with np.errstate(invalid="ignore"):
             greased = self._level.mean < -GREASED * self._level.mean_std
-        return self._viscous.alarm & alone & ~together[:, None] & ~greased
+        return self._viscous.alarm & alone & ~_together(self._level)[:, None] & ~greased
 
     def _least_seen(self) -> np.ndarray:
         """Return the growth (n,) of Coulomb friction from which on two shifts alarm, NaN where no normal is known."""
@@ -205,8 +209,9 @@ class Teller:
             unit = "N m"
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
-            together = bool(abs(level.shared.common[k]) > FINDING)
-            sure = honest_probability(statistic[k], threshold[k], together)[j] if level.alarm[k, j] else np.nan
+            # By what alarms its growth may be none: then, as while all axes move together, it may be chance.
+            other_cause = bool(abs(level.shared.common[k]) > FINDING) or values[1] <= 0
+            sure = honest_probability(statistic[k], threshold[k], other_cause)[j] if level.alarm[k, j] else np.nan
             expected = self._limits.forecast(k, j, name)[1]
             result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
         return result
