@@ -467,6 +467,19 @@ def test_the_forecast_of_viscous_friction_says_of_which_limit_it_is(hours, words
     assert told == f"limit of viscous friction (+20 %) {words}"
 
 
+@pytest.mark.parametrize(("grown", "words"), [(16.7, "may be reached by now"), (19.96, "reached"), (24.0, "reached")])
+def test_a_limit_of_one_quantity_is_reached_where_what_is_told_of_it_is(grown, words):
+    """A page told viscous friction of +16.7 %, a limit of 20 %, and that the limit was reached."""
+    axis = {"hours": [0.0] * 3, "reached": False, "quantity": "viscous friction", "limit": 20.0, "growth": 1.0}
+    told = outlook_words({"dated": False, "last_sample": 0.0}, {**axis, "viscous_growth": grown}, zone_of(None))
+    assert told == f"limit of viscous friction (+20 %) {words}"
+
+
+def test_the_size_of_backlash_is_told_as_the_least_it_is():
+    axis = {"growth": None, "limit": 20.0, "quantity": "backlash", "change": 53.0, "unit": "%"}
+    assert change_words(axis) == "backlash: pulses at reversals by +53 % at least"
+
+
 def test_table_and_outlook_of_an_axis_tell_a_forecast_of_no_hours_in_the_same_words(root):
     assert f"== 0 %}}{MAY_BE_REACHED}{{% else" in (root / "report/monitor.html.j2").read_text()
 

@@ -17,6 +17,7 @@ from jointwear.monitor.presentation.condition import (
     UNRESOLVED,
     AxisCondition,
 )
+from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS
 from jointwear.publishing.report.numbers import fixed, number
 
@@ -129,6 +130,9 @@ def change_words(axis: Mapping[str, Any], until: str = "") -> str:
         grown = f"more than {MOST_TOLD:+.0f}" if viscous > MOST_TOLD else fixed(viscous, 1, True)
         own = f" ({size})" if "viscous" in quantity and size else ""
         words.insert(0 if own else 1, f"viscous friction {grown} % {now}{own}, {limit}")
+    elif quantity == BACKLASH and size:
+        # What else the torque does near reversals is in the pulses before and after: they grew by more than it shows.
+        words.append(f"{quantity}: pulses at reversals by {size} at least")
     elif quantity and "coulomb" not in quantity:
         words.append(f"{quantity} {size or 'changed'}")
     elif size and not words:
@@ -162,7 +166,10 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
     if "viscous" in kind or ("coulomb" in kind and "viscous" in quantity):
         limit = f"limit of {'viscous' if 'viscous' in kind else 'Coulomb'} friction (+{number(axis['limit'], 2)} %)"
     if limit != "limit" and high == 0:
-        return f"{limit} reached"
+        # Growth that is told as less than the limit, though some of it may not be seen, has not reached it.
+        grown = axis.get("viscous_growth" if "viscous" in kind else "growth")
+        below = grown is not None and round(grown, 1) < axis["limit"]
+        return f"{limit} {MAY_BE_REACHED if below else 'reached'}"
     if limit == "limit" and (axis.get("growth") or 0.0) < 0.0:
         # It grew from where it was learnt anew: beside the growth since the baseline that date would mislead.
         return ""
