@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointwear.monitor.watching.growth_so_far import LARGE, shrunk
+from jointwear.monitor.watching.growth_so_far import LARGE, shrunk, stands_out
 from jointwear.monitor.watching.watched_axis import Start
 from jointwear.monitor.watching.watching import _with_service
 
@@ -24,6 +24,12 @@ def test_it_lies_between_nothing_and_what_was_measured(mean, error):
     value, variance = shrunk(mean, error**2)
     assert 0.0 <= value * np.sign(mean) <= abs(mean)
     assert 0.0 <= variance <= LARGE**2 + mean**2
+
+
+def test_growth_without_an_alarm_is_told_where_it_is_likelier_than_none():
+    assert stands_out(0.09, 0.03**2)
+    assert not stands_out(0.03, 0.02**2)
+    assert not stands_out(-0.2, 0.01**2)
 
 
 def test_a_service_begins_anew_what_was_carried_over_later_starts():

@@ -14,7 +14,7 @@ from jointwear.monitor.events import Event
 from jointwear.monitor.judging import judge as judge_module
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.judging.judge_settings import JudgeSettings
-from jointwear.monitor.judging.open_alarms import OPEN_ALARM, open_alarm_findings
+from jointwear.monitor.judging.open_alarms import GROWN_BEFORE, OPEN_ALARM, open_alarm_findings
 from jointwear.monitor.watching.another_robot import first_exchange
 from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reason, Teller
@@ -171,6 +171,21 @@ def test_another_program_without_an_open_alarm_starts_anew_as_before():
     assert not [a for a in result.alarms if a["detector"] == "model"]
     assert set(result.status[-8:, 0]) == {HEALTHY}
     assert [f for f in result.findings if f["kind"] == OPEN_ALARM] == []
+
+
+def test_growth_that_another_program_takes_in_before_an_alarm_is_told():
+    """An axis that had grown by 15 % the day before was healthy from the new program on, and 30 % worn at the end."""
+    growth = np.zeros((260, 3))
+    growth[197:, 1] = 0.15
+    statistics, at = statistics_of(residuals(260, growth, 24)), 200 * 3600.0
+
+    def told(*events):
+        result = judge(statistics, 120, replace(SETTINGS, events=events))
+        assert not [a for a in result.alarms if a["detector"] == "model"]
+        return [(f["axes"], f["time"], "answered" in f) for f in result.findings if f["kind"] == GROWN_BEFORE]
+
+    assert told(Event(at, (), "program")) == [([2], at, False)]
+    assert told(Event(at, (), "program"), Event(at + 20 * 3600.0, (1,), "service")) == [([2], at, True)]
 
 
 def test_a_service_after_another_program_does_not_deny_the_alarm_that_was_open_then():

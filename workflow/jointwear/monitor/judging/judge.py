@@ -21,7 +21,7 @@ from jointwear.monitor.findings.read_findings import driving_findings, reading_f
 from jointwear.monitor.findings.seen_growth import coarse_findings, loose_findings, missed_findings
 from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.judging.observed import Observed, observe
-from jointwear.monitor.judging.open_alarms import open_alarm_findings
+from jointwear.monitor.judging.open_alarms import grown_before_findings, open_alarm_findings
 from jointwear.monitor.normal.learning import AxisNormal, learn_axes
 from jointwear.monitor.normal.missed import with_missed
 from jointwear.monitor.normal.override import override_findings, path_speed
@@ -123,7 +123,7 @@ def judge(
     # own starts nothing.
     fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
     # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.
-    unit = np.array([1.0 / viscous_scale(float(share)) for share in seen.series["viscous"].share])
+    unit = 1.0 / _of_viscous(seen)
     viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall, unit=unit, services=False)
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
@@ -152,8 +152,14 @@ def judge(
         findings=[
             *_findings(statistics, seen, friction, viscous, teller, limit),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
+            *grown_before_findings(statistics, level),
         ],
     )
+
+
+def _of_viscous(seen: Observed) -> np.ndarray:
+    """Return the growth (n,) of viscous friction, of itself, for one unit of its series."""
+    return np.array([viscous_scale(float(share)) for share in seen.series["viscous"].share])
 
 
 def _without_gains(

@@ -1,4 +1,4 @@
-"""Alarms of wear that were open when somebody entered another program, which repairs nothing."""
+"""Wear that stood, with or without an alarm, when somebody entered another program, which repairs nothing."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS, in_sentence
 from jointwear.monitor.watching.present import now_windows
 from jointwear.monitor.watching.records import DETECTORS
+from jointwear.monitor.watching.watching import Watch
 from jointwear.publishing.report.numbers import fixed
 
-#: Kind of the finding.
-OPEN_ALARM = "open_alarm"
+#: Kinds of the findings: on an open alarm, and on growth for which none had been raised yet.
+OPEN_ALARM, GROWN_BEFORE = "open_alarm", "grown_before"
 #: Quantity of an alarm -> the estimate that has its growth in percent.
 PERCENT = {COULOMB: "coulomb_percent", VISCOUS: "viscous_percent", BACKLASH: BACKLASH}
 
@@ -63,6 +64,27 @@ def open_alarm_findings(
         closed = all(any(e.concerns(a - 1) and e.time >= event.time for e in mending) for a in axes)
         answered = {"answered": True} if closed else {}
         result.append({"time": event.time, "axes": axes, "kind": OPEN_ALARM, "words": words, **answered})
+    return result
+
+
+def grown_before_findings(statistics: WindowStatistics, level: Watch) -> list[dict[str, Any]]:
+    """Return one finding for each axis that had grown, without an alarm, when a change of program was entered: what it
+    is judged against from then on holds that growth. Answered by an event that mends the axis, or by an alarm since."""
+    result = []
+    for j, starts in enumerate(level.starts):
+        for start in (s for s in starts if s.left is not None):
+            grown = level.axes[j].to_coulomb * float(np.expm1(start.left))
+            words = (
+                f"Friction of axis {j + 1} had risen, by about {fixed(100 * grown, 0, True)} % of its Coulomb part, "
+                "when another program was entered here, too late for an alarm. A program repairs no gear, but what is "
+                "normal is learnt anew with it: growth and limit count without that from here on. Look at the axis; "
+                "enter a repair as 'service', or another cause as 'acknowledged'."
+            )
+            answered = any(later.closes and later.window >= start.window for later in starts)
+            answered |= bool(level.alarm[start.window :, j].any())
+            known = {"answered": True} if answered else {}
+            time = float(statistics.start[start.window])
+            result.append({"time": time, "axes": [j + 1], "kind": GROWN_BEFORE, "words": words, **known})
     return result
 
 

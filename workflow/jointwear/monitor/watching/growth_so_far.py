@@ -55,11 +55,21 @@ def measured_growth(
 
 def shrunk(mean: float, variance: float) -> tuple[float, float]:
     """Return mean and variance of the growth that a measured `mean` of `variance` tells of, under the prior above."""
-    prior = np.array([LITTLE**2, LARGE**2])
+    prior, odds = np.array([LITTLE**2, LARGE**2]), _odds(mean, variance)
     total = prior + variance
-    logs = np.log([1.0 - WORN, WORN]) - 0.5 * np.log(total) - 0.5 * mean**2 / total
-    odds = np.exp(logs - logs.max())
-    odds /= odds.sum()
     each = prior / total * mean
     value = float(odds @ each)
     return value, float(odds @ (prior * variance / total + each**2)) - value**2
+
+
+def stands_out(mean: float, variance: float) -> bool:
+    """Return whether a measured `mean` of `variance` is rather growth than none, under the prior above."""
+    return mean > 0 and bool(_odds(mean, variance)[1] > 0.5)
+
+
+def _odds(mean: float, variance: float) -> np.ndarray:
+    """Return how likely it is (2,) that the axis has not grown, and that it has."""
+    total = np.array([LITTLE**2, LARGE**2]) + variance
+    logs = np.log([1.0 - WORN, WORN]) - 0.5 * np.log(total) - 0.5 * mean**2 / total
+    odds = np.exp(logs - logs.max())
+    return odds / odds.sum()

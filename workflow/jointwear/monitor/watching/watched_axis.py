@@ -34,12 +34,14 @@ UNSEEN = 0.06
 class Start:
     """Window from which an axis is learnt anew; `proposed` by a fall, not told by the config; `kept`: the axis is as
     worn as before, so that its alarms stay open; `grown`: growth (log level) and its variance that go on over it, None
-    where no alarm tells of any."""
+    where no alarm tells of any; `left`: growth (log level) that stood before it without an alarm and that the axis is
+    judged without from there on, None where there was rather none."""
 
     window: int
     proposed: bool
     kept: bool = False
     grown: tuple[float, float] | None = None
+    left: float | None = None
 
     @property
     def closes(self) -> bool:

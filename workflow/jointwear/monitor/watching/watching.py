@@ -14,6 +14,7 @@ from jointwear.monitor.normal.recall import Recall, key_of
 from jointwear.monitor.normal.shift_scale import own_scale, shift_scale
 from jointwear.monitor.normal.shifts import running_sums, shift_starts
 from jointwear.monitor.watching.decision import Evidence
+from jointwear.monitor.watching.growth_so_far import shrunk, stands_out
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
 from jointwear.monitor.watching.shared_error import ALIKE, FINDING, SharedError, shared_error
 from jointwear.monitor.watching.watched_axis import UNSEEN, Common, Start, WatchedAxis
@@ -134,7 +135,8 @@ def _settled(
     coarsest: float,
 ) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence]]:
     """Return the axes that are judged, what they tell of each other and their evidence, once no more falls propose a
-    service; those that are found are added to `starts`, and what has grown goes on over those that are kept.
+    service; those that are found are added to `starts`, and what has grown goes on over those that are kept, or is told
+    with them.
 
     Parameters
     ----------
@@ -170,6 +172,8 @@ def _settled(
                 again.append(j)
         if not again:
             break
+    for j, state in states.items():
+        starts[j] = _with_left(starts[j], state, *beside.of(j)[:2])
     return states, beside, evidence
 
 
@@ -323,6 +327,24 @@ def _with_growth(
                 return [*starts[:k], replace(start, grown=grown), *starts[k + 1 :]]
         since = start.window
     return None
+
+
+def _with_left(starts: Sequence[Start], state: WatchedAxis, shared: np.ndarray, extra: np.ndarray) -> list[Start]:
+    """Return the starts of an axis, the kept ones with what it had grown by and is judged without, where that is
+    likelier than none.
+
+    Parameters are those of :func:`_with_growth`.
+    """
+    result, since = [], 0
+    for start in starts:
+        if start.grown is None:
+            grown = state.grown_between(since, start.window, shared, extra) if start.kept else None
+            left = shrunk(*grown)[0] if grown is not None and stands_out(*grown) else None
+            result.append(replace(start, left=left))
+            since = start.window
+        else:
+            result.append(start)
+    return result
 
 
 def outside_baseline(beyond: np.ndarray, common: np.ndarray, shift: np.ndarray) -> np.ndarray:
