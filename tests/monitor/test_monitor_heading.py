@@ -12,6 +12,7 @@ from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.local_time import log_time, zone_of
+from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.condition import UNRESOLVED, axis_conditions
 from jointwear.monitor.presentation.drawing import _rests_on
 from jointwear.monitor.presentation.page import write_page
@@ -239,6 +240,12 @@ def test_viscous_growth_of_a_cold_spell_reaches_no_limit(monitored):
     for spell, reached in (({}, True), (cold, False), ({**cold, "end": float(worn.end[-2])}, True)):
         seen = replace(worn, findings=[*others, *([spell] if spell else [])])
         assert standing(seen)["axes"][0]["reached"] == reached
+
+
+def test_viscous_friction_that_rose_overnight_asks_whether_it_was_greased():
+    assert advice("viscous friction", 0.1, True).startswith("was it greased?")
+    assert advice("viscous friction", 0.1).startswith("check level")
+    assert not advice("coulomb friction", 0.1, True).startswith("was it greased?")
 
 
 def test_an_axis_that_is_back_to_normal_heads_no_red_card(monitored):

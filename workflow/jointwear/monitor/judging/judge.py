@@ -16,6 +16,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.findings.findings import findings_of
+from jointwear.monitor.findings.greasing import greasing_findings
 from jointwear.monitor.findings.odd_motion import odd_motion_findings
 from jointwear.monitor.findings.read_findings import driving_findings, reading_findings
 from jointwear.monitor.findings.seen_growth import coarse_findings, loose_findings, missed_findings
@@ -192,6 +193,7 @@ def _findings(
     zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
     return [
         *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, shown),
+        *greasing_findings(statistics, shift, first, level, viscous, _of_viscous(seen)),
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),
         *missed_findings(statistics, first, viscous),

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 
-def advice(quantity: str, change: float | None) -> str:
-    """Return what to check when a quantity of an axis changed; `change` None counts as growth."""
+def advice(quantity: str, change: float | None, overnight: bool = False) -> str:
+    """Return what to check when a quantity of an axis changed; `change` None counts as growth, and growth that came
+    `overnight` and has kept since is hardly wear."""
     grew = change is None or change > 0
     if "backlash" in quantity:
         return (
             "check the gear for play with the flange clamped, and belt and coupling"
             if grew
             else "play became smaller: a gear that was replaced or adjusted; tell it as an event of kind service"
+        )
+    if "viscous" in quantity and grew and overnight:
+        return (
+            "was it greased? It rose overnight and has kept since, as with thicker grease; enter that as a service; if "
+            f"not, {advice(quantity, change)}"
         )
     if "viscous" in quantity:
         return (

@@ -16,6 +16,7 @@ from jointwear.monitor.judging.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.judging.state import RobotState
 from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.episodes import Episode, episodes_of
+from jointwear.monitor.presentation.overnight import rose_overnight
 from jointwear.monitor.reading.zeros import ZERO
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS
@@ -62,7 +63,7 @@ class AxisCondition:
     newest event that mends it, from which its growth counts; None where there is none. `event`: the newest event after
     which nothing of the axis has been judged yet, None where there is none; its growth is then that of before, up to
     `until` [s], the end of the window that it was judged in last, and NaN elsewhere. `together`: by now all axes have
-    moved together, as in the cold.
+    moved together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept.
     """
 
     axis: int
@@ -84,6 +85,7 @@ class AxisCondition:
     event: Event | None = None
     until: float = math.nan
     together: bool = False
+    overnight: bool = False
 
     @property
     def closed(self) -> bool:
@@ -114,7 +116,7 @@ class AxisCondition:
             what = "play" if self.main.quantity == BACKLASH else "friction"
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
             return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
-        told = advice(self.main.quantity, self.main.newest["change"])
+        told = advice(self.main.quantity, self.main.newest["change"], self.overnight)
         if self.probability is not None and self.probability < EVEN_ODDS:
             return f"compare the other axes before opening anything, as it may well be another; then {told}"
         return told
@@ -211,7 +213,17 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         event=event,
         until=until if event else math.nan,
         together=any(f["kind"] == SHARED and "end" not in f for f in state.findings),
+        overnight=_viscous_overnight(state, j, open_ones) and not growth > CLEAR * std,
     )
+
+
+def _viscous_overnight(state: RobotState, j: int, episodes: Sequence[Episode]) -> bool:
+    """Whether viscous friction of a 0-based axis alarmed after it rose overnight, and has kept since."""
+    first = min((e.first for e in episodes if e.quantity == VISCOUS), default=None)
+    if first is None or "viscous_percent" not in state.estimates:
+        return False
+    after = slice(state.baseline, None)
+    return rose_overnight(state.end[after], state.estimates["viscous_percent"][0][after, j], first)
 
 
 def _last_judged(state: RobotState, j: int) -> tuple[float, float]:

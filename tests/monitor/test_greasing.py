@@ -1,0 +1,73 @@
+"""Viscous friction that stands higher on all axes, while friction as a whole hardly rose: was the arm greased?"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jointwear.monitor.findings.greasing import GREASED, LASTS, greasing_findings
+from jointwear.monitor.presentation.overnight import rose_overnight
+
+#: Twelve shifts of four windows, four of them the baseline, of five axes.
+SHIFT = np.repeat(np.arange(12), 4)
+BASELINE = SHIFT < 4
+
+
+def watched(common):
+    """What is watched of axes of which nothing is left beside what they have in common (shifts,)."""
+    common = np.repeat(np.asarray(common, dtype=float), 4)
+    value = np.repeat(common[:, None], 5, axis=1)
+    return SimpleNamespace(residual=np.zeros_like(value), shared=SimpleNamespace(common=common, value=value))
+
+
+def told(level, viscous):
+    statistics = SimpleNamespace(start=3600.0 * np.arange(len(SHIFT)))
+    return greasing_findings(statistics, SHIFT, BASELINE, watched(level), watched(viscous), np.ones(5))
+
+
+def since(shift, size):
+    return np.where(np.arange(12) >= shift, size, 0.0)
+
+
+def test_viscous_friction_of_all_axes_that_rose_and_kept_asks_for_the_service():
+    (found,) = told(since(7, 0.06), since(7, 0.3))
+    assert (found["kind"], found["axes"], found["time"]) == (GREASED, [1, 2, 3, 4, 5], 28 * 3600.0)
+    assert "by about +30 %" in found["words"]
+    assert "was the arm greased?" in found["words"]
+    assert told(since(7, -0.05), since(7, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("level", "viscous"),
+    [
+        (since(7, 0.09), since(7, 0.15)),  # cold oil
+        (since(7, 0.0), since(7, 0.03)),  # hardly any
+        (since(7, 0.0), since(13 - LASTS, 0.3)),  # not for long
+        (since(7, 0.0), since(7, 0.3) - since(11, 0.3)),  # over
+        (since(7, 0.0), since(7, 0.0)),
+        (since(7, 0.0), since(7, 0.3) - since(9, 0.2)),  # cold oil that goes, beside an axis that wears
+    ],
+)
+def test_cold_oil_and_what_is_over_are_no_grease(level, viscous):
+    assert told(level, viscous) == []
+
+
+def test_nothing_is_told_of_a_robot_that_is_not_judged_yet():
+    level, viscous = watched(np.zeros(12)), watched(since(7, 0.3))
+    level.residual[:] = np.nan
+    statistics = SimpleNamespace(start=3600.0 * np.arange(len(SHIFT)))
+    assert greasing_findings(statistics, SHIFT, BASELINE, level, viscous, np.ones(5)) == []
+
+
+def test_a_step_overnight_that_keeps_is_told_from_what_grows():
+    day = 86400.0
+    end = day * np.repeat(np.arange(12), 3) + 30000.0
+    step, ramp = (np.repeat(x, 3) for x in (since(6, 18.0), 4.0 * np.maximum(np.arange(12) - 5, 0)))
+    noise = np.random.default_rng(0).standard_normal(36)
+    assert rose_overnight(end, step + noise, 8 * day)
+    assert rose_overnight(end, np.where(np.arange(36) % 5, step, np.nan), 8 * day)
+    assert not rose_overnight(end, ramp + noise, 8 * day)
+    assert not rose_overnight(end, -step, 8 * day)
+    assert not rose_overnight(end[:20], step[:20], 6.5 * day)
+    assert not rose_overnight(end, np.full(36, np.nan), 8 * day)
+    assert not rose_overnight(end[:0], step[:0], 8 * day)
