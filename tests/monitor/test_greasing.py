@@ -66,6 +66,7 @@ def test_a_step_overnight_that_keeps_is_told_from_what_grows():
     noise = np.random.default_rng(0).standard_normal(36)
     assert rose_overnight(end, step + noise, 8 * day)
     assert rose_overnight(end, np.where(np.arange(36) % 5, step, np.nan), 8 * day)
+    assert rose_overnight(end, np.roll(step, 1) * (end > 3 * day) + noise, 8 * day)  # in the middle of a day
     assert not rose_overnight(end, ramp + noise, 8 * day)
     assert not rose_overnight(end, -step, 8 * day)
     assert not rose_overnight(end[:20], step[:20], 6.5 * day)

@@ -248,6 +248,20 @@ def test_viscous_friction_that_rose_overnight_asks_whether_it_was_greased():
     assert not advice("coulomb friction", 0.1, True).startswith("was it greased?")
 
 
+@pytest.mark.parametrize(("coulomb", "asked"), [(0.2, True), (5.0, False)])
+def test_an_axis_is_asked_for_grease_where_viscous_friction_alone_rose_overnight(monitored, coulomb, asked):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    # Windows of ten hours, so that there are days before and after.
+    state = replace(
+        state, **{name: state.start[0] + 10 * (getattr(state, name) - state.start[0]) for name in ("start", "end")}
+    )
+    state = changed(with_estimates(state, coulomb_percent=coulomb, viscous_percent=0.0), "viscous friction")
+    state.estimates["viscous_percent"][0][48:, 0] = 18.0
+    (first,) = [c for c in axis_conditions(state) if c.axis == 1]
+    assert first.overnight == first.check.startswith("was it greased?") == asked
+
+
 def test_an_axis_that_is_back_to_normal_heads_no_red_card(monitored):
     folder, _, _ = monitored
     state = with_estimates(changed(read_state(folder / "state.nc"), "coulomb friction"), coulomb_percent=0.1)

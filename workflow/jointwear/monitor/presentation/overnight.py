@@ -14,7 +14,7 @@ BACK = 7
 
 
 def rose_overnight(end: np.ndarray, growth: np.ndarray, alarm: float) -> bool:
-    """Return whether growth came from one day to the next, before an alarm, and has kept since.
+    """Return whether growth came within a day, or from one to the next, before an alarm, and has kept since.
 
     Parameters
     ----------
@@ -26,9 +26,11 @@ def rose_overnight(end: np.ndarray, growth: np.ndarray, alarm: float) -> bool:
     names = np.unique(day)
     means = np.array([np.mean(growth[known][day == d]) for d in names])
     first = int(np.searchsorted(names, np.floor(alarm / DAY), side="right"))
-    for k in range(max(FEWEST, first - BACK), min(first, len(names) - FEWEST + 1)):
-        before, after = means[:k], means[k:]
+    for k in range(max(FEWEST, first - BACK), min(first, len(names) - FEWEST)):
+        # The day of the step may lie between: it came in the middle of it, or the days are not those of UTC.
+        before, after = means[:k], means[k + 1 :]
         step = float(np.mean(after))
-        if step > 0 and np.abs(after - step).max() < KEPT * step and np.abs(before).max() < KEPT * step:
+        between = -KEPT * step < means[k] < (1 + KEPT) * step
+        if between and np.abs(after - step).max() < KEPT * step and np.abs(before).max() < KEPT * step:
             return True
     return False
