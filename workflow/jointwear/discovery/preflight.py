@@ -29,6 +29,7 @@ from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks.checked import UNASKED
+from jointwear.measurement.checks.turned_signs import IN_DOUBT
 from jointwear.measurement.derived.even_steps import usual_step
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
@@ -157,7 +158,8 @@ def _passed(robot: Robot, unit: str, restrictions: Sequence[str]) -> Iterator[st
     yield f"{robot.joints} joints, as the robot"
     yield f"positions are in {POSITION_WORDS[spelled('position', unit)]}"
     if UNASKED not in restrictions:
-        yield "no other sign, order or side of the axes, nor a zero a quarter turn off, fits the model better"
+        sign = "" if any(line.startswith(IN_DOUBT) for line in restrictions) else "sign, "
+        yield f"no other {sign}order or side of the axes, nor a zero a quarter turn off, fits the model clearly better"
 
 
 def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Shown], list[Shown]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -14,6 +15,13 @@ from jointwear.measurement.checks.axis_readings import (
     other_scale,
     readings,
     units_of_one,
+)
+from jointwear.measurement.checks.turned_signs import (
+    in_doubt,
+    likeliest_signs,
+    nats_of_signs,
+    needed_signs,
+    turned_around,
 )
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import FEWEST, Refused
@@ -197,7 +205,7 @@ def _enough(reading: Reading, gained: float, left: np.ndarray, other: np.ndarray
         doubt = NOTHING_WRONG if reading.kind == "flip" and np.nanmax(left, initial=0.0) < RIGHT else 1.0
         return doubt * favours(reading, robot)
     wrong_still = reading.kind == "flip" and not np.nanmax(other, initial=0.0) < RIGHT
-    if reading.kind in RESEMBLED or wrong_still:
+    if reading.kind in RESEMBLED or reading.several or wrong_still:
         return favours(reading, robot)
     return 0.0 if reading.kind == "swap" or gained > BY_FAR else SIZE_TOO * favours(reading, robot)
 
@@ -262,10 +270,14 @@ def _believed(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: n
         if reading.kind in EXCHANGED and _spoils(left[list(reading.axes)], concerned):
             return True
         # What has to fit far better in size is not asked how likely it is where it does not.
-        worse = gain <= CLEARLY if reading.kind in OF_SIZE else gain < -CLEARLY
+        worse = gain <= CLEARLY if reading.kind in OF_SIZE or reading.several else gain < -CLEARLY
         return worse or not np.nanmax(concerned, initial=0.0) < WRONG
 
-    for reading, other in explained_otherwise(dynamics, parts, usable, refuted):
+    def several() -> Iterator[tuple[Reading, np.ndarray]]:
+        for reading in _turned_together(dynamics, parts, usable, left):
+            yield reading, explained(dynamics, *reading.read(parts, usable, robot))
+
+    for reading, other in chain(explained_otherwise(dynamics, parts, usable, refuted), several()):
         if refuted(reading, other):
             continue
         if reading.kind in EXCHANGED and not np.isfinite(other[list(reading.axes)]).any():
@@ -277,6 +289,36 @@ def _believed(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: n
         if nats > _enough(reading, gained(reading, other), left[concerned], other[concerned], robot):
             believed.append((nats, reading, other))
     return believed
+
+
+def _turned_together(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: np.ndarray) -> Iterator[Reading]:
+    """Yield the readings that turn several joints around, or the torques of several; `left` as of :func:`_believed`."""
+    nats = nats_of_signs(dynamics, parts, usable)
+    needed = needed_signs(nats, likeliest_signs(nats, parts.shape[2]), FAVOURS["flip"])
+    if len(needed) > 1:
+        yield turned_around(needed)
+    # The torque of a joint says nothing of that of another: each that fits far better turned around is.
+    everyone = Reading("torque", tuple(range(parts.shape[2])))
+    other = explained(dynamics, *everyone.read(parts, usable, dynamics.robot))
+    with np.errstate(invalid="ignore"):
+        better = np.log(np.maximum(left, RIGHT)) - np.log(np.maximum(other, RIGHT)) > CLEARLY
+    if better.sum() > 1:
+        yield Reading("torque", tuple(np.flatnonzero(better).tolist()))
+
+
+def signs_in_doubt(robot: Robot, measured: Measured, stated: Stated | None = None) -> list[str]:
+    """Return in words the signs of joints that would fit better, though by too little to refuse a recording.
+
+    Parameters
+    ----------
+    measured, stated : as of :func:`check_axes`, which did not refuse them.
+    """
+    parts, time, usable = _features(measured)
+    if len(time) < FEWEST:
+        return []
+    dynamics = Dynamics(robot)
+    nats = nats_of_signs(dynamics, parts, usable)
+    return list(in_doubt(lambda turned: explained(dynamics, turned, usable), nats, parts, stated or Stated()))
 
 
 def _refusal(
@@ -294,6 +336,11 @@ def _refusal(
     nats, reading, remains = max(believed, key=lambda x: x[0])
     # A joint that turns the other way does what it does where the two beside it count from half a turn further.
     also = [r for n, r, _ in believed if r is not reading and n > nats - favours(reading, robot)]
+    if reading.kind == "flip":
+        # Of those that are not needed some may be turned around as well.
+        signs = nats_of_signs(dynamics, parts, usable)
+        best = turned_around(likeliest_signs(signs, robot.joints))
+        also += [best] if reading.several and set(best.axes) > set(reading.axes) else []
     # Friction of another size may ask for another axis, too.
     if scaled := other_scale(dynamics, parts, usable):
         likelihood = Likelihood(dynamics, FEWEST)

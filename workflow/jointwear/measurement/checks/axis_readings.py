@@ -42,11 +42,11 @@ ROUNDS = 8
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one, turn its
-    "torque" or its "position" alone around, take it as of the "motor", add an angle [rad] to its position, that is
-    count it from another "zero", take off that of the joint before it, times a factor, that is count it from the
-    "base", multiply it by a factor, that is take it in another "unit", or divide the torques of some by a factor each,
-    that is take them in another "scale".
+    """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one or more,
+    turn the "torque" of one or more or the "position" of one alone around, take it as of the "motor", add an angle
+    [rad] to its position, that is count it from another "zero", take off that of the joint before it, times a factor,
+    that is count it from the "base", multiply it by a factor, that is take it in another "unit", or divide the torques
+    of some by a factor each, that is take them in another "scale".
 
     `axes` are 0-based.
     """
@@ -89,8 +89,8 @@ class Reading:
             "under 'variables'",
             "positions": f"exchange the positions of {self._joints}: name the columns of 'position' in "
             "order under 'variables'",
-            "flip": f"turn the sign of position and torque of {self._joints}: give 'sign' with -1 for it",
-            "torque": f"turn the sign of the torque of {self._joints}: give 'scale' with -1 for it",
+            "flip": f"turn the sign of position and torque of {self._joints}: give 'sign' with -1 for {self._them}",
+            "torque": f"turn the sign of the torque of {self._joints}: give 'scale' with -1 for {self._them}",
             "position": f"turn the sign of the position of {self._joints}: give 'sign' and 'scale' with -1 for it",
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
             "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
@@ -127,6 +127,15 @@ class Reading:
         return self.kind not in ("unit", "base")
 
     @property
+    def several(self) -> bool:
+        """Whether more joints than one are turned around, each for itself."""
+        return self.kind in ("flip", "torque") and len(self.axes) > 1
+
+    @property
+    def _them(self) -> str:
+        return "each" if self.several else "it"
+
+    @property
     def _joints(self) -> str:
         return numbered("joint", [axis + 1 for axis in self.axes])
 
@@ -153,10 +162,14 @@ class Reading:
         if self.kind == "scale":
             turned[:, 3, list(self.axes)] /= self.factors
             return turned, usable
-        (axis,) = self.axes
         if self.kind == "flip":
-            turned[:, :, axis] *= -1.0
-        elif self.kind == "position":
+            turned[:, :, list(self.axes)] *= -1.0
+            return turned, usable
+        if self.kind == "torque":
+            turned[:, 3, list(self.axes)] *= -1.0
+            return turned, usable
+        (axis,) = self.axes
+        if self.kind == "position":
             turned[:, :3, axis] *= -1.0
         elif self.kind == "zero":
             turned[:, 0, axis] += self.angle
@@ -165,7 +178,7 @@ class Reading:
         elif self.kind == "unit":
             turned[:, :3, axis] *= self.factors[0]
         else:
-            turned[:, 3, axis] *= -1.0 if self.kind == "torque" else robot.gear_ratio[axis]
+            turned[:, 3, axis] *= robot.gear_ratio[axis]
         return turned, usable
 
 

@@ -21,7 +21,8 @@ from jointwear.measurement.checks.axes_check import (
     explained,
     total_left,
 )
-from jointwear.measurement.checks.axis_readings import Likelihood
+from jointwear.measurement.checks.axis_readings import Likelihood, Reading
+from jointwear.measurement.checks.turned_signs import likeliest_signs, nats_of_signs, needed_signs, turned_around
 from jointwear.measurement.refused import FEWEST, Refused
 from jointwear.measurement.stated import Stated
 from jointwear.robots.dynamics import Dynamics
@@ -71,21 +72,22 @@ def check_mounting(
     if found - nats(robot.gravity) < FAVOURS["zero"]:
         return
     # A flipped joint lifts what hangs, too.
-    rival, reading = best_reading(as_given, parts, usable)
+    rivals = [best_reading(as_given, parts, usable), _turned_signs(as_given, parts, usable)]
+    rival, reading = max(rivals, key=lambda x: x[0])
     ahead = found - rival
-    # Hanging from a ceiling and a shoulder that counts from the opposite zero are the same to the torques.
-    if ahead < (-FAVOURS["zero"] if reading.kind == "zero" else 0.0):
+    # Hanging from a ceiling, a shoulder that counts from the opposite zero and joints of a plane that all turn the
+    # other way are the same to the torques.
+    if ahead < (-FAVOURS["zero"] if reading.kind == "zero" or reading.several else 0.0):
         return
     too_much, another = even_so(explained(turned, parts, usable), robot)
     told = ", ".join(f"{x:.3g}" for x in size * way + 0.0)
     given = ", ".join(f"{x:.3g}" for x in robot.gravity + 0.0)
-    also = f"; or {reading.reason}" if ahead < FAVOURS["zero"] else ""
+    near = {r.reason: r.remedy_beside(stated or Stated()) for n, r in rivals if found - n < FAVOURS["zero"]}
+    also = "".join(f"; or {reason}" for reason in near)
     raise Refused(
         f"{name}: the torques show gravity along [{told}] of the base frame, robot '{robot.name}' has [{given}]: the "
         f"arm may be mounted on a wall, a ceiling or a slope, or its base frame turned{also}{too_much}",
-        f"give 'gravity: [{told}]' in the robot file"
-        + (f"; or {reading.remedy_beside(stated or Stated())}" if also else "")
-        + another,
+        f"give 'gravity: [{told}]' in the robot file" + "".join(f"; or {remedy}" for remedy in near.values()) + another,
         by_keys=True,
     )
 
@@ -118,6 +120,9 @@ def _check_weight(
     given, found = nats(robot.gravity), nats(none)
     if found - given < max(FAVOURS["zero"], nats(seen) - found):
         return
+    # A joint that turns the other way takes its gravity from the others, too.
+    if _turned_signs(as_given, parts, usable)[0] - found > FAVOURS["flip"]:
+        return
     too_much, another = even_so(explained(weightless, parts, usable), robot)
     raise Refused(
         f"{name}: the torques hold nothing of gravity, as those from which a controller has taken its own compensation"
@@ -125,6 +130,14 @@ def _check_weight(
         f"log the whole torque of the motors; or give 'gravity: [0, 0, 0]' in the robot file{another}",
         by_keys=True,
     )
+
+
+def _turned_signs(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple[float, Reading]:
+    """Return the reading that turns around the joints that need it, with its log likelihood [nats]; without any it is
+    none."""
+    nats = nats_of_signs(dynamics, parts, usable)
+    needed = needed_signs(nats, likeliest_signs(nats, parts.shape[2]), FAVOURS["flip"])
+    return nats(needed) if needed else -np.inf, turned_around(needed)
 
 
 def _left(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> float:
