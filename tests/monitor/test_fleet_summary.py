@@ -321,6 +321,26 @@ def test_the_table_counts_what_was_refused_stale_or_not_judged(built):
     assert known["axes_unresolved"] == "2"
 
 
+def test_the_table_says_why_the_newest_logs_are_refused_and_what_mends_them():
+    told = "b.csv: positions of joint 1 reach 95.58; they look like degrees; state units: {position: deg}"
+    cells = table_row(as_of(robot("x", axis(), refused_newest=1, refused_logs=1, refusals=["a.csv: old", told]), NOW))
+    assert (cells["urgency"], cells["reason"]) == ("refused", told)
+    assert cells["what_to_check"] == "State units: {position: deg}"
+    nameless = as_of(robot("x", axis(), refused_newest=1, refusals=["a.csv: is empty"]), NOW)
+    assert "see 'reason'" in table_row(nameless)["what_to_check"]
+    # A log that was refused before the newest is none to mend first.
+    assert table_row(as_of(robot("x", axis(), refused_logs=1, refusals=["a.csv: old"]), NOW))["reason"] == ""
+
+
+def test_the_table_says_what_asks_for_an_entry_under_events():
+    words = "The torque of axis 4 keeps one value in motion: the sensor, or the log."
+    found = {"time": NOW - DAY, "end": NOW, "axes": [4], "kind": "frozen", "words": words}
+    cells = table_row(as_of(robot("x", axis(), findings=[found]), NOW))
+    assert cells["urgency"] == "needs an entry under events"
+    assert cells["what_to_check"].startswith("Enter what was done to it")
+    assert words in cells["what_to_check"]
+
+
 def test_metrics_are_what_prometheus_reads(built):
     found = {}
     for family in text_string_to_metric_families((built / "metrics.prom").read_text()):

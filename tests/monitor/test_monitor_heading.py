@@ -112,6 +112,9 @@ def test_newest_logs_that_are_refused_are_not_healthy(monitored):
         heading, sentences = headline([summary], refused=row["refused_newest"])
         assert heading == "The newest logs are refused"
         assert "as of then" in sentences[0]
+        assert "since any axis was judged last" in sentences[0]
+        learnt = headline([summary], refused=row["refused_newest"], learnt=True)[1]
+        assert "since the normal period, after which no axis was judged" in learnt[0]
     silent = replace(long_ago, refused=["", ""])
     assert standing(silent)["refused_newest"] == 0
     # A torn row that is told refuses no sample, though no axis could be judged since.

@@ -60,6 +60,13 @@ FILES = {
 }
 
 
+@pytest.mark.parametrize(("name", "column"), [("few.csv", "torque_6"), ("gap.csv", "torque_3")])
+def test_a_column_that_is_missing_is_named_with_what_to_do(tmp_path, name, column):
+    FILES[name][0](tmp_path / name)
+    with pytest.raises(InputError, match=f"'{column}' is missing; log it, or write it as an empty column"):
+        read(tmp_path / name)
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_what_cannot_be_read_ends_in_one_line(tmp_path, good, name):
     make, words = FILES[name]

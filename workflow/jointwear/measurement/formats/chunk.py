@@ -142,7 +142,11 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
             numbered = numbered_columns(there, name)
             numbers = [k for k, _ in numbered]
             if numbers and (numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers)))):
-                raise InputError(f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)})")
+                lost = next(k for k in range(min(numbers[0], 1), numbers[-1]) if k not in numbers)
+                raise InputError(
+                    f"{path}: the columns '{name}_1', '{name}_2' ... have gaps: '{name}_{lost}' is missing"
+                    f"{_left_empty(role)} ({_few(there)})"
+                )
             if numbered:
                 found[role] = [c for _, c in numbered]
     for name in layout.program:
@@ -176,8 +180,24 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
             whose = "the robot" if layout.axes else "the position"
             raise InputError(
                 f"{path}: has {counted(len(names), 'column')} of {role}, {whose} has {counted(axes, 'joint')}"
+                f"{_next_missing(layout, role, names, axes)}"
             )
     return found
+
+
+def _left_empty(role: str) -> str:
+    """Return what to do where one column of a role is missing: of a torque that was not measured an empty one will do,
+    for the monitor judges the other axes without."""
+    return "; log it, or write it as an empty column to have the other axes monitored" if role == "torque" else ""
+
+
+def _next_missing(layout: Layout, role: str, names: Sequence[str], axes: int) -> str:
+    """Return which numbered column a role with fewer `names` than axes has no more, and what to do; else nothing."""
+    name = layout.names[role]
+    if not isinstance(name, str) or not 0 < len(names) < axes:
+        return ""
+    (first, _), *_ = numbered_columns(names, name) or [(1, "")]
+    return f": '{name}_{first + len(names)}' is missing{_left_empty(role)}"
 
 
 #: Columns of a table in long form: what names the quantity of a row, and what holds its value.

@@ -79,6 +79,16 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
     }
 
 
+def what_to_do(row: Mapping[str, Any], zone: tzinfo) -> str:
+    """Return in one line what to do on a robot that is refused or asks for an entry under events: what mends its logs,
+    or the finding that asks; else empty."""
+    if row["urgency"] == REFUSED:
+        return "; ".join(_mends(row)) or f"{CHECKS[REFUSED]}: see 'reason'"
+    if row["urgency"] == ASKS:
+        return "; ".join([CHECKS[ASKS], *(_over(row) + _to_check(row, zone))[:1]])
+    return ""
+
+
 def _mends(row: Mapping[str, Any]) -> list[str]:
     """Return what mends the logs that are refused, as far as the reasons say it, each once."""
     clauses = [c.strip() for told in (row["reason"], *row["refusals"]) for c in told.split("; ")[1:]]

@@ -11,6 +11,8 @@ from typing import Any
 
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.timestamps import stamp
+from jointwear.monitor.fleet.page import what_to_do
+from jointwear.monitor.fleet.ranking import REFUSED
 from jointwear.monitor.presentation.condition import UNJUDGED
 from jointwear.monitor.presentation.words import change_words, growth_now, until_words
 
@@ -28,7 +30,7 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return the cells of one robot; an empty cell is a value that is not known, or a limit that may never come."""
     first = next((axis for axis in row["axes"] if axis["check"]), None)
     hours = (first and first["hours"]) or [None] * 3
-    check = first["check"] if first else ""
+    check = first["check"] if first else what_to_do(row, UTC)
     if first and first.get("event"):
         # No number of now: it is told in words, until when it holds.
         check = f"{change_words(first, until_words(row, first, UTC))}; {check}"
@@ -39,6 +41,7 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
 
     cells = {
         **{name: row[name] for name in COLUMNS if name in row},
+        "reason": row["reason"] or _refusal(row),
         "axis_to_check": first["axis"] if first else "",
         "what_to_check": check,
         "growth_percent": growth,
@@ -51,6 +54,11 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
         "last_sample": "" if row["last_sample"] is None else stamp(row["last_sample"], row["dated"]),
     }
     return {name: "" if cells[name] is None else cells[name] for name in COLUMNS}
+
+
+def _refusal(row: Mapping[str, Any]) -> str:
+    """Return why the newest log of a robot is refused that counts as refused for it; else empty."""
+    return row["refusals"][-1] if row["urgency"] == REFUSED and row["refusals"] else ""
 
 
 def write_table(rows: Sequence[Mapping[str, Any]], output: str | Path) -> None:

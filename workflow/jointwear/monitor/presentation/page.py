@@ -26,7 +26,7 @@ from jointwear.monitor.presentation.condition import (
 )
 from jointwear.monitor.presentation.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.presentation.episodes import Episode
-from jointwear.monitor.presentation.standing import standing
+from jointwear.monitor.presentation.standing import last_judged, standing
 from jointwear.monitor.presentation.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.presentation.temperature import temperature_share
 from jointwear.monitor.presentation.to_answer import ASKING
@@ -193,7 +193,9 @@ def write_page(
     summaries = [axis_summary(state, c.axis - 1, zone, c) for c in conditions]
     whole = robot_episodes(state)
     since = "" if row["last_judged"] is None else when(state, row["last_judged"], zone)
-    heading, sentences = headline(summaries, any(e.resolved is None for e in whole), row["refused_newest"], since)
+    newest, open_ones = last_judged(state), any(e.resolved is None for e in whole)
+    learnt = newest is not None and newest < state.baseline
+    heading, sentences = headline(summaries, open_ones, row["refused_newest"], since, learnt)
     unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]
     past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
     told = finding_rows(row, state, zone)

@@ -184,13 +184,18 @@ def when(state: RobotState, seconds: float, zone: tzinfo = UTC) -> str:
 
 
 def headline(
-    summaries: Sequence[dict[str, Any]], whole_robot: bool = False, refused: int = 0, since: str = ""
+    summaries: Sequence[dict[str, Any]],
+    whole_robot: bool = False,
+    refused: int = 0,
+    since: str = "",
+    learnt: bool = False,
 ) -> tuple[str, list[str]]:
     """Return the heading of the page and the sentences below it.
 
     Parameters
     ----------
     whole_robot : an alarm concerns all axes. refused : logs that are refused since any axis was judged last, `since`.
+        learnt : no axis was judged but in the normal period.
     """
 
     def named(status: str) -> str:
@@ -223,8 +228,9 @@ def headline(
         heading = "No axis can be judged"
     sentences = []
     if refused:
+        last = "the normal period, after which no axis was judged" if learnt else "any axis was judged last"
         sentences.append(
-            f"{refused} {'log is' if refused == 1 else 'logs are'} refused since any axis was judged last"
+            f"{refused} {'log is' if refused == 1 else 'logs are'} refused since {last}"
             f"{f', {since}' if since else ''}; what is below is as of then. The reasons are under Logs."
         )
     if unresolved:
