@@ -144,8 +144,8 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
             if numbers and (numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers)))):
                 lost = next(k for k in range(min(numbers[0], 1), numbers[-1]) if k not in numbers)
                 raise InputError(
-                    f"{path}: the columns '{name}_1', '{name}_2' ... have gaps: '{name}_{lost}' is missing"
-                    f"{_left_empty(role)} ({_few(there)})"
+                    f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)}): '{name}_{lost}' is "
+                    f"missing{_left_empty(role)}"
                 )
             if numbered:
                 found[role] = [c for _, c in numbered]
