@@ -49,6 +49,8 @@ def test_derivatives_of_the_positions_are_taken(swing):
     [
         ({"velocity": np.degrees}, "velocity of joint 1 is 57.* degrees", "{velocity: deg/s}"),
         ({"acceleration": np.degrees}, "acceleration of joint 1 is 57.* degrees", "{acceleration: deg/s2}"),
+        ({"velocity": lambda v: v * 30 / np.pi}, "velocity of joint 1 is 9.55.* revolutions", "{velocity: rpm}"),
+        ({"velocity": lambda v: v / (2 * np.pi)}, "velocity of joint 1 is 0.159.* revolutions", "{velocity: rev/s}"),
         ({"position": np.degrees}, "the positions look like degrees", "{position: deg}"),
         ({"velocity": lambda v: v * [1, -1]}, "velocity of joint 2 is -", "sign of the velocity"),
         ({"velocity": lambda v: 0 * v}, "velocity of joint 1 is 0 times", "leave it out"),

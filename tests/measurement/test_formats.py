@@ -149,6 +149,13 @@ def test_units_of_torque_by_other_names(unit, factor):
     np.testing.assert_allclose(converted(np.ones(1), "torque", unit, "log"), factor)
 
 
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("rpm", np.pi / 30), ("1/min", np.pi / 30), ("rev/s", 2 * np.pi), ("deg/s", np.pi / 180)]
+)
+def test_units_of_velocity(unit, factor):
+    np.testing.assert_allclose(converted(np.ones(1), "velocity", unit, "log"), factor)
+
+
 def test_a_log_of_an_arm_with_more_joints_names_the_robot():
     layout = layout_of({}, ("shoulder", "elbow"))
     values = {"time": np.arange(5.0), "position": np.zeros((5, 6)), "torque": np.zeros((5, 6))}

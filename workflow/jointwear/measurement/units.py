@@ -29,7 +29,12 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
     },
     "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
     "position": {"rad": (1.0, 0.0), "deg": (math.pi / 180, 0.0), "rev": (2 * math.pi, 0.0)},
-    "velocity": {"rad/s": (1.0, 0.0), "deg/s": (math.pi / 180, 0.0)},
+    "velocity": {
+        "rad/s": (1.0, 0.0),
+        "deg/s": (math.pi / 180, 0.0),
+        "rev/s": (2 * math.pi, 0.0),
+        "rpm": (math.pi / 30, 0.0),
+    },
     "acceleration": {"rad/s2": (1.0, 0.0), "deg/s2": (math.pi / 180, 0.0)},
     "torque": {
         name: (factor, 0.0)
@@ -67,6 +72,8 @@ SPELLINGS = {
     "ft lbf": "lbf ft", "ft-lbf": "lbf ft", "lbf-ft": "lbf ft", "lbin": "lbf in", "lbf·in": "lbf in", "lb in": "lbf in",
     "in lbf": "lbf in", "in-lbf": "lbf in", "lbf-in": "lbf in",
     "turn": "rev", "turns": "rev", "revolution": "rev", "revolutions": "rev", "revs": "rev",
+    "RPM": "rpm", "r/min": "rpm", "rev/min": "rpm", "1/min": "rpm", "U/min": "rpm", "min-1": "rpm", "min^-1": "rpm",
+    "rps": "rev/s", "turn/s": "rev/s", "turns/s": "rev/s", "U/s": "rev/s",
     "microsecond": "us", "usec": "us", "nanosecond": "ns", "nsec": "ns",
 }  # fmt: skip
 

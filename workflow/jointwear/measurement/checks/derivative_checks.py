@@ -18,6 +18,9 @@ from jointwear.measurement.units import POSITION_WORDS, sizes_of
 
 #: Ratios of a derivative to what the positions say that count as right: filters take a part off fast motion.
 LOWEST, HIGHEST = 0.8, 1.25
+#: How far, relative, the ratio of a velocity in revolutions may be off: those in rpm lie near that of a clock that is
+#: ten times off.
+CLOSELY = 0.03
 #: Length of the pieces that are compared [s]; longest step of time [s] at which they can be.
 PIECE, LONGEST_STEP = 0.2, 0.1
 #: Ratios of a derivative to that of its position that mean degrees in one of them.
@@ -123,6 +126,10 @@ def _remedy(role: str, ratio: float, stated: Mapping[str, str]) -> tuple[str, st
         return "; it looks like degrees", f"state units: {{{role}: {unit}}}"
     if LOWEST < ratio * _PER_DEGREE < HIGHEST and stated.get(role) == unit:
         return "; it looks like radians", f"state units: {{{role}: {unit.replace('deg', 'rad')}}}"
+    if role == "velocity" and stated.get(role) in (None, "rad/s"):
+        for unit in ("rpm", "rev/s"):
+            if abs(ratio * sizes_of(role)[unit] - 1.0) < CLOSELY:
+                return "; it looks like revolutions", f"state units: {{{role}: {unit}}}"
     return position or ("", f"mend the units or the sign of the {role}, or leave it out: it is then derived")
 
 
