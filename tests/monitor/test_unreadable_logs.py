@@ -28,6 +28,8 @@ FILES = {
     "book.csv": (lambda p: p.write_bytes(b"PK\x03\x04" + bytes(90)), "a workbook of a spreadsheet or a zip file"),
     "packed.csv": (lambda p: p.write_bytes(gzip.compress(b"time,position_1\n")), "packed by gzip; unpack it"),
     "page.csv": (lambda p: p.write_text("\n<!DOCTYPE html><html><p>Sign in</p></html>\n"), "is a web page, not CSV"),
+    "json.csv": (lambda p: p.write_text('{"time": 0.0, "position_1": 1.5}\n' * 50), "holds JSON, not CSV"),
+    "list.csv": (lambda p: p.write_text('[{"time": 0.0, "position_1": 1.5}]'), "holds JSON, not CSV"),
     "still.csv": (
         lambda p: write_csv(p, columns(make_log(1.0)) | {"time": np.full(50, START)}),
         "1 sample whose time goes on, in 50 rows",

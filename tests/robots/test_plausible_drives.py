@@ -7,7 +7,7 @@ import yaml
 
 from jointwear.files.errors import InputError
 from jointwear.robots.plausible_drives import check_payload, check_ratio
-from jointwear.robots.robot_file import read_robot_file
+from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 PUMA = Path("config/robots/puma560.yaml")
 
@@ -18,6 +18,39 @@ def read(tmp_path, change):
     path = tmp_path / "arm.yaml"
     path.write_text(yaml.safe_dump(data))
     return read_robot_file(path)
+
+
+def friction_without_its_sign(data):
+    data["joints"][0]["coulomb"] = {"positive": 0.06, "negative": 0.06}
+
+
+def friction_with_another_sign(data):
+    data["joints"][0]["coulomb"] = {"positive": -0.06, "negative": -0.06}
+
+
+def friction_as_one_number(data):
+    data["joints"][0]["coulomb"] = 0.06
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (friction_without_its_sign, r"coulomb\.negative' is 0.06, .*; with the sign of the velocity it is -0.06"),
+        (friction_with_another_sign, r"coulomb\.positive' is -0.06, .*; without its sign it is 0.06"),
+        (friction_as_one_number, r"must be a mapping, as \{positive: 0.06, negative: -0.06\}"),
+    ],
+)
+def test_friction_is_told_with_its_signs(tmp_path, change, words):
+    with pytest.raises(InputError, match=words):
+        read(tmp_path, change)
+
+
+def test_a_description_of_links_is_told_from_a_robot_file(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text("<robot name='arm'/>")
+    for looked_at in (read_robot_file, lambda p: robot_sources(str(p))):
+        with pytest.raises(InputError, match=r"a robot file is YAML that names it, as 'urdf: arm\.urdf'"):
+            looked_at(path)
 
 
 def payload_in_grams(data):

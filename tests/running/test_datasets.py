@@ -78,12 +78,35 @@ def test_data_sets_do_not_wait_for_each_other(root):
 
 
 @pytest.mark.parametrize(
+    ("robots", "words"),
+    [
+        ({"a": "b", "b": "a"}, "'discover.datasets.a.robot' .* data set 'b' makes, which waits for that of 'a'"),
+        ({"a": "a"}, "'discover.datasets.a.robot' .* data set 'a' makes, which waits for itself"),
+        ({"x": "a", "a": "b", "b": "a"}, "'discover.datasets.x.robot' .* data set 'a' makes, .* that of 'b' and 'a'"),
+    ],
+)
+def test_who_waits_for_whom_is_told(root, robots, words):
+    with pytest.raises(InputError, match=words):
+        check_datasets(datasets(**{name: f"results/discover/{made}/robot.yaml" for name, made in robots.items()}))
+
+
+@pytest.mark.parametrize(("name", "near"), [("prüfstand", "pr_fstand"), ("my arm", "my_arm"), ("7", "dataset_7")])
+def test_the_name_of_a_data_set_has_a_nearest(name, near):
+    entries = {"datasets": {name: {"measured": MEASURED, "robot": PUMA}}}
+    with pytest.raises(InputError, match=f"'datasets' has the name '{name}'; .*nearest valid name is '{near}'"):
+        check(entries, config_schema()["properties"]["discover"], "config")
+
+
+@pytest.mark.parametrize(
     ("entry", "words"),
     [
         (
             {"variables": {"positon": "q"}},
             "'discover.datasets.arm.variables' has the role 'positon'; did you mean 'position'",
         ),
+        ({"group": {"mon": [0, 1], "tue": [1, 2]}}, "arm.group.tue' holds trajectory 1, and so does 'mon'; allowed"),
+        ({"joints": list("abcdef")}, "'discover.datasets.arm.joints' is for ROS 2 bags and says nothing of"),
+        ({"topic": "/joint_states"}, "'discover.datasets.arm.topic' is for ROS 2 bags"),
         ({"units": {"torque": "Nn"}}, "'discover.datasets.arm.units.torque' is 'Nn'"),
         ({"scale": [1.0, 2.0]}, "'discover.datasets.arm.scale' has 2 values, robot 'puma560' has 6 joints"),
         ({"train": [0, 3], "test": [3]}, "arm.test' holds trajectory 3, and so does 'train'; allowed: in one of them"),

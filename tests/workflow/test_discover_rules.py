@@ -18,6 +18,12 @@ def test_three_jobs_per_data_set(project):
     assert project.planned("check_data", "--configfile", EXAMPLE) == {"check_dataset": 1, "check_data": 1}
 
 
+def test_the_example_says_that_no_data_set_is_named(project):
+    told = "the configuration names no data set under 'discover.datasets'; this is the shipped example, puma560_hidden"
+    assert project.plan("check_data").stderr.count(told) == 1
+    assert told not in project.plan("check_data", "--configfile", EXAMPLE).stderr
+
+
 @pytest.mark.parametrize("profile", ["default", "slurm", "kubernetes"])
 def test_a_data_set_that_is_refused_stops_no_other(project, profile):
     told = yaml.safe_load((project.folder / "workflow/profiles" / profile / "config.yaml").read_text())

@@ -80,6 +80,16 @@ def from_here(path):
     return str(path.relative_to(here) if path.is_relative_to(here) else path)
 
 
+@cache
+def tell_of_example(key, kind, name):
+    """Say that a shipped example stands in for what nobody named: a lost --configfile must not look fine."""
+    if workflow.is_main_process:
+        # In one piece: Snakemake writes its own lines meanwhile, one of which came before the end of this one.
+        sys.stderr.write(
+            f"jointwear: the configuration names no {kind} under '{key}'; this is the shipped example, {name}\n"
+        )
+
+
 def told(error):
     """The line that ends a call: a key of the configuration with the file that holds it."""
     files = [

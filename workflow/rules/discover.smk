@@ -15,14 +15,14 @@ wildcard_constraints:
 
 rule discover:
     input:
-        expand("results/discover/{dataset}/check.html", dataset=CHOSEN_DATASETS),
-        expand("results/discover/{dataset}/verdict.json", dataset=CHOSEN_DATASETS),
-        expand("results/discover/{dataset}/discover.html", dataset=CHOSEN_DATASETS),
+        of_chosen_datasets("results/discover/{dataset}/check.html"),
+        of_chosen_datasets("results/discover/{dataset}/verdict.json"),
+        of_chosen_datasets("results/discover/{dataset}/discover.html"),
 
 
 rule check_data:
     input:
-        expand("results/discover/{dataset}/check.html", dataset=CHOSEN_DATASETS),
+        of_chosen_datasets("results/discover/{dataset}/check.html"),
 
 
 rule check_dataset:

@@ -16,7 +16,6 @@ OWN_DATASETS = [
     for name, entry in SHIPPED_DATASETS.items()
     if Path(shipped(entry["measured"])).is_file()
 ]
-CHOSEN_DATASETS = list(config["discover"]["datasets"]) or [SHOWN_DATASET]
 DATASETS = {
     name: {
         **entry,
@@ -25,6 +24,18 @@ DATASETS = {
     }
     for name, entry in {**SHIPPED_DATASETS, **config["discover"]["datasets"]}.items()
 }
+
+
+def of_chosen_datasets(pattern):
+    """An input function: files of the data sets of the configuration, or of the example where it names none."""
+
+    def files(wildcards):
+        chosen = list(config["discover"]["datasets"])
+        if not chosen:
+            tell_of_example("discover.datasets", "data set", SHOWN_DATASET)
+        return expand(pattern, dataset=chosen or [SHOWN_DATASET])
+
+    return files
 
 
 def dataset_entry(wildcards):

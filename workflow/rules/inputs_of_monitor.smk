@@ -69,23 +69,12 @@ OWN_ROBOTS = [
 EXAMPLE_ROBOT = "puma560_example"
 
 
-@cache
-def tell_of_example():
-    """Say that the shipped example stands in for robots that nobody named: a lost --configfile must not look fine."""
-    if workflow.is_main_process:
-        # In one piece: Snakemake writes its own lines meanwhile, one of which came before the end of this one.
-        sys.stderr.write(
-            "jointwear: the configuration names no robot under 'monitor.robots'; this is the shipped example, "
-            f"{EXAMPLE_ROBOT}\n"
-        )
-
-
 def of_chosen_robots(pattern, **more):
     """An input function: files of the robots of the configuration, or of the shipped example where it names none."""
 
     def files(wildcards):
         if not LOGS:
-            tell_of_example()
+            tell_of_example("monitor.robots", "robot", EXAMPLE_ROBOT)
         return expand(pattern, monitored=list(LOGS) or [EXAMPLE_ROBOT], **more)
 
     return files

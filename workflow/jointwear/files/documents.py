@@ -41,7 +41,7 @@ _GLUED = re.compile(r"\s*(?:- )?[\w.-]+:[^\s:]")
 #: What stands in a YAML file for values that Python has its own words for.
 _SAID = {None: "empty", True: "true", False: "false"}
 #: Keys of a robot file that have no sign: one that is negative is no small one.
-_WITHOUT_SIGN = (".mass", ".motor_inertia", ".viscous")
+_WITHOUT_SIGN = (".mass", ".motor_inertia", ".viscous", ".coulomb.positive")
 #: What a plain name does not hold.
 _NOT_PLAIN = re.compile(r"[^A-Za-z0-9_-]+")
 #: A ratio as data sheets of gears print it: 80:1.
@@ -301,6 +301,8 @@ def _describe(error) -> str:
     if rule == "type":
         near = _number_in(where, value, error.validator_value, error.schema)
         near = near or _list_of(where, value, error.validator_value, error.schema)
+        if where.endswith(".coulomb") and isinstance(value, (int, float)) and not isinstance(value, bool):
+            near = f", as {{positive: {abs(value):g}, negative: {-abs(value):g}}}"
         if isinstance(value, bool) and "string" in error.validator_value:
             near = f"{_one_of(error.schema)}; YAML reads yes, no, on and off so: put text between quotation marks"
         return f"'{where}' is {said}, must be {_words(error.validator_value)}{_limits(error.schema)}{near}"
@@ -313,6 +315,8 @@ def _describe(error) -> str:
             near = f"; without its sign it is {-value:g}: 'scale' turns a torque, 'sign' a joint with its torque"
         if value < 0 and where.endswith(_WITHOUT_SIGN) and _within(-value, error.schema):
             near = f"; without its sign it is {-value:g}"
+        if value > 0 and where.endswith(".coulomb.negative") and _within(-value, error.schema):
+            near = f"; with the sign of the velocity it is {-value:g}"
         if rule == "minimum" and where.endswith("_percent") and 0 < value < 1 and _within(100 * value, error.schema):
             near += f", or {100 * value:.6g} if a share of one is meant"
         if rule == "maximum" and bound <= 1 and _within(value / 100, error.schema):
@@ -333,7 +337,14 @@ def _describe(error) -> str:
     if rule == "pattern":
         form = error.schema.get("description", "it does not match " + error.validator_value)
         # An address that is given in place of a name may hold a password.
-        plain = _NOT_PLAIN.sub("_", value).strip("_") if where.endswith("name") else ""
+        of_keys = "propertyNames" in error.absolute_schema_path
+        plain = _NOT_PLAIN.sub("_", value).strip("_") if of_keys or where.endswith("name") else ""
+        if of_keys:
+            # The names of a mapping are its keys.
+            told, plain = f"'{where}' has the name {said}", plain.replace("-", "_")
+            plain = f"{where.rpartition('.')[2].rstrip('s')}_{plain}" if plain[:1].isdigit() else plain
+            near = f"; the nearest valid name is '{plain}'" if re.search(error.validator_value, plain) else ""
+            return f"{told}; {form}{near}"
         near = f"; the nearest valid value is '{plain}'" if plain and re.search(error.validator_value, plain) else ""
         return f"'{where}' is {said}; {form}{near}"
     if rule in ("minLength", "maxLength", "minProperties", "maxProperties"):

@@ -10,6 +10,7 @@ from typing import Any
 
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.wording import count
+from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.units import CURRENTS, ROLES, SHARES, SPELLINGS, UNITS
 
 #: Keys that may hold one number for each joint.
@@ -43,6 +44,19 @@ def check_log_entry(
             raise InputError(
                 f"config: '{where}.{key}' has {count(len(given), 'value')}, robot '{robot['name']}' has "
                 f"{count(len(joints), 'joint')}"
+            )
+    _check_of_bags(entry, where)
+
+
+def _check_of_bags(entry: Mapping[str, Any], where: str) -> None:
+    """Refuse keys of bags beside logs that are none: they would have no effect."""
+    logs = [entry["measured"]] if "measured" in entry else entry.get("logs") or []
+    kinds = [log_format(str(log)) for log in logs]
+    for key in ("joints", "topic"):
+        if entry.get(key) is not None and kinds and all(kind not in (None, "bag") for kind in kinds):
+            raise InputError(
+                f"config: '{where}.{key}' is for ROS 2 bags and says nothing of {shown(str(logs[0]))}; leave it out "
+                "(columns are named under 'variables')"
             )
 
 

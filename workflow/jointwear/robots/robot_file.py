@@ -52,11 +52,7 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
     InputError : one line naming the file, the key, what is allowed and the nearest valid value.
     """
     path = Path(path)
-    if path.suffix.lower() in (".urdf", ".xacro", ".sdf"):
-        raise InputError(
-            f"{path}: is a description of links; a robot file is YAML that names it, as 'urdf: {path.name}', and adds "
-            "the drives under 'joints' (docs/howto/robot.md)"
-        )
+    _check_kind(path)
     data = read_yaml(path)
     schema = read_schema("robot")
     _check_lengths(path, data)
@@ -252,8 +248,23 @@ def _on_motor_side(entry: dict[str, Any], gear: float) -> dict[str, Any]:
     return entry | {"viscous": entry["viscous"] / gear**2, "coulomb": coulomb}
 
 
+def _check_kind(path: Path) -> None:
+    """Refuse a description of links that is given in place of a robot file."""
+    if path.suffix.lower() in (".urdf", ".xacro", ".sdf"):
+        raise InputError(
+            f"{path}: is a description of links; a robot file is YAML that names it, as 'urdf: {path.name}', and adds "
+            "the drives under 'joints' (docs/howto/robot.md)"
+        )
+
+
 def robot_sources(path: str) -> list[str]:
-    """Return the files that a robot is made of: the robot file and, where it names one, the URDF."""
+    """Return the files that a robot is made of: the robot file and, where it names one, the URDF.
+
+    Raises
+    ------
+    InputError : where the file cannot be read, or is a description of links itself.
+    """
+    _check_kind(Path(path))
     data = read_yaml(path)
     if not isinstance(data.get("urdf"), str):
         return [path]

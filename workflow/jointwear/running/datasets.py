@@ -41,6 +41,7 @@ def check_datasets(config: Mapping[str, Any]) -> None:
                 f"config: 'discover.datasets.{name}.test' holds trajectory {both[0]}, and so does 'train'; allowed: in "
                 "one of them, as what tests a model takes no part in its fit"
             )
+        _check_groups(name, entry.get("group") or {})
         for key in ("measured", "robot"):
             made_for = written_for(entry[key]) if key == "robot" else None
             if made_for in datasets:
@@ -71,13 +72,28 @@ def check_datasets(config: Mapping[str, Any]) -> None:
             check_log_entry(entry, f"discover.datasets.{name}", read_robot_file(entry["robot"]))
 
 
+def _check_groups(name: str, groups: Mapping[str, Any]) -> None:
+    """Check that no trajectory is in two groups; whether there are such trajectories the data tell."""
+    seen: dict[int, str] = {}
+    for group, labels in groups.items():
+        for label in labels:
+            if label in seen:
+                raise InputError(
+                    f"config: 'discover.datasets.{name}.group.{group}' holds trajectory {label}, and so does "
+                    f"'{seen[label]}'; allowed: in one of them"
+                )
+            seen[label] = group
+
+
 def _check_order(name: str, datasets: Mapping[str, Any]) -> None:
     """Refuse data sets whose robots wait for each other."""
     seen = [name]
     while (source := written_for(datasets[seen[-1]]["robot"])) in datasets:
         if source in seen:
+            first, waited = written_for(datasets[name]["robot"]), [*seen[2:], source]
+            those = "itself" if waited == [first] else f"that of {' and '.join(map(repr, waited))}"
             raise InputError(
-                f"config: 'discover.datasets.{name}.robot' is the robot that data set '{source}' makes, which waits "
-                f"for {' and '.join(seen)}; one of them needs a robot file of its own"
+                f"config: 'discover.datasets.{name}.robot' is the robot that data set '{first}' makes, which waits for "
+                f"{those}; one of them needs a robot file of its own"
             )
         seen.append(source)

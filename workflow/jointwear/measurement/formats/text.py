@@ -43,6 +43,8 @@ _OTHER_FILES = {
 }
 #: How a web page begins.
 _PAGES, _OF_A_PAGE = (b"<!doctype html", b"<html"), 14
+#: How lines of JSON begin, and a list of it.
+_JSON = (b'{"', b"[{")
 #: What the reader says of a cell that is not of its column's type.
 _CONVERSION = "conversion error"
 #: Lines looked at for the header and for the form of the numbers.
@@ -277,6 +279,11 @@ def _first_lines(path: Path) -> tuple[list[str], str]:
             raise InputError(f"{path}: {words}")
     if whole.lstrip(b"\xef\xbb\xbf \t\r\n")[:_OF_A_PAGE].lower().startswith(_PAGES):
         raise InputError(f"{path}: is a web page, not CSV, as a server sends in place of a file after a failed login")
+    if whole.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(_JSON):
+        raise InputError(
+            f"{path}: holds JSON, not CSV; write one row for each time and one column for each name, as pandas does by "
+            "pandas.read_json(..., lines=True).to_csv(..., index=False)"
+        )
     if b"\x00" in whole:
         raise InputError(f"{path}: is not a text file in UTF-8")
     for encoding in ("utf-8-sig", "cp1252"):
