@@ -15,6 +15,8 @@ from jointwear.robots.robot import Robot
 #: parameters are in other units. A model without friction has 1 at most, one with a payload that is not there 3; link
 #: inertia in kg mm2 or friction of the wrong side of a gear 10 to 30,000.
 OF_MOST, OF_ONE = 8.0, 50.0
+#: Gear ratio from which a joint is geared: where half of an arm is, a joint without may be one that was forgotten.
+GEARED = 10.0
 #: Gravity [m/s2] on Earth, least and most: at the equator and at a pole.
 EARTH = 9.78, 9.84
 #: What a robot file asks for, by the part of the torque that is too large.
@@ -76,6 +78,17 @@ def unusual_parameters(robot: Robot) -> list[str]:
         found.append(
             f"the robot file has a gravity of {gravity:.4g} m/s2, on Earth it is 9.81: what is missing looks like a "
             "force or a spring"
+        )
+    ratio = np.abs(robot.gear_ratio)
+    direct, geared = ratio == 1.0, ratio >= GEARED
+    told = direct & (np.maximum(robot.armature, np.maximum(robot.coulomb_positive, robot.viscous)) > 0)
+    if told.any() and geared.sum() >= direct.sum():
+        least, most = ratio[geared].min(), ratio[geared].max()
+        others = f"{least:.4g}" if least == most else f"{least:.4g} to {most:.4g}"
+        found.append(
+            f"the gear ratio of {numbered('joint', np.flatnonzero(told) + 1)} is 1, as it is where a robot file says "
+            f"nothing of it, that of others is {others}: friction and motor inertia of the file count there as at the "
+            "joint; give 'gear_ratio' unless that is so"
         )
     slow = np.flatnonzero(np.abs(robot.gear_ratio) < 1.0)
     if len(slow):
