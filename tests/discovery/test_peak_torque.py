@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from jointwear.discovery.estimates.fast_waves import draw_unfiltered, lost_to_speed
-from jointwear.discovery.estimates.peak_torque import DRAWS, draw_beyond, draw_form_errors, zeros_of
+from jointwear.discovery.estimates.largest_torque import peak_of
+from jointwear.discovery.estimates.peak_torque import DRAWS, Shape, draw_beyond, draw_form_errors, prior_of, zeros_of
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.settings import Settings
@@ -104,3 +105,55 @@ def test_a_peak_beside_reversals_may_be_higher_not_lower():
     assert np.quantile(sharp, 0.975) > 2.0
     assert np.quantile(sharp, 0.025) > 0.8
     assert abs(np.median(plain) - 1.0) < 0.02
+
+
+def _coupled(velocity):
+    """Return a problem of two axes whose drives turn at velocities (m, 2), and its samples."""
+    state = SimpleNamespace(
+        velocity=velocity,
+        acceleration=np.gradient(velocity, axis=0),
+        direction=np.sign(velocity),
+        record=None,
+        rests_of=lambda *a: [],
+    )
+    problem = SimpleNamespace(
+        usable=np.ones(velocity.shape, bool),
+        rows_used=[np.arange(len(velocity))] * 2,
+        settings=Settings(),
+        scale=np.array([5.0, 5.0]),
+    )
+    return SimpleNamespace(problem=problem, state_of=lambda *a: state), state
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01])
+def test_friction_that_training_never_turns_is_no_more_than_that_of_its_drive(share):
+    """Where this axis is always the faster one, what the other changes of its sense is nothing in training."""
+    wave = np.sin(np.linspace(0.0, 60.0, 2000))
+    other = 0.3 * wave
+    other[: int(share * len(other))] *= -10.0
+    white, state = _coupled(np.stack([other, wave], axis=1))
+    coupling = Candidate("drive_coupling", 1, 0, {"own": 1.0, "other": 1.0})
+    shape = Shape(coupling, drive="own")
+    columns = shape.columns(state)
+    assert np.any(columns[:, 0]) == (share > 0)
+    std = prior_of(white, shape, columns)
+    assert 0 < std[0] <= 1.01 * Settings().usual * 5.0
+
+
+def test_a_column_that_training_never_moves_has_no_coefficient():
+    velocity = np.stack([np.zeros(500), np.sin(np.linspace(0.0, 30.0, 500))], axis=1)
+    white, state = _coupled(velocity)
+    shape = Shape(Candidate("drive_coupling", 1, 0, {"own": 1.0, "other": 1.0}))
+    assert list(prior_of(white, shape, shape.columns(state)) > 0) == [True, False, False]
+
+
+def test_the_largest_torque_lies_within_its_interval_and_an_end_that_was_moved_is_told():
+    drawn = np.linspace(10.0, 12.0, 401)
+    inside = peak_of(11.5, drawn)
+    assert (inside.value, inside.beyond) == (11.5, None)
+    assert 10.0 < inside.low < inside.value < inside.high < 12.0
+    for fitted in (18.6, 2.5):
+        outside = peak_of(fitted, drawn)
+        assert outside.low < outside.value == 11.0 < outside.high
+        assert outside.beyond == fitted
+        assert fitted in (outside.low, outside.high)

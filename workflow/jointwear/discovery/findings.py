@@ -255,7 +255,9 @@ def _named_effect(final: Final, e: Estimate) -> NamedEffect:
             for name, value in e.parameters.items()
         },
         regime=_regime(final, e),
-        peak_torque=PeakTorque(six_digits(e.peak), six_digits(e.peak_low), six_digits(e.peak_high)),
+        peak_torque=PeakTorque(
+            six_digits(e.peak.value), six_digits(e.peak.low), six_digits(e.peak.high), _rounded(e.peak.beyond)
+        ),
         form_corrected=e.form is not None,
         evidence_nats=six_digits(named.evidence),
         probability=six_digits(named.probability),

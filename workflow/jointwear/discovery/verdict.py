@@ -30,11 +30,21 @@ class Regime:
 
 @dataclass(frozen=True)
 class PeakTorque:
-    """Largest torque of an effect on the held-out motion [N m] with its interval."""
+    """Largest torque of an effect on the held-out motion [N m] with its interval.
+
+    Its form and that of filters are not known exactly, nor where it vanishes: the interval allows for that, so that it
+    may be wider than the standard deviations of the parameters say.
+
+    Attributes
+    ----------
+    as_fitted : that of the effect as it was fitted, where it lies at an end of the interval that was widened to reach
+        it and `value` is the median of all forms that may be; else None, and `value` is the effect as fitted.
+    """
 
     value: float
     low: float
     high: float
+    as_fitted: float | None = None
     unit: str = "N m"
     confidence: float = 0.95
 

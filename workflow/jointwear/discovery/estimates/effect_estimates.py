@@ -11,7 +11,7 @@ from jointwear.discovery.estimates.beyond_band import within_band
 from jointwear.discovery.estimates.curvature import Spreads, spreads_of
 from jointwear.discovery.estimates.fast_waves import lost_to_speed
 from jointwear.discovery.estimates.forms import Form, companion
-from jointwear.discovery.estimates.largest_torque import Fitted, all_columns, largest_torque
+from jointwear.discovery.estimates.largest_torque import Fitted, Peak, all_columns, largest_torque
 from jointwear.discovery.estimates.noisy_columns import noise_share
 from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.estimates.refine import evidence_at
@@ -37,7 +37,7 @@ class Estimate:
     ----------
     parameters : value of every parameter; std : standard deviation of those that were estimated.
     coefficients : of the columns (and, behind them, of the form if it is kept).
-    peak : largest torque [N m] on the held-out motion, peak_low and peak_high its 95 % interval.
+    peak : largest torque on the held-out motion, with its 95 % interval.
     """
 
     named: Named
@@ -45,9 +45,7 @@ class Estimate:
     std: dict[str, float]
     coefficients: np.ndarray
     form: Form | None
-    peak: float
-    peak_low: float
-    peak_high: float
+    peak: Peak
 
 
 def misfits(estimate: Estimate) -> Iterator[str]:
@@ -299,8 +297,8 @@ def estimate_effect(
         spreads=spreads,
         lost=lost,
     )
-    peak, low, high = largest_torque(white, [*base, *others], fitted, rng)
-    return Estimate(named, parameters, std, coefficients, form, peak, low, high)
+    peak = largest_torque(white, [*base, *others], fitted, rng)
+    return Estimate(named, parameters, std, coefficients, form, peak)
 
 
 def _by_delta_method(

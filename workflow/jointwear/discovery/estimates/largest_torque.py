@@ -26,6 +26,35 @@ LEAST_MOTION = 1e-3
 
 
 @dataclass(frozen=True)
+class Peak:
+    """The largest torque of an effect on the held-out motion [N m].
+
+    Attributes
+    ----------
+    value : that of the effect as it was fitted, or the median of what is drawn where that does not reach it.
+    low, high : ends of the 95 % interval of what is drawn, wide enough for the effect as fitted.
+    beyond : that of the effect as fitted where it lies outside of what is drawn with that probability, else None.
+    """
+
+    value: float
+    low: float
+    high: float
+    beyond: float | None = None
+
+
+def peak_of(fitted: float, drawn: np.ndarray) -> Peak:
+    """Return the largest torque [N m] with its interval, from that of the effect as fitted and what is drawn (d,).
+
+    The form that is fitted is one of those that are drawn, and on other motion it may be the highest of them. It is no
+    best value then, but what the robot file does: the interval reaches as far, and it is told that it does.
+    """
+    low, high = (float(x) for x in np.quantile(drawn, ENDS))
+    if low <= fitted <= high:
+        return Peak(fitted, low, high)
+    return Peak(float(np.median(drawn)), min(low, fitted), max(high, fitted), fitted)
+
+
+@dataclass(frozen=True)
 class Fitted:
     """What was fitted to an effect.
 
@@ -70,10 +99,8 @@ def all_columns(state: State, candidate: Candidate, form: Form | None) -> np.nda
     return full
 
 
-def largest_torque(
-    white: White, terms: list[Term], fitted: Fitted, rng: np.random.Generator
-) -> tuple[float, float, float]:
-    """Return the largest torque [N m] of an effect on the held-out motion and the ends of its interval.
+def largest_torque(white: White, terms: list[Term], fitted: Fitted, rng: np.random.Generator) -> Peak:
+    """Return the largest torque of an effect on the held-out motion with its interval.
 
     Parameters
     ----------
@@ -107,8 +134,7 @@ def largest_torque(
         measured = problem.measured
         calm = largest(band_limited(test, candidate.axis, cutoff, measured.rate, measured.vague_ends))
         sampled = sampled * np.clip(calm / peak, LEAST_MOTION, 1.0) ** rng.uniform(size=DRAWS)
-    low, high = np.quantile(sampled, ENDS)
-    return peak, float(min(low, peak)), float(max(high, peak))
+    return peak_of(peak, sampled)
 
 
 def _moving(problem: Problem) -> np.ndarray:

@@ -185,7 +185,7 @@ def draw_torque(
         columns = one.columns(white.state_of(effect, axis))
         if not np.isfinite(columns).all() or not np.any(columns):
             continue
-        std = prior_std(white, one.candidate, columns)
+        std = prior_of(white, one, columns)
         b, cross = fit.projected({axis: (x := white.columns(axis, columns))})
         gram = x.T @ x - cross @ fit.covariance @ cross.T
         points.append((gain(b, gram, std), one, b, gram, std, cross))
@@ -199,14 +199,32 @@ def draw_torque(
     for (_, one, b, gram, std, cross), count in zip(points, counts, strict=True):
         if not count:
             continue
-        covariance = np.linalg.inv(gram + np.diag(1 / std**2))
-        mean = covariance @ b
-        coefficients = mean[:, None] + np.linalg.cholesky(covariance) @ rng.standard_normal((len(b), count))
+        # Over its prior, which may be 0.
+        covariance = np.linalg.inv(std[:, None] * gram * std + np.eye(len(std)))
+        mean = std * (covariance @ (std * b))
+        noise = np.linalg.cholesky(covariance) @ rng.standard_normal((len(b), count))
+        coefficients = mean[:, None] + std[:, None] * noise
         coefficients = _possible(effect, one.candidate, mean, coefficients)
         follow = fit.covariance[bends] @ cross.T
         bent = fit.theta[bends][:, None] - follow @ coefficients + root @ rng.standard_normal((len(root), count))
         drawn.append(one.columns(test) @ coefficients + bend_columns @ bent)
     return np.concatenate(drawn, axis=1) + draw_beyond(white, candidate, reach, test, rng)
+
+
+def prior_of(white: White, shape: Shape, columns: np.ndarray) -> np.ndarray:
+    """Return the prior standard deviations (k,) of the columns (N_train, k) of a possibility.
+
+    What turning with another axis changes in the friction of a drive is no more than the friction of that drive. By its
+    own columns, which are nothing where this axis turns faster in all of training, it would be without a bound on
+    motion where the other does. A column that is nothing in training for another reason is left out: 0.
+    """
+    candidate, used = shape.candidate, white.problem.usable[:, shape.candidate.axis]
+    std = prior_std(white, candidate, columns)
+    told = columns
+    if shape.drive == "own":
+        told = replace(shape, drive="").columns(white.state_of(get_effect(candidate.effect), candidate.axis))
+        std = np.minimum(std, prior_std(white, candidate, told))
+    return np.where(np.any(told[used], axis=0), std, 0.0)
 
 
 def draw_beyond(white: White, candidate: Candidate, reach: float, test: State, rng: np.random.Generator) -> np.ndarray:
