@@ -63,8 +63,9 @@ OTHERS = {
         posterior.TIED_NATS posterior.TIED_SHARE
     """,
     "what a page, a table or a sentence says": """
-        drawing.SAMPLES_SHOWN findings.LONGEST_LIST findings.FEWEST_ALIKE findings.MOST_ALIKE largest_torque.NOT_BESIDE
-        preflight.GAP preflight.MOVING restrictions.FEW_RECORDS restrictions.APART restrictions.TURNED
+        drawing.SAMPLES_SHOWN findings.ABOVE_ALL findings.LONGEST_LIST findings.FEWEST_ALIKE findings.MOST_ALIKE
+        largest_torque.NOT_BESIDE preflight.GAP preflight.MOVING restrictions.FEW_RECORDS restrictions.APART
+        restrictions.TURNED
         reversals.SLOWEST reversals.MISSING experiment.DURATION experiment.RATE experiment.HARMONICS experiment.TRIALS
         experiment.SLOWEST experiment.EVERY experiment.LEAST_HARMONIC experiment.TRAVEL experiment.MOST_TRAVEL
         experiment.SEEN experiment.FASTER experiment.ALLOWED experiment.WARMING experiment.FREE largest_torque.ENDS

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,6 +41,9 @@ from jointwear.files.wording import count, numbered
 
 #: Entries of lists that a reader looks through: unexplained structure, candidates that came close.
 LONGEST_LIST = 12
+#: Times the held-out error of the augmented model above which an estimate of noise holds what the model lacked: between
+#: two records noise of a sensor does not differ as much.
+ABOVE_ALL = 2.0
 #: Joints, and share of those that can be judged, that answer late from which it may be the clock of the log.
 FEWEST_ALIKE, MOST_ALIKE = 3, 2 / 3
 
@@ -69,10 +73,11 @@ def make_verdict(
         word = "effects"
     else:
         word = "retuned" if retuned else NONE
-    gap = measure_gap(problem, torques, floor_with_names(final))
+    gap, unsure = _with_told_floor(measure_gap(problem, torques, floor_with_names(final)), problem.too_coarse)
+    untold = tuple(sorted({*(axis + 1 for axis in problem.too_coarse), *unsure}))
     above = _above_the_noise(gap, problem.settings.near_the_floor)
     apart = _only_held_out(problem, above, gap) if word in (NONE, "retuned") else []
-    word = "unknown" if apart else word
+    word = "unknown" if apart or problem.too_coarse else word
     written = [e.named.candidate for e in final.estimates]
     return Verdict(
         dataset=name,
@@ -85,7 +90,7 @@ def make_verdict(
         ),
         suspects=tuple(_suspects(final)),
         gap=gap,
-        to_the_noise=_to_the_noise(gap, problem.settings.near_the_floor),
+        to_the_noise=not untold and _to_the_noise(gap, problem.settings.near_the_floor),
         lost=tuple(_lost(outcome)),
         not_tried=tuple(_not_tried(outcome)),
         not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
@@ -93,6 +98,7 @@ def make_verdict(
         misfits=(*final.misfits, *ended_on_bounds(retuned)),
         restrictions=(
             *restrictions,
+            *_noise_too_high(gap, unsure),
             *_held_out_alone(apart, above),
             *_alike_in_time(final),
             *beyond_the_time(problem, written),
@@ -101,6 +107,7 @@ def make_verdict(
             *unlikely_masses(retuned, problem.settings),
         ),
         above_the_noise=above,
+        noise_untold=untold,
         builds_up=tuple(BuildsUp(a + 1, way.form, six_digits(way.speed)) for a, way in problem.building_up.items()),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
@@ -133,6 +140,31 @@ def measure_gap(problem: Problem, torques: Mapping[str, np.ndarray], floor: Iter
         )
 
     return Gap(errors("nominal"), errors("retuned"), errors("augmented"), tuple(map(_rounded, floor)))
+
+
+def _with_told_floor(gap: Gap, coarse: Collection[int]) -> tuple[Gap, dict[int, float]]:
+    """Return the gap with a noise floor that is told, and of which axes, from 1, an estimate [N m] was too high.
+
+    None is told of axes too coarse in time (`coarse`, 0-based). Noise is no more than what the augmented model leaves
+    of motion that it has not seen.
+    """
+    floor, unsure = list(gap.noise_floor), {}
+    for axis, (left, noise) in enumerate(zip(gap.augmented, gap.noise_floor, strict=True)):
+        if axis in coarse:
+            floor[axis] = None
+        elif left is not None and noise is not None and noise > ABOVE_ALL * left:
+            floor[axis], unsure[axis + 1] = left, noise
+    return replace(gap, noise_floor=tuple(floor)), unsure
+
+
+def _noise_too_high(gap: Gap, unsure: Mapping[int, float]) -> Iterable[str]:
+    """Yield in words of which axes the noise was estimated higher than all that is left of the held-out motion."""
+    for axis, noise in unsure.items():
+        yield (
+            f"joint {axis}: noise was estimated as {noise:.2g} N m, while the augmented model leaves "
+            f"{gap.augmented[axis - 1]:.2g} N m of the held-out motion: the estimate holds what the model lacked, or "
+            "noise of the training trajectories alone, and what is smaller may be missed; log at a higher rate"
+        )
 
 
 def _alike_in_time(final: Final) -> Iterable[str]:

@@ -169,7 +169,8 @@ def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Show
     shown, not_shown, pairs = _visible(white, dictionary)
     for effect, axis, why in dictionary.not_tried:
         not_shown.append(Shown(effect, None if axis is None else axis + 1, None, "", why))
-    return [None if w is None else w.marginal for w in white.whiteners], shown, not_shown, pairs
+    told = [None if w is None or a in problem.too_coarse else w.marginal for a, w in enumerate(white.whiteners)]
+    return told, shown, not_shown, pairs
 
 
 def _rate(recording: Recording) -> float:

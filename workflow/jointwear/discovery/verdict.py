@@ -246,6 +246,8 @@ class Verdict:
     to_the_noise : whether the held-out error is near the noise floor on every axis that could be judged.
     above_the_noise : the axes on which it is not: a verdict is not complete there, structure told or not.
     misfits : optimisers that ended at their start or on a bound, in words; an entry is a reason for doubt.
+    noise_untold : the axes of which the noise floor is not known: too few samples lie between reversals (the floor is
+        None, and nothing is named), or its estimate holds what the model lacked (the floor is the held-out error).
     builds_up : joints whose friction builds up with the speed, which was put right before anything was asked.
     free_identification : RMS error [N m] of a fit of all parameters without a prior, per axis.
     """
@@ -270,6 +272,7 @@ class Verdict:
     filter_cutoff_hz: tuple[float | None, ...] = ()
     above_the_noise: tuple[AboveNoise, ...] = ()
     builds_up: tuple[BuildsUp, ...] = ()
+    noise_untold: tuple[int, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
         """Return plain dicts and lists in the layout of verdict.json."""

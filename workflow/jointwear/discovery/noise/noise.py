@@ -99,6 +99,24 @@ def whitenable(usable: np.ndarray, trajectory: np.ndarray, order: int) -> np.nda
     return np.flatnonzero(good)
 
 
+def order_in_runs(usable: np.ndarray, trajectory: np.ndarray) -> int | None:
+    """Return the highest order of a plain noise model, up to :data:`HIGHEST_ORDER`, of samples in short runs.
+
+    Runs of samples in motion end at reversals. Of a log of few samples a second half of them or more may lie within
+    :data:`HIGHEST_ORDER` samples of the start of a run: the order is lower there, so that it leaves half. It is None
+    where samples are too few for what is in the motion to be told from noise.
+
+    Parameters
+    ----------
+    usable, trajectory : (N,) samples that are judged, and their labels.
+    """
+    count = int(usable.sum())
+    order = next(
+        (k for k in range(HIGHEST_ORDER, 0, -1) if len(whitenable(usable, trajectory, k)) >= LEFT_BY_ORDER * count), 0
+    )
+    return order if order == HIGHEST_ORDER or count >= FEWEST else None
+
+
 def highest_order(usable: np.ndarray, trajectory: np.ndarray) -> int:
     """Return the highest order of a noise model of derived accelerations that leaves enough of samples with gaps.
 

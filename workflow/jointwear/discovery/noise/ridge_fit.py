@@ -27,7 +27,7 @@ class RidgeFit:
         self._columns, self._used, self._white = columns, used, white
         self._x = columns.T.compress(used, axis=1).T if white is None else white(columns)
         gram = self._x.T @ self._x
-        self._ridge = RIDGE * np.trace(gram) / len(gram)
+        self._ridge = RIDGE * np.trace(gram) / max(len(gram), 1)
         gram[np.diag_indices_from(gram)] += self._ridge
         self._factor = cho_factor(gram)
 

@@ -59,8 +59,13 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append(f"The model lacks {'; '.join(named)}.")
     elif named:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
-    else:
+    elif content["unexplained"] or not _untold(content):
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
+    else:
+        sentences.append(
+            f"On {_joints(content, _untold(content))} these data are too coarse in time to tell noise from what the "
+            "model lacks: nothing can be said there."
+        )
     if lines := _lines(content):
         sentences.append(lines)
     if content["verdict"] != "unknown" or content["above_the_noise"]:
@@ -68,7 +73,7 @@ def lead(content: dict[str, Any]) -> list[str]:
     if content["suspects"]:
         suspects = "; ".join(name(e) for e in content["suspects"])
         sentences.append(f"Suspects on joints that stay unexplained: {suspects}.")
-    closed = _closed(content["gap"])
+    closed = _closed(content["gap"], _untold(content))
     if closed is not None:
         alone, augmented = map(_of_the_gap, closed)
         warned = "" if closed[0] > -NARROW else " (its file is not the one to use)"
@@ -95,6 +100,11 @@ def _lines(content: Mapping[str, Any]) -> str:
     return f"Something shakes at a frequency of its own: {listed(told)}." if told else ""
 
 
+def _untold(content: Mapping[str, Any]) -> list[int]:
+    """Return the joints whose noise floor is not known; a verdict of an earlier version does not ask."""
+    return content.get("noise_untold", [])
+
+
 def _builds_up(content: Mapping[str, Any]) -> list[int]:
     """Return the joints whose friction builds up; a verdict of an earlier version does not ask."""
     return [b["axis"] for b in content.get("builds_up", ())]
@@ -117,6 +127,8 @@ def _what_is_left(content: dict[str, Any]) -> str:
     if content["to_the_noise"]:
         return "On held-out motion nothing beyond the noise is left."
     above = [f"{a['ratio']:.2g} times on joint {a['axis']}" for a in content["above_the_noise"]]
+    if not above and _untold(content):
+        return f"The noise of {_joints(content, _untold(content))} is not known: how much is left there cannot be told."
     if not above:
         return "The held-out error could not be compared with the noise."
     return f"The error on held-out motion stays above the noise: {', '.join(above)}."
@@ -125,6 +137,8 @@ def _what_is_left(content: dict[str, Any]) -> str:
 def heading(content: Mapping[str, Any]) -> str:
     """Return the verdict as a heading that says where more than noise is left, structure told or not."""
     words = _WORDS[content["verdict"]]
+    if content["verdict"] == "unknown" and _untold(content) and not (content["unexplained"] or content["effects"]):
+        return f"Too coarse in time to say what is missing on {_joints(content, _untold(content))}"
     if content["verdict"] == "effects" and len(content["effects"]) > 1:
         words = f"The model lacks {len(content['effects'])} effects"
     if _builds_up(content):
@@ -135,12 +149,16 @@ def heading(content: Mapping[str, Any]) -> str:
     return f"{words}, and more than noise is left on {_joints(content, axes)}"
 
 
-def _closed(gap: dict[str, Any]) -> tuple[float, float] | None:
-    """Return the closed part of the gap by retuning and by the augmented model, on the root sum of squares."""
+def _closed(gap: dict[str, Any], untold: Sequence[int]) -> tuple[float, float] | None:
+    """Return the closed part of the gap by retuning and by the augmented model, on the root sum of squares.
+
+    Joints, from 1, whose noise is `untold` do not count: how much of their gap is left nobody knows.
+    """
     total = {}
     for kind in ("nominal", "retuned", "augmented", "noise_floor"):
+        values = zip(gap[kind], gap["nominal"], gap["noise_floor"], strict=True)
         total[kind] = sum(
-            v**2 for v, n, f in zip(gap[kind], gap["nominal"], gap["noise_floor"], strict=True) if None not in (v, n, f)
+            v**2 for axis, (v, n, f) in enumerate(values, 1) if None not in (v, n, f) and axis not in untold
         )
     root = {k: v**0.5 for k, v in total.items()}
     width = root["nominal"] - root["noise_floor"]

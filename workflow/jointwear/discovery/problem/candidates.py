@@ -21,6 +21,8 @@ from jointwear.measurement.derived.filtering import limit
 LINK_MASS = "link_mass"
 #: A joint that moves less than this [rad] acts on no other.
 STILL = 1e-4
+#: Why nothing is tried on a joint of which noise is not told from what the model lacks.
+TOO_COARSE = "too few samples between reversals to tell it from noise"
 
 
 @dataclass(frozen=True)
@@ -295,7 +297,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
     for effect in library().values():
         if effect.whole_arm:
             continue
-        why = effect.unmet(state, axis)
+        why = TOO_COARSE if axis in problem.too_coarse else effect.unmet(state, axis)
         if why:
             dictionary.not_tried.append((effect.identifier, axis, why))
             continue
@@ -331,7 +333,7 @@ def _add_axis(dictionary: Dictionary, white: White, axis: int) -> None:
         if infinite and not any(one.effect == effect.identifier for one, *_ in found):
             dictionary.not_tried.append((effect.identifier, axis, "its columns are not finite on these data"))
     # A few columns at a time are taken out again: each lies in one piece.
-    dictionary.matrix[axis] = white.columns(axis, np.concatenate(rows).T)
+    dictionary.matrix[axis] = white.columns(axis, np.concatenate([*rows, np.zeros((0, len(state.time)))]).T)
     dictionary.entries[axis] = found
 
 
@@ -350,7 +352,7 @@ def _add_whole_arm(dictionary: Dictionary, white: White) -> None:
     for effect in library().values():
         if not effect.whole_arm:
             continue
-        why = effect.unmet(state, 0)
+        why = TOO_COARSE if set(problem.judged) == set(problem.too_coarse) else effect.unmet(state, 0)
         if why:
             dictionary.not_tried.append((effect.identifier, None, why))
             continue

@@ -13,6 +13,7 @@ from jointwear.discovery.linear import least_squares, posterior_mean
 from jointwear.discovery.noise.encoder_step import encoder_step
 from jointwear.discovery.noise.gear_waves import gear_orders
 from jointwear.discovery.noise.motion_in_torque import motion_ends, noise_in_torque
+from jointwear.discovery.noise.noise import order_in_runs
 from jointwear.discovery.noise.noise_spectrum import drives
 from jointwear.discovery.noise.ridge_fit import RidgeFit
 from jointwear.discovery.noise.shaken import shaken_shares
@@ -348,6 +349,15 @@ class Problem:
         """Indices (k,), for each axis, of the training samples that can be judged: rows are taken several times as fast
         by them as by a mask."""
         return [np.flatnonzero(used) for used in self.usable.T]
+
+    @cached_property
+    def too_coarse(self) -> tuple[int, ...]:
+        """The judged axes, 0-based, of which few samples lie in runs so short that noise is not told from motion.
+
+        The fit behind the noise holds next to nothing there: all that the model lacks counts as noise.
+        """
+        label = self.measured.trajectory[self.train]
+        return tuple(axis for axis in self.judged if order_in_runs(self.usable[:, axis], label) is None)
 
     @cached_property
     def lacking(self) -> np.ndarray:

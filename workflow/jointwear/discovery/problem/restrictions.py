@@ -49,7 +49,7 @@ def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
             by_keys=True,
         )
     found = _not_judged(problem) + unseen_slow_motion(_with_unsure(problem), problem.judged) + _at_rest_in_test(problem)
-    found += _built_up(problem)
+    found += _too_coarse(problem) + _built_up(problem)
     return found + _late_velocities(problem.measured) + _of_temperature(problem) + _motors_not_in_file(problem)
 
 
@@ -67,6 +67,20 @@ def _not_judged(problem: Problem) -> list[str]:
             why = "is at rest in the training trajectories"
         found.append(f"joint {axis + 1} {why}: nothing can be said about its drive")
     return found
+
+
+def _too_coarse(problem: Problem) -> list[str]:
+    """Return in words of which joints too few samples lie between reversals for noise to be told."""
+    if not problem.too_coarse:
+        return []
+    fewest = min(int(problem.usable[:, axis].sum()) for axis in problem.too_coarse)
+    joints = numbered("joint", [axis + 1 for axis in problem.too_coarse])
+    told = (
+        f"{joints}: too coarse in time to tell noise from what the model lacks: at {problem.measured.rate:.3g} Hz few "
+        f"samples lie between one reversal and the next, and only {fewest} can be judged; nothing is named there: log "
+        "20 times a second or more, or for much longer"
+    )
+    return [told]
 
 
 def _at_rest_in_test(problem: Problem) -> list[str]:

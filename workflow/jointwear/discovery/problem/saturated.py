@@ -15,6 +15,7 @@ from jointwear.discovery.noise.noise import (
     coloured,
     estimate,
     highest_order,
+    order_in_runs,
     whitenable,
 )
 from jointwear.discovery.noise.noise_spectrum import corrected, without_slow_torque
@@ -46,7 +47,8 @@ FEWEST_EACH = 15
 LEAST_NOISE = 1e-6
 #: Drawings of the noise by which it is asked what share of it the fit takes off.
 DRAWN = 2
-#: Times a density from which another is another one, where noise models of two orders are compared.
+#: Times a density from which another is another one, where noise models of two orders are compared, and times the noise
+#: of a fit from which that of one with fewer columns holds motion.
 TWICE = 2.0
 #: Frequencies [Hz] above which a step at a reversal is kept.
 SHARP = (4.0, 6.0, 9.0)
@@ -67,7 +69,22 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
     The fit holds the base regression, the coarse structure bases and `extra` columns (N_train, k), so that
     what is left is noise whether or not an effect is hidden. It is done again with whitened columns and, where the
     noise of derived accelerations would let columns take a part of the noise for signal, with instruments.
+
+    Of a log of few samples a second runs between reversals are short, and a fit of columns that are seen behind
+    :data:`HIGHEST_ORDER` predecessors holds hardly any: a spring of 50 N m had left a noise of 8. Where one of columns
+    that fewer predecessors show leaves less than half of the noise, it is this one that tells it.
     """
+    order = order_in_runs(problem.usable[:, axis], problem.measured.trajectory[problem.train])
+    plain = _noise_behind(problem, axis, extra, HIGHEST_ORDER)
+    if order in (None, HIGHEST_ORDER):
+        return plain
+    fuller = _noise_behind(problem, axis, extra, order)
+    holds_more = TWICE * noise_level(problem, axis, fuller) < noise_level(problem, axis, plain)
+    return fuller if holds_more else plain
+
+
+def _noise_behind(problem: Problem, axis: int, extra: np.ndarray | None, order: int) -> Whitener:
+    """Return :func:`axis_noise` of a fit of columns that are seen behind `order` predecessors."""
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     y = problem.discrepancy[problem.train, axis]
 
@@ -77,14 +94,14 @@ def axis_noise(problem: Problem, axis: int, extra: np.ndarray | None = None) -> 
         left = plain(y)
         return plain, left, estimate(left, used, label, highest)
 
-    columns, rounding = _columns(problem, axis, extra, Cutoffs())
+    columns, rounding = _columns(problem, axis, extra, Cutoffs(), order)
     plain, left, white = fitted(columns, HIGHEST_ORDER)
     cutoffs = axis_cutoffs(problem, axis, white, with_late=False)
     highest = HIGHEST_ORDER
     if cutoffs != Cutoffs():
         highest = ORDER_BESIDE_GAPS
         # Columns that share the noise have taken a part of it: what they left says too little.
-        columns, rounding = _columns(problem, axis, extra, cutoffs)
+        columns, rounding = _columns(problem, axis, extra, cutoffs, order)
         plain, left, white = fitted(columns, highest)
     further = _further_columns(limited_state(problem, axis, cutoffs.timing), axis)
     further = loud_waves(problem, axis, further, white, plain, left, highest)
@@ -159,9 +176,16 @@ def noise_level(problem: Problem, axis: int, white: Whitener) -> float:
     return max(white.marginal, min(white.spread, float(np.hypot(white.marginal, np.sqrt(derived)))))
 
 
-def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cutoffs) -> tuple[np.ndarray, int]:
+def _columns(
+    problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cutoffs, order: int
+) -> tuple[np.ndarray, int]:
     """Return the columns (N_train, k) of the saturated fit of one axis, each of unit RMS, and how many of them, from
-    the first, are what derivatives round off."""
+    the first, are what derivatives round off.
+
+    Parameters
+    ----------
+    order : predecessors that a sample needs for the whitened fit to see it.
+    """
     used, label = problem.usable[:, axis], problem.measured.trajectory[problem.train]
     rate, raw = problem.measured.rate, problem.train_state
     state = limited_state(problem, axis, cutoffs.torque)
@@ -181,7 +205,7 @@ def _columns(problem: Problem, axis: int, extra: np.ndarray | None, cutoffs: Cut
     whole = np.zeros((2, len(used)))
     whole[0, used] = 1.0
     # A column that lives beside reversals, on samples without predecessors, is hardly seen by the whitened fit.
-    whole[1, whitenable(used, label, HIGHEST_ORDER)] = 1.0
+    whole[1, whitenable(used, label, order)] = 1.0
     # A few at a time: squares of all columns take as much memory as they do.
     squares = [whole @ (series[first : first + WIDE] ** 2).T for first in range(0, len(series), WIDE)]
     held, seen = np.concatenate(squares, axis=1)
