@@ -9,7 +9,7 @@ from discovery_cases import make_case
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.estimates.outcome import Unexplained
 from jointwear.discovery.linear import Term
-from jointwear.discovery.model.drive_shares import drive_shares, supported, told_shares
+from jointwear.discovery.model.drive_shares import drive_shares, supported, surely_impossible, told_shares
 from jointwear.discovery.model.estimation import finalise
 from jointwear.discovery.model.fallback import DRIVE
 from jointwear.discovery.model.left_out import Asked
@@ -144,3 +144,16 @@ def test_a_drive_that_gains_and_loses_by_turns_is_told_with_that_reason():
     (words,) = put_back_in_words({"fallbacks": [entry], "unexplained": []})
     assert "it gains in some stretches of time and loses in others" in words
     assert "Put back: friction and motor inertia at 0.35 of what was fitted." in words
+
+
+def test_a_fit_below_zero_beside_structure_without_a_name_is_not_written():
+    """A record of 3 s had joint 2 without friction in one direction and without a motor, and lost 11 % elsewhere."""
+    nominal = np.array([[6.0, 6.0, 2.0, 2.0]] * 3)
+    std = np.full((3, 4), 0.5)
+    change = np.zeros((3, 4))
+    change[0, 0], change[1, 3], change[2, 3] = -9.0, -2.5, -9.0
+    # Of the second axis zero is within what is not known; of the third nothing stays unexplained.
+    assert surely_impossible(nominal, change, std, [0, 1], Settings()) == [0]
+    # What the robot file has not, or no data tell of, is no reason.
+    assert surely_impossible(np.zeros((3, 4)), change, std, [0, 1, 2], Settings()) == []
+    assert surely_impossible(nominal, change, np.zeros((3, 4)), [0, 1, 2], Settings()) == []

@@ -47,6 +47,23 @@ def drive_shares(white: White, kept: list[Term], open_axes: Collection[int]) -> 
     return {axis: (share, float(found.surely[axis])) for axis, share in shares.items() if share < 1.0}
 
 
+def surely_impossible(
+    nominal: np.ndarray, change: np.ndarray, std: np.ndarray, open_axes: Collection[int], settings: Settings
+) -> list[int]:
+    """Return the axes (0-based), of `open_axes`, on which a fit has friction that drives or an inertia below zero.
+
+    No motor has it: where structure is left that nothing explains, such a fit stands in for that, and of it no share is
+    written. It would be worse on the first motion that differs.
+
+    Parameters
+    ----------
+    nominal, change, std : (n, 4) parameters of the drives, what is fitted to be added to them, and how well the data
+        know it, all of the same sign: friction that brakes is above zero.
+    """
+    below = (nominal > 0) & (std > 0) & (nominal + change < -ndtri(settings.certainty) * std)
+    return [axis for axis in sorted(open_axes) if below[axis].any()]
+
+
 def supported(worth: np.ndarray, settings: Settings) -> float:
     """Return the share of the corrections of a drive that records left out surely support, in [0, 1].
 

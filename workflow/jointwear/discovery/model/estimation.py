@@ -18,10 +18,10 @@ from jointwear.discovery.estimates.references import effect_term, reference_of, 
 from jointwear.discovery.estimates.refine import refine, simplest
 from jointwear.discovery.estimates.refined_model import RefinedEffect, RefinedModel
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.model.drive_shares import drive_shares, told_shares
+from jointwear.discovery.model.drive_shares import drive_shares, surely_impossible, told_shares
 from jointwear.discovery.model.fallback import AS_FITTED, PutBack, Step, put_back
 from jointwear.discovery.model.final_model import Final, Weighing, base_of, fit_model, named_all_the_same
-from jointwear.discovery.model.left_out import left_out_ratio
+from jointwear.discovery.model.left_out import Asked, left_out_ratio
 from jointwear.discovery.model.sound_fit import make_links_sound
 from jointwear.discovery.model.steps_back import given_up_of_effects, plainer_forms, steps_of
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, fitted_torque
@@ -74,7 +74,7 @@ def finalise(outcome: Outcome, links: Step = AS_FITTED) -> Final:
         weighing = replace(weighing, white=white)
     ours = {id(t) for t in [*asked, *model.effect_terms]}
     final = fit_model(weighing, [t for t in kept if id(t) not in ours], model)
-    shares = drive_shares(white, kept, nameless)
+    shares = _shares(white, kept, nameless, final.delta_friction, final.std_friction)
     friction, inertial, retuned_given_up = _retuned(outcome, plain, named_masses, links)
     return replace(
         final,
@@ -103,9 +103,23 @@ def _retuned(
     alone, given_up = put_back(plain, [*alone, *model.terms], steps, "retuned", nameless)
     fit = Fit(plain.targets, alone)
     beside = make_links_sound(plain, fit, masses)
-    friction, _, inertial = base_of(plain, fit, masses)
-    shares = drive_shares(plain, alone, nameless)
+    friction, std, inertial = base_of(plain, fit, masses)
+    shares = _shares(plain, alone, nameless, friction, std)
     return _in_part(friction, shares), inertial + beside, given_up + told_shares(shares, "retuned")
+
+
+def _shares(
+    white: White, kept: list[Term], open_axes: list[int], friction: np.ndarray, std: np.ndarray
+) -> dict[int, tuple[float, float]]:
+    """Return :func:`drive_shares`, nothing of a drive whose correction (n, 4) no motor can have: `std` (n, 4) of it."""
+    problem, shares = white.problem, drive_shares(white, kept, open_axes)
+    robot = problem.robot
+    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
+    change = friction * np.array([1.0, -1.0, 1.0, 1.0])
+    for axis in surely_impossible(nominal, change, std, open_axes, problem.settings):
+        ratio = shares[axis][1] if axis in shares else float(Asked(white, kept)(kept).surely[axis])
+        shares[axis] = (0.0, ratio)
+    return shares
 
 
 def _in_part(friction: np.ndarray, shares: dict[int, tuple[float, float]]) -> np.ndarray:

@@ -76,10 +76,8 @@ def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
     # The parameters of a robot file: motor side.
     side = gear if k < 2 else gear**2
     # As the robot file has it: no friction drives, no inertia is negative.
-    value = six_digits(sign * max(nominal + change, 0.0) / side) + 0.0
-    one = Retuned(
-        FRICTION[k], axis + 1, six_digits(sign * nominal / side), value, six_digits(std / side), _FRICTION_UNITS[k]
-    )
+    given, value = (six_digits(sign * max(v, 0.0) / side) + 0.0 for v in (nominal, nominal + change))
+    one = Retuned(FRICTION[k], axis + 1, given, value, six_digits(std / side), _FRICTION_UNITS[k])
     return one, change / std, std
 
 
