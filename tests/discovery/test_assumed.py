@@ -69,7 +69,7 @@ OTHERS = {
         reversals.SLOWEST reversals.MISSING experiment.DURATION experiment.RATE experiment.HARMONICS experiment.TRIALS
         experiment.SLOWEST experiment.EVERY experiment.LEAST_HARMONIC experiment.TRAVEL experiment.MOST_TRAVEL
         experiment.SEEN experiment.FASTER experiment.ALLOWED experiment.WARMING experiment.FREE largest_torque.ENDS
-        leftovers.STRONG leftovers.NEAR page.NARROW page.HARDLY preflight.SPEED smallest_sizes.STEP
+        leftovers.STRONG leftovers.NEAR page.NARROW page.HARDLY page.NO_PLACE preflight.SPEED smallest_sizes.STEP
         smallest_sizes.LARGEST written_robot.WIDTH
     """,
 }

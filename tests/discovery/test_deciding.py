@@ -10,16 +10,18 @@ from discovery_cases import make_case, wave
 from jointwear.discovery import Settings, discover, pipeline
 from jointwear.discovery.estimates.outcome import Named, Refusal
 from jointwear.discovery.estimates.scan import scan
-from jointwear.discovery.findings import _above_the_noise
+from jointwear.discovery.findings import _above_the_noise, _noise_too_high, _with_told_floor
 from jointwear.discovery.linear import Term
 from jointwear.discovery.model.left_out import left_out_ratio
 from jointwear.discovery.presentation.page import (
+    below_the_floor,
     body_in_words,
     hardly_told,
     heading,
     joint_table,
     lead,
     put_back_in_words,
+    strongest_at,
     write_page,
 )
 from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_blocks
@@ -227,6 +229,41 @@ def test_what_a_model_does_to_the_gap_is_told_in_words_that_can_be_true(found):
     assert lead({**content, "gap": neither})[-1].endswith(": neither retuning nor the augmented model changes it.")
 
 
+def test_a_model_that_widens_the_gap_is_not_the_one_to_use(found):
+    """Of an augmented model as bad as the retuned one the page had warned of the latter alone."""
+    gap = {"nominal": [9.0], "retuned": [10.0], "augmented": [10.0], "noise_floor": [1.0]}
+    told = lead({**found.data, "gap": gap})[-1]
+    assert told.count("its file is not the one to use") == 2
+
+
+def test_of_joints_whose_noise_is_not_known_no_gap_is_told(found):
+    gap = {"nominal": [9.0, 5.0], "retuned": [9.0, 5.0], "augmented": [2.0, 3.0], "noise_floor": [2.0, 1.0]}
+    content = {**found.data, "suspects": [], "gap": gap, "noise_untold": [1]}
+    assert "closes 50" in lead(content)[-1]
+    assert not any("closes" in words for words in lead({**content, "noise_untold": [1, 2]}))
+
+
+def test_noise_is_no_more_than_what_is_left_of_the_held_out_motion():
+    gap = Gap((33.0, 1.0, 9.0), (33.0, 1.0, 9.0), (1.97, 1.0, 9.0), (7.7, 1.3, 4.0))
+    told, unsure = _with_told_floor(gap, [2])
+    assert told.noise_floor == (1.97, 1.3, None)
+    assert unsure == {1: 7.7}
+    words = list(_noise_too_high(told, unsure))
+    assert len(words) == 1
+    assert "7.7 N m" in words[0]
+    assert below_the_floor({"augmented": told.augmented, "noise_floor": told.noise_floor}) == [2]
+
+
+def test_a_range_of_most_of_the_motion_is_no_place():
+    wide = {"range": [-7.2, 6.06], "unit": "rad/s", "share_of_range": 0.9}
+    assert strongest_at(wide) == ""
+    assert strongest_at({**wide, "range": [1.0, 2.0], "share_of_range": 0.1}) == "1 to 2 rad/s"
+    assert strongest_at({**wide, "range": [2.3, 2.3], "unit": "Hz", "share_of_range": 0.0}) == "2.3 Hz"
+    # A verdict of an earlier version does not say.
+    del wide["share_of_range"]
+    assert strongest_at(wide)
+
+
 def test_a_heading_counts_effects_and_a_lead_tells_what_shakes(found):
     twice = {**found.data, "effects": 2 * found.data["effects"][:1], "above_the_noise": [], "builds_up": []}
     assert heading(twice) == "The model lacks 2 effects"
@@ -430,7 +467,7 @@ def test_what_was_put_back_is_told_once_with_its_reason():
     )
     assert second.endswith(
         f"Put back: {drive}; then, at 1.9 times, {links}. The file holds: {drive}, {links}. "
-        "On held-out motion it has 1 times the given error."
+        "On held-out motion it has the same error as the given robot."
     )
     assert put_back_in_words({"fallbacks": [], "unexplained": []}) == []
     alike = {**little, "steps": [{"step": everything, "ratio": 0.9998}], "kept": "all as given", "held_out": None}

@@ -85,7 +85,14 @@ def make_verdict(
         effects=tuple(effects),
         retuned=tuple(retuned),
         unexplained=tuple(
-            Structure(u.axis + 1, u.argument, (six_digits(u.low), six_digits(u.high)), u.unit, six_digits(u.p_value))
+            Structure(
+                axis=u.axis + 1,
+                argument=u.argument,
+                range=(six_digits(u.low), six_digits(u.high)),
+                unit=u.unit,
+                p_value=six_digits(u.p_value),
+                share_of_range=round(u.share, 3),
+            )
             for u in left
         ),
         suspects=tuple(_suspects(final)),

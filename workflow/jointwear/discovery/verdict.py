@@ -96,13 +96,20 @@ class Retuned:
 
 @dataclass(frozen=True)
 class Structure:
-    """Structure of one axis over an argument that no effect explains."""
+    """Structure of one axis over an argument that no effect explains.
+
+    Attributes
+    ----------
+    range : of the argument, where the structure is strongest. share_of_range : how much of all that the motion covers
+        of the argument that is; nearly 1 says nothing of where.
+    """
 
     axis: int
     argument: str
     range: tuple[float, float]
     unit: str
     p_value: float
+    share_of_range: float = 0.0
 
 
 @dataclass(frozen=True)

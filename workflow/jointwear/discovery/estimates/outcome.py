@@ -51,7 +51,10 @@ Suspected = tuple[Named, str]
 
 @dataclass(frozen=True)
 class Unexplained:
-    """Structure of one 0-based axis over an argument that no effect explains."""
+    """Structure of one 0-based axis over an argument that no effect explains.
+
+    It is strongest from `low` to `high`, which is a `share` of what the motion covers of the argument.
+    """
 
     axis: int
     argument: str
@@ -60,6 +63,7 @@ class Unexplained:
     high: float
     p_value: float
     nats: float
+    share: float = 0.0
 
 
 @dataclass(frozen=True)

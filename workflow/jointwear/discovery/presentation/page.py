@@ -33,6 +33,8 @@ NARROW = 0.05
 #: Share of a gap that a page with whole percents would print as none.
 HARDLY = 0.005
 UNCHANGED = "leaves it as it is"
+#: Share of what the motion covers from which a range is no place any more.
+NO_PLACE = 0.5
 
 
 def lead(content: dict[str, Any]) -> list[str]:
@@ -59,7 +61,7 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append(f"The model lacks {'; '.join(named)}.")
     elif named:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
-    elif content["unexplained"] or not _untold(content):
+    elif not _untold(content) or content["unexplained"]:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
     else:
         sentences.append(
@@ -76,8 +78,8 @@ def lead(content: dict[str, Any]) -> list[str]:
     closed = _closed(content["gap"], _untold(content))
     if closed is not None:
         alone, augmented = map(_of_the_gap, closed)
-        warned = "" if closed[0] > -NARROW else " (its file is not the one to use)"
-        done = f"retuning alone {alone}{warned}, the augmented model {augmented}"
+        warned = ["" if share > -NARROW else " (its file is not the one to use)" for share in closed]
+        done = f"retuning alone {alone}{warned[0]}, the augmented model {augmented}{warned[1]}"
         if alone == augmented == UNCHANGED:
             done = "neither retuning nor the augmented model changes it"
         sentences.append(
@@ -247,12 +249,34 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
         if max(ratio for _, ratio in steps) <= 1.0:
             stands_in = "it stands in for what stays unexplained there and may be worse in the next recording"
             why += f", but {stands_in if axis in still else 'it gains in some stretches of time and loses in others'}"
-        end = "" if held_out is None else f" On held-out motion it has {number(held_out)} times the given error."
+        end = "" if held_out is None else f" On held-out motion it has {_times_given(held_out)}."
         told.append(
             f"Joint {axis}, {' and '.join(sorted(names))} model{'s' if len(names) > 1 else ''}: {why}. Put back: "
             f"{put_back}. The file holds: {kept}.{end}"
         )
     return told
+
+
+def _times_given(ratio: float) -> str:
+    """Return an error, as a ratio to that of the given robot, in words."""
+    return "the same error as the given robot" if number(ratio) == "1" else f"{number(ratio)} times the given error"
+
+
+def strongest_at(structure: Mapping[str, Any]) -> str:
+    """Return where structure is strongest, empty where that is half or more of what the motion covers.
+
+    A verdict of an earlier version does not say how much that is.
+    """
+    if structure.get("share_of_range", 0.0) >= NO_PLACE:
+        return ""
+    low, high = map(number, structure["range"])
+    return f"{low} {structure['unit']}" if low == high else f"{low} to {high} {structure['unit']}"
+
+
+def below_the_floor(gap: Mapping[str, Any]) -> list[int]:
+    """Return the joints of which a page shows a noise floor above the error of the augmented model."""
+    pairs = enumerate(zip(gap["augmented"], gap["noise_floor"], strict=True), 1)
+    return [axis for axis, (a, f) in pairs if a is not None and f is not None and number(a) != number(f) and a < f]
 
 
 def compare_published(content: Mapping[str, Any], published: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -304,6 +328,8 @@ def write_page(
         "meaning": meaning,
         "body": body_in_words,
         "hardly_told": hardly_told,
+        "strongest_at": strongest_at,
+        "below_the_floor": numbered("joint", below) if (below := below_the_floor(content["gap"])) else "",
         "published": None,
         "pairs": pairs,
         "weak": list(dict.fromkeys(effects[n["effects"][0]].phrase for n in single)),
