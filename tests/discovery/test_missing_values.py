@@ -56,6 +56,17 @@ def test_a_short_gap_concerns_its_joint_alone(healthy):
     assert usable.any()
 
 
+def test_a_cell_that_cannot_be_read_moves_no_cut_off(healthy):
+    """One cell of 8,640 rows had made filters of all splines, each with the highest cut-off."""
+    position = healthy.position.copy()
+    position[300, 1] = np.nan
+    whole, lacking = measure(healthy), measure(replace(healthy, position=position))
+    np.testing.assert_allclose(lacking.cutoff, whole.cutoff, rtol=0.3)
+    both = whole.usable & lacking.usable
+    assert both.sum() > 0.98 * whole.usable.sum()
+    np.testing.assert_allclose(lacking.acceleration[both], whole.acceleration[both], atol=0.05)
+
+
 @pytest.mark.parametrize("role", ["velocity", "acceleration"])
 def test_a_column_without_a_number_is_refused_by_name(derived, robot, role):
     values = getattr(derived, role).copy()

@@ -38,8 +38,8 @@ def test_gain_is_that_of_the_filter():
 def test_noise_of_accelerations_is_predicted(robot):
     recording = coarse(robot)
     exact = measure(coarse(robot, step=1e-12))
-    # A missing sample: a filter takes the place of splines, whose own error would be larger on so smooth a motion.
-    recording.position[700, 5] = np.nan
+    # A hole: a filter takes the place of splines, whose own error would be larger on so smooth a motion.
+    recording.position[700:703, 5] = np.nan
     measured = measure(recording)
     assert not measured.fitted
     frequency = np.linspace(0, RATE / 2, 1025)[1:]

@@ -146,10 +146,25 @@ def test_rows_that_a_logger_wrote_twice_are_left_out_and_told(tmp_path, log):
 
 
 def test_the_fewest_rows_without_which_time_rises_are_left_out(tmp_path, log):
-    for stamp, gone in ((log.time[30], 30), (log.time[28] + 1e-4, 31), (log.time[60], 31)):
+    disordered, repeated = "out of order in time", "stamped with the repeated time of another row"
+    # Of two rows of one time the step before tells that the first is in its place.
+    cases = ((log.time[30], 31, repeated), (log.time[28] + 1e-4, 31, disordered), (log.time[60], 31, disordered))
+    for stamp, gone, why in cases:
         table = {name: np.array(values) for name, values in columns(log).items()}
         table["time"][31] = stamp
         write_csv(tmp_path / "r.csv", table)
         found = load(tmp_path, "r.csv")
         np.testing.assert_allclose(found.position, np.delete(log.position, gone, axis=0), atol=1e-9)
-        assert found.unread == "1 row was left out as out of order in time"
+        assert found.unread == f"1 row was left out as {why}"
+
+
+@pytest.mark.parametrize("written", [False, True])
+def test_of_rows_of_one_time_the_one_in_its_place_stays(tmp_path, log, written):
+    """A clock that stands still leaves the first in its place; rows that are stamped when written the last."""
+    table = {name: np.array(values) for name, values in columns(log).items()}
+    table["time"][30:33] = log.time[32 if written else 30]
+    write_csv(tmp_path / "r.csv", table)
+    found = load(tmp_path, "r.csv")
+    gone = [30, 31] if written else [31, 32]
+    np.testing.assert_allclose(found.position, np.delete(log.position, gone, axis=0), atol=1e-9)
+    assert found.unread == "2 rows were left out as stamped with the repeated time of another row"

@@ -19,7 +19,9 @@ def rows_in_order(log: Chunk, trajectory: np.ndarray) -> tuple[Chunk, np.ndarray
     """Return a log without the few rows that do not follow the others in time, its labels, and what went in words.
 
     Left out are copies of the row before to the last digit, and the fewest rows without which time rises in each
-    trajectory; where those are more than `MOST` of all, none of them.
+    trajectory; where those are more than `MOST` of all, none of them. Of rows of one time in a row the first stays, as
+    of a clock that stood still, or the last, as of rows that are stamped when they are written: the one that makes the
+    steps to the rows before and after them more alike.
 
     Parameters
     ----------
@@ -31,6 +33,7 @@ def rows_in_order(log: Chunk, trajectory: np.ndarray) -> tuple[Chunk, np.ndarray
     late[~copies] = _out_of_order(log.time[~copies], trajectory[~copies])
     if late.mean() > MOST:
         late[:] = False
+    repeated = late & _stamped_as_others(log.time, trajectory, ~(copies | late))
     kept = ~(copies | late)
     if kept.all():
         return log, trajectory, ""
@@ -38,7 +41,8 @@ def rows_in_order(log: Chunk, trajectory: np.ndarray) -> tuple[Chunk, np.ndarray
         f"{counted(int(found.sum()), 'row')} {'was' if found.sum() == 1 else 'were'} left out as {words}"
         for found, words in (
             (copies, "copies of the row before, time and all"),
-            (late, "out of order in time"),
+            (repeated, "stamped with the repeated time of another row"),
+            (late & ~repeated, "out of order in time"),
         )
         if found.any()
     ]
@@ -63,18 +67,39 @@ def _out_of_order(time: np.ndarray, trajectory: np.ndarray) -> np.ndarray:
     for run in runs(trajectory):
         if np.all(time[run][1:] > time[run][:-1]) or not np.isfinite(time[run]).all():
             continue
-        # The longest rising sequence: for each length the row with the earliest time in which one can end.
+        # The longest rising sequence: for each length the row with the earliest time in which one can end, the first
+        # of one time.
         ends: list[float] = []
         last: list[int] = []
         before = np.full(run.stop - run.start, -1)
         for k, stamp in enumerate(time[run].tolist()):
             place = bisect_left(ends, stamp)
             before[k] = last[place - 1] if place else -1
-            ends[place : place + 1] = [stamp]
-            last[place : place + 1] = [k]
+            if ends[place : place + 1] != [stamp]:
+                ends[place : place + 1] = [stamp]
+                last[place : place + 1] = [k]
         found[run] = True
         k = last[-1]
         while k >= 0:
             found[run.start + k] = False
             k = before[k]
+        found[run] = ~_last_where_likelier(time[run], ~found[run])
     return found
+
+
+def _last_where_likelier(time: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Return the rows (m,) that stay, of those of one time in a row the last where the step before them is longer."""
+    rows, result = np.flatnonzero(kept), kept.copy()
+    for earlier, row, later in zip(rows, rows[1:], rows[2:], strict=False):
+        same = np.flatnonzero(time[row:later] != time[row])
+        last = row + (same[0] if len(same) else later - row) - 1
+        if time[row] - time[earlier] > time[later] - time[row]:
+            result[row], result[last] = False, True
+    return result
+
+
+def _stamped_as_others(time: np.ndarray, trajectory: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Return which rows (m,) lie in a row of one time, of one trajectory, of which one row is kept (m,)."""
+    other = (time[1:] != time[:-1]) | (trajectory[1:] != trajectory[:-1])
+    block = np.concatenate([np.zeros(min(len(time), 1), int), np.cumsum(other)])
+    return ~kept & (np.bincount(block, kept)[block] > 0)

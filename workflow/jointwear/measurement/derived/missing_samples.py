@@ -1,14 +1,17 @@
-"""Samples that are missing: short holes are bridged by straight lines, long ones end what can be judged."""
+"""Samples that are missing: short holes are bridged, by curves where splines follow, long ones end what is judged."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 
 from jointwear.statistics.runs import runs
 
 #: Samples in a row of a position, velocity or acceleration that may be missing and are bridged.
 LONGEST_BRIDGE = 2
+#: Share of the samples up to which they are a handful, and samples that a curve goes through at least.
+FEW, FEWEST_OF_CURVE = 1e-3, 4
 
 
 def long_gaps(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
@@ -36,6 +39,29 @@ def bridge(values: np.ndarray, pieces: list[slice]) -> np.ndarray:
                 x[~good] = np.interp(np.flatnonzero(~good), np.flatnonzero(good), x[good])
             elif not good.any():
                 x[:] = 0.0
+    return result
+
+
+def few_short(missing: np.ndarray, pieces: list[slice]) -> bool:
+    """Return whether next to none of the samples (m, n) are missing, and no more in a row than are bridged."""
+    if missing.mean() > FEW:
+        return False
+    lengths = (r.stop - r.start for p in pieces for column in missing[p].T for r in runs(column) if column[r.start])
+    return max(lengths, default=0) <= LONGEST_BRIDGE
+
+
+def curved(values: np.ndarray, missing: np.ndarray, pieces: list[slice]) -> np.ndarray:
+    """Return values (m, n) of a motion with a cubic spline through what is known in place of what is missing (m, n).
+
+    Beside positions to the last digit of an encoder a straight line through a curve is a sample that stands out.
+    """
+    result = np.array(values, dtype=float)
+    for p in pieces:
+        for j in np.flatnonzero(missing[p].any(axis=0)):
+            lost, x = missing[p, j], result[p, j]
+            if (~lost).sum() >= FEWEST_OF_CURVE:
+                place = np.arange(len(x))
+                x[lost] = CubicSpline(place[~lost], x[~lost])(place[lost])
     return result
 
 

@@ -21,7 +21,7 @@ from jointwear.measurement.derived.filtering import HIGHEST, SAFELY, SHORTEST, d
 from jointwear.measurement.derived.fitted_motion import FittedMotion, fit_motion
 from jointwear.measurement.derived.fused_velocity import fuse, made_of_positions
 from jointwear.measurement.derived.jumps import jumps_of, without_jumps
-from jointwear.measurement.derived.missing_samples import bridge, long_gaps, reached
+from jointwear.measurement.derived.missing_samples import bridge, curved, few_short, long_gaps, reached
 from jointwear.measurement.derived.smoothing import CLEAR, END, LONGEST_END, widest_band
 from jointwear.measurement.derived.spectral_floor import resting, spectral_floor
 from jointwear.measurement.derived.torque_spikes import spikes_of, without_spikes
@@ -295,8 +295,13 @@ def _cutoffs(raw: _Raw) -> tuple[np.ndarray, np.ndarray]:
 def _splined(raw: _Raw) -> tuple[_Raw, FittedMotion | None]:
     """Return the recording with the motion of splines, and these; None where they are of no use."""
     # Splines are of use where all is given too: effects depend on what comes after the sign of a velocity.
-    if not (np.max(raw.reach, initial=0.0) < RESOLVED * raw.rate and raw.finite.all()):
+    missing = ~raw.finite
+    if not (np.max(raw.reach, initial=0.0) < RESOLVED * raw.rate and few_short(missing, raw.pieces)):
         return raw, None
+    if missing.any():
+        position = curved(raw.position, missing, raw.pieces)
+        velocity = None if raw.velocity is None else curved(raw.velocity, missing, raw.pieces)
+        raw = replace(raw, position=position, velocity=velocity)
     raw = replace(raw, pieces=[p for p in raw.pieces if p.stop - p.start >= SHORTEST])
     if not raw.pieces:
         return raw, None
