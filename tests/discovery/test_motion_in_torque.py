@@ -125,9 +125,9 @@ def test_a_lag_is_filtered_below_and_turned_above_where_a_dead_time_ends(robot):
 
 
 def filtered(robot, bits):
-    """The whitened problem of a coarse encoder whose positions, one of them missing, are filtered: no splines."""
+    """The whitened problem of a coarse encoder whose positions, with a hole, are filtered: no splines."""
     recording = coarse(robot, seed=6, step=2 * np.pi / 2**bits)
-    recording.position[700, 5] = np.nan
+    recording.position[700:703, 5] = np.nan
     problem = build_problem(split(recording), robot, Settings(), measure(recording))
     return whiten(problem, estimate_noise(problem))
 
