@@ -70,7 +70,9 @@ def unexplained(
             if not freedom:
                 continue
             p, nats = _chance(white, axis, statistic, freedom)
-            low, high, share = _where(basis, seen, white.whiteners[axis].rows)
+            rows = white.whiteners[axis].rows
+            low, high = _where(basis, seen, rows)
+            share = (high - low) / max(float(np.ptp(basis.values[rows])), 1e-300)
             entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats, share)
             profile.append(entry)
             if p < settings.unexplained_p and nats > settings.accept:
@@ -234,19 +236,14 @@ def _without_outliers(fit: Fit, sigmas: float, unknown: Mapping[int, np.ndarray]
     return Fit([y - e for y, e in zip(fit.targets, excess, strict=True)], fit.terms)
 
 
-def _where(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float, float]:
-    """Return the range of the argument that the strongest columns of a basis cover, of those that hold anything, and
-    its share of the range of all samples."""
+def _where(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float]:
+    """Return the range of the argument that the strongest columns of a basis cover, of those that hold anything."""
     size = np.abs(seen.b) / np.sqrt(np.maximum(np.diag(seen.gram), 1e-12))
     strong = np.flatnonzero(seen.good)[size > STRONG * size.max()]
     height = np.abs(basis.columns.T[strong].take(rows, axis=1))
     chosen = height.max(axis=0) > NEAR * height.max()
-    every = basis.values[rows]
-    values = every[chosen]
-    if not len(values):
-        return 0.0, 0.0, 0.0
-    low, high = float(values.min()), float(values.max())
-    return low, high, (high - low) / max(float(np.ptp(every)), 1e-300)
+    values = basis.values[rows][chosen]
+    return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
 
 def stand_alone(outcome: Outcome) -> None:
