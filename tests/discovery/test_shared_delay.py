@@ -200,6 +200,37 @@ def test_joints_agree_by_their_torque_with_one_that_has_a_name(
     assert asked == pytest.approx(expected, abs=0.03)
 
 
+@pytest.mark.parametrize(
+    ("shares", "by_model", "expected"),
+    [
+        ((0.25, 0.22, 0.26, 0.25, 0.28, 0.27), 0.5, 0.25),
+        ((0.25, 0.22, 0.26, 0.25, 0.28, None), 0.5, 0.25),  # the last tells none
+        ((0.25, 0.22, 0.26, 0.25, 0.28, -0.2), 0.5, 0.0),  # the last tells another
+        ((0.25, 0.22, 0.26, None, None, None), 0.5, 0.0),  # half of the joints
+        ((-0.25, -0.22, -0.26, -0.25, -0.28, -0.27), 0.5, 0.0),  # as an answer to the noise of an encoder seems
+        ((0.25, 0.22, 0.26, 0.25, 0.28, 0.27), 60.0, 0.0),  # the model of all joints speaks against it
+    ],
+)
+def test_torque_that_is_late_alike_by_what_was_recorded_is_that_of_the_log(
+    recording, robot, monkeypatch, shares, by_model, expected
+):
+    told = {axis: (0.0, 0.1) if share is None else (share, 3000.0) for axis, share in enumerate(shares)}
+    _curves(monkeypatch, dict.fromkeys(range(6), (0.0, by_model)), told)
+    asked = shared_delay(_white(recording, robot), sampling_period(recording)) / sampling_period(recording)
+    assert asked == pytest.approx(expected, abs=0.03)
+
+
+def test_what_averages_two_samples_is_no_late_torque(recording, robot, monkeypatch):
+    """As good early as late."""
+
+    def told(white, fit, period, shares, recorded=False):
+        nats = 300.0 * (np.abs(shares) - 0.5) ** 2 if recorded else 0.1 * shares**2
+        return dict.fromkeys(range(6), nats - nats.min())
+
+    monkeypatch.setattr(module, "_of_joints", told)
+    assert shared_delay(_white(recording, robot), sampling_period(recording)) == 0.0
+
+
 def test_joints_with_names_agree_with_each_other(recording, robot, monkeypatch):
     shares = (-0.42, -0.38, -0.4, -0.44, -0.37, -0.41)
     model = dict.fromkeys(range(6), (-0.3, 0.5))

@@ -50,6 +50,7 @@ def shared_delay(
     than half of what a name needs, so that three have to agree, and one with a delay of its own speaks neither for nor
     against. Where noise leaves the model of most joints no band to tell it, but one of them has a name for a delay, the
     others may agree with that by the recorded torque. Where most joints have names for one delay it is that of the log.
+    Where the recorded torque of most joints is late alike, and early torque far worse, it is late for all of them.
     Where three have names for delays that undo what was read, none was to be read; nor where the delay that is left
     ends beyond those that are asked, on the other side.
 
@@ -74,8 +75,6 @@ def shared_delay(
     against = _against(lost, settings.accept)
     best = int(np.argmin(against))
     open_still = against[-1] - against[best] <= settings.accept
-    if open_still and not named:
-        return read
     if not open_still and against[STEPS] - against[best] <= settings.accept:
         return 0.0
     recorded = _of_joints(white, fit, period, shares - read / period, recorded=True)
@@ -84,6 +83,8 @@ def shared_delay(
         agreed = _agreed_on(wanted, lost, recorded, shares, settings.accept)
         if agreed is None:
             agreed = _named_alike(wanted, len(lost), shares)
+        if agreed is None:
+            agreed = _late_alike(lost, recorded, shares, settings.accept)
         if agreed is None:
             return read
         best = agreed
@@ -145,6 +146,29 @@ def _agreed_on(
         if by_torque[-1] - there > accept and by_torque[STEPS] - there > accept and by_model[place] < by_model[-1]:
             return place
     return None
+
+
+def _late_alike(
+    lost: Mapping[int, np.ndarray], recorded: Mapping[int, np.ndarray], shares: np.ndarray, accept: float
+) -> int | None:
+    """Return the index of the delay by which the recorded torque of most joints is late alike, or None.
+
+    None that tells a delay may tell another one. Only a late torque is told so, of a log that is read as it came: to
+    the noise of an encoder a controller answers with a torque that seems early. As early a torque must be far worse, by
+    four times as much as none where the loss is a square; what only averages two neighbouring samples is as good either
+    way. The model must not speak against it.
+    """
+    if shares[-1]:
+        return None
+    by_model, by_torque = (_against(told, accept) for told in (lost, recorded))
+    late = shares[:-1] > 2.0 * assumed.CLOCK
+    place = int(np.argmin(np.where(late, by_torque[:-1], np.inf)))
+    near = np.abs(shares - shares[place]) <= 2.0 * assumed.CLOCK
+    sure = np.array([told for told in recorded.values() if told[-1] > accept])
+    if len(sure) <= 2 or 2 * len(sure) <= len(recorded) or by_model[place] - by_model[-1] > accept:
+        return None
+    none, early = sure[:, -1].sum(), sure[:, 2 * STEPS - place].sum()
+    return place if (sure[:, near].min(axis=1) <= accept).all() and early > 2.0 * none else None
 
 
 def _named_alike(named: Mapping[int, float], joints: int, shares: np.ndarray) -> int | None:
