@@ -7,8 +7,9 @@ coarse clock, or right: the motion tells. Samples that are not even are first br
 splines. Samples that a filter edge or a gap reaches are not used.
 
 A joint whose position is counted within one turn is unwrapped first.
-Positions that are missing for no longer than two of their own steps are bridged by straight lines; where more is
-missing no axis is used, because every torque depends on every position. A missing torque concerns its axis alone.
+Positions that are missing for no longer than two of their own steps are bridged by cubic splines where they are
+differentiated: a corner of a straight line is an acceleration that nobody made, in the torques of all axes. Where more
+is missing no axis is used, because every torque depends on every position. A missing torque concerns its axis alone.
 """
 
 from __future__ import annotations
@@ -86,10 +87,12 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
             continue
         rate = (b - a - 1) / (time[-1] - time[0])
         limit = np.minimum(cutoff, SAFELY * rate)
+        values, measured = (velocity[part], chunk.velocity) if given_v else (position[part], chunk.position)
+        clock = likelier_time(time, values)
+        _round_off(clock, values, ~np.isfinite(measured[part]) & ~hole)
         if given_v:
-            out_velocity[part] = velocity[part]
-        values = velocity[part] if given_v else position[part]
-        due.append(_Derived(part, likelier_time(time, values), values, limit, not given_v))
+            out_velocity[part] = values
+        due.append(_Derived(part, clock, values, limit, not given_v))
         reach = min(int(np.ceil(REACH * rate / limit.min())) + 1, (b - a) // 4)
         usable[a : a + reach] = False
         usable[b - reach : b] = False
@@ -127,6 +130,13 @@ def _bridge(time: np.ndarray, values: np.ndarray, longest: float = BRIDGE) -> np
         left, right = known[np.clip(after - 1, 0, None)], known[np.clip(after, None, len(known) - 1)]
         hole[missing, j] = ~inside | (time[right] - time[left] > longest * usual)
     return hole
+
+
+def _round_off(time: np.ndarray, values: np.ndarray, bridged: np.ndarray) -> None:
+    """Put values (k, n) where they were `bridged` (k, n) onto cubic splines through all others, in place."""
+    for j in np.flatnonzero(bridged.any(axis=0)):
+        there = bridged[:, j]
+        values[there, j] = CubicSpline(time[~there], values[~there, j])(time[there])
 
 
 def _bridge_given(time: np.ndarray, values: np.ndarray, hole: np.ndarray) -> bool:
