@@ -14,6 +14,7 @@ from jointwear.measurement.flags import DISQUALIFYING, Flag
 from jointwear.measurement.refused import Refused
 from jointwear.monitor.findings.read_findings import reading_findings
 from jointwear.monitor.reading.inspection import ALL_LOGS, Inspector
+from jointwear.monitor.reading.later_check import LaterCheck
 from jointwear.monitor.reading.logs import log_statistics
 from jointwear.running.script import with_suggestion
 
@@ -253,6 +254,54 @@ def test_a_frozen_torque_is_not_judged(tmp_path, good):
     assert not found.statistics.judgeable[:, 3].any()
     (told,) = reading_findings(found.statistics)
     assert (told["kind"], told["axes"]) == ("frozen", [4])
+
+
+@pytest.mark.parametrize("value", [1.25, 0.0])
+@pytest.mark.parametrize("axis", [1, 3])
+def test_a_torque_that_stands_still_is_told_as_that_and_the_others_go_on(tmp_path, good, axis, value):
+    """It looked like a torque of the motor, or a current, of the whole arm."""
+    log = make_log(480.0, seed=8)
+    log.torque[:, axis] = value
+    path = write_parquet(tmp_path / "log.parquet", columns(log))
+    found = log_statistics(str(path), layout(), model(), survey_of(good), LENGTH, block=4800)
+    assert found.refused == ()
+    assert flagged(found, Flag.TORQUE_FROZEN, axis)
+    others = np.delete(np.arange(5), axis)
+    assert not (found.statistics.flags[:, others] & int(DISQUALIFYING)).any()
+    assert found.statistics.judgeable[:, others].all()
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(100.0, "N cm"), (1000.0, "mN m"), (1e-3, "kN m")])
+def test_a_unit_is_told_by_what_the_robot_itself_had_before(tmp_path, good, factor, unit):
+    """A model that lacks most of what turns the wrists: no factor makes it explain these as before."""
+    log = make_log(480.0, seed=9)
+    more = 0.25 * np.abs(log.torque).max(axis=0) * np.sin(7 * log.time)[:, None]
+    quicker = np.array([1, 1, 1, 1, 2.0, 1])
+    path = write_parquet(tmp_path / "log.parquet", columns(replace(log, torque=factor * quicker * (log.torque + more))))
+    found = log_statistics(str(path), layout(), model(), survey_of(good), LENGTH, block=4800)
+    (told,) = found.refused
+    assert f"about {factor:g} times those of the first log; it looks like {unit}" in told
+    assert not found.statistics.judgeable.any()
+    # Twice as much of what the model lacks is none.
+    path = write_parquet(tmp_path / "other.parquet", columns(replace(log, torque=quicker * (log.torque + more))))
+    assert log_statistics(str(path), layout(), model(), survey_of(good), LENGTH, block=4800).refused == ()
+
+
+def test_what_shows_in_a_whole_block_alone_is_refused_there(tmp_path, good, monkeypatch):
+    """Parts just below what is no chance said nothing: a log was told as refused, and all of it judged."""
+
+    def check(self, chunk, stretch, motion, whole, relieved):
+        if whole:
+            raise Refused("the torques of joints 4 and 5 look swapped", "exchange them")
+        return np.zeros(6, dtype=np.int64)
+
+    survey = survey_of(good)
+    monkeypatch.setattr(LaterCheck, "__call__", check)
+    path = write_parquet(tmp_path / "log.parquet", columns(make_log(480.0, seed=10)))
+    found = log_statistics(str(path), layout(), model(), survey, LENGTH, block=4800)
+    assert len(found.refused) == 1
+    assert (found.statistics.flags & int(Flag.REFUSED) != 0).all()
+    assert not found.statistics.judgeable.any()
 
 
 def test_positions_outside_the_limits_are_not_judged(tmp_path, good):

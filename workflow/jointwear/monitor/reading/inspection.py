@@ -27,7 +27,9 @@ class Inspector:
     """Flags what contradicts the model in one log; `refused` tells in words why samples were refused."""
 
     def __init__(self, model: TorqueModel, survey: Survey, path: str) -> None:
-        self._check = LaterCheck(model.dynamics, np.array(survey.dead_band), survey.left, path)
+        self._check = LaterCheck(
+            model.dynamics, np.array(survey.dead_band), survey.left, path, np.array(survey.torque_reference)
+        )
         self.refused: list[str] = []
         self._told: set[str] = set()
 
@@ -39,8 +41,10 @@ class Inspector:
             return marks
         edges = np.linspace(kept.start, kept.stop, PARTS + 1).astype(int).tolist()
         closer = self._look(around, motion, edges, cache(partial(self._relieved, around, motion, kept)))
+        odd = closer & ~int(Flag.TORQUE_FROZEN) != 0
         if (marks & int(Flag.REFUSED)).any():
-            closer[closer != 0] |= int(Flag.REFUSED)
+            # What shows in the whole alone is nowhere in particular: each part of it is just below what is no chance.
+            closer[odd if odd.any() else marks & int(Flag.REFUSED) != 0] |= int(Flag.REFUSED)
         elif (closer[kept] & int(Flag.UNEXPLAINED) != 0).all():
             self._check.accept()
         return closer

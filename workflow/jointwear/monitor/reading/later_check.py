@@ -3,7 +3,8 @@
 Where the model leaves far more of the torque than in the first log, and as little as there once an axis is turned
 around, two are exchanged or the torque is divided by a factor, the piece is refused. Where nothing of that kind
 explains it, the piece is only marked: another load at the flange does the same. An axis whose torque the model hardly
-explains at all, whatever the load, is not judged.
+explains at all, whatever the load, is not judged. A torque that stands still while its axis moves is told as that, and
+the others are compared without it.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from jointwear.measurement.checks.held_rows import check_rows_are_new, check_tor
 from jointwear.measurement.checks.position_unit import check_position_unit
 from jointwear.measurement.checks.torque_scale import (
     FACTOR,
+    FEWEST_SHARING,
     LIKELIER,
     OF_ONE,
     gained_by,
@@ -38,6 +40,7 @@ from jointwear.measurement.units import sizes_of
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misreadings import without_load
 from jointwear.monitor.reading.plausibility import busiest_piece, check_units, in_motion, measured_in
+from jointwear.monitor.reading.standing_torque import standing
 from jointwear.robots.dynamics import Dynamics
 
 #: Share of the squared torque of an axis below which the model counts as right.
@@ -54,6 +57,14 @@ HARDLY, FAR_WORSE = 0.3, 1.5
 MOST_LOST = 0.5
 #: Share of the axes up to which a piece counts as one in which hardly anything moves.
 SLOW = 0.5
+#: Factor for each power of ten by which the largest torque of a joint may lie off that power of the one in the first
+#: log: a wrist that a new program turns faster had 4.7 times the others'.
+AROUND = 2.5
+#: What mends a torque of one log that is another than that of the first.
+OF_ONE_LOG = (
+    "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all logs of "
+    "a robot"
+)
 
 
 class LaterCheck:
@@ -63,10 +74,19 @@ class LaterCheck:
     ----------
     dynamics : of the robot. dead_band : (n,) [rad/s].
     usual : (n,) what :func:`.plausibility.check_first` returned. name : of the log.
+    largest : (n,) torque [N m] of the first log, default unknown.
     """
 
-    def __init__(self, dynamics: Dynamics, dead_band: np.ndarray, usual: list[float | None], name: str) -> None:
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        dead_band: np.ndarray,
+        usual: list[float | None],
+        name: str,
+        largest: np.ndarray | None = None,
+    ) -> None:
         self._dynamics, self._dead_band, self._name = dynamics, dead_band, name
+        self._largest = np.full(dynamics.robot.joints, np.nan) if largest is None else largest
         self._usual = np.maximum([np.nan if u is None else u for u in usual], RIGHT)
         self._known: np.ndarray | None = None
         self._last: np.ndarray | None = None
@@ -106,10 +126,13 @@ class LaterCheck:
         Refused : where turning an axis around, exchanging two, another scale of the torque, or another unit of
             the torque or of the positions, mends it.
         """
-        nothing = np.zeros(self._dynamics.robot.joints, dtype=np.int64)
         measured = busiest_piece(chunk, stretch, motion, self._dead_band)
         if len(measured.time) < FEWEST:
-            return nothing
+            return np.zeros(self._dynamics.robot.joints, dtype=np.int64)
+        stands = standing(chunk.torque, motion.velocity, self._dead_band)
+        nothing = np.where(stands, int(Flag.TORQUE_FROZEN), 0)
+        # One value looks like a current, a torque of the motor, or one of another joint.
+        measured = replace(measured, usable=measured.usable & ~stands)
         if np.mean(measured.usable.sum(axis=0) >= FEWEST) <= SLOW:
             self._check_slow(chunk, stretch, motion)
         check_units(measured, self._dynamics.robot, self._name, chunk.units)
@@ -129,7 +152,8 @@ class LaterCheck:
             torque = relieved()
             if torque is None:
                 return None
-            return busiest_piece(replace(chunk, torque=torque), stretch, motion, self._dead_band)
+            lighter = busiest_piece(replace(chunk, torque=torque), stretch, motion, self._dead_band)
+            return replace(lighter, usable=lighter.usable & ~stands)
 
         self._last = self._growth(parts, usable)
         plain = float(np.nansum(self._last))
@@ -139,13 +163,14 @@ class LaterCheck:
         if float(np.nansum(np.maximum(self._last, 0.0))) < WORSE:
             return nothing
         if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
-            return self._marks()
+            return self._marks() | nothing
         reading = self._read_otherwise(parts, usable, plain)
         if reading is not None and self._is_likelier(reading, parts, usable):
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
         self._check_scale(measured, samples, plain, lightened)
         if whole:
             self._check_shared_scale(measured, parts, usable, plain)
+        self._check_decade(measured, parts, usable, plain, chunk.units.get("torque") or "N m")
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             self._lost &= self._lost_in(lighter)
@@ -153,7 +178,7 @@ class LaterCheck:
             self._lost &= self._lost_in(lighter)
         # What befell most torques befell the others too, though they may resemble what they were.
         self._lost |= self._lost.sum() > MOST_LOST * np.isfinite(self._last).sum()
-        return self._marks()
+        return self._marks() | nothing
 
     def _check_slow(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> None:
         """Check that positions of a piece in which hardly a joint moves are not radians, stated as a smaller unit: most
@@ -230,8 +255,40 @@ class LaterCheck:
             f"{self._name}: the torque is another multiple of the model's than in the first log ({factors}); it looks "
             "like another unit, a current, a share of a rating or a torque that counts the other way round; it would "
             f"fit times about {mended}",
-            "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
-            "logs of a robot",
+            OF_ONE_LOG,
+        )
+        raise self._refusal
+
+    def _check_decade(
+        self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float, stated: str
+    ) -> None:
+        """Check that the torques of all joints are not ten times, or another power of it, what the robot ever had.
+
+        Its own torques tell that whatever the model lacks; no motion, load or wear does it to every joint alike.
+
+        Raises
+        ------
+        Refused : with the factor, where the torque over it is explained far better too.
+        """
+        largest = np.max(np.where(measured.usable, np.abs(np.nan_to_num(measured.torque)), 0.0), axis=0, initial=0.0)
+        known = (largest > 0) & np.isfinite(self._largest)
+        if known.sum() < FEWEST_SHARING:
+            return
+        size = np.log10(largest[known] / self._largest[known])
+        decade = int(np.rint(np.median(size)))
+        if decade == 0 or np.any(np.abs(size - decade) > abs(decade) * np.log10(AROUND)):
+            return
+        scale = np.full_like(self._scale, 10.0**decade)
+        if plain - self._left_over(parts, usable, scale) <= WORSE:
+            return
+        self._scale = scale
+        sizes = sizes_of("torque")
+        units = [u for u, x in sizes.items() if stated in sizes and np.isclose(sizes[stated] / x, 10.0**decade)]
+        looks = f"it looks like {units[0]}, read as {stated}" if units else "it looks like another unit"
+        self._refusal = Refused(
+            f"{self._name}: the torques of all joints are about {significant(10.0**decade)} times those of the first "
+            f"log; {looks}",
+            OF_ONE_LOG,
         )
         raise self._refusal
 
@@ -263,8 +320,7 @@ class LaterCheck:
             f"{self._name}: gravity and inertial torques of all joints are about {significant(factor, 2)} times those "
             "of the model whatever their friction, unlike in the first log; it looks like another unit, another torque "
             f"constant or a share of a rating; the torque would fit times about {significant(1 / factor, 2)}",
-            "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all "
-            "logs of a robot",
+            OF_ONE_LOG,
         )
         raise self._refusal
 

@@ -24,6 +24,7 @@ from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.plausibility import outside_limits
 from jointwear.monitor.reading.reversals import reach_of
 from jointwear.monitor.reading.seen_block import SeenBlock, model_torque
+from jointwear.monitor.reading.standing_torque import standing
 from jointwear.monitor.reading.survey import Survey, guard_of
 from jointwear.monitor.reading.torque_lag import LARGEST, off_in_time, read_later, rest_of
 from jointwear.monitor.reading.windows import WindowStatistics, blank_statistics, merge
@@ -33,8 +34,6 @@ from jointwear.robots.flange import FlangeLoad
 BLOCK, HALO = 40_000, 400
 #: Blocks whose statistics are put together at a time.
 TOGETHER = 32
-#: Samples of a torque that keeps one value, and of motion of its joint either way, from which it is frozen.
-FEWEST_FROZEN, FEWEST_MOVING = 200, 20
 
 
 @dataclass(frozen=True)
@@ -202,21 +201,7 @@ def _flagged(
     saturated, _ = at_limit(chunk.torque, chunk.position, around.stretch)
     flags[saturated] |= int(Flag.SATURATED)
     flags[far] |= int(Flag.OUTSIDE_LIMITS)
-    flags[:, _frozen(chunk.torque, motion.velocity, dead_band)] |= int(Flag.TORQUE_FROZEN)
+    flags[:, standing(chunk.torque, motion.velocity, dead_band)] |= int(Flag.TORQUE_FROZEN)
     # Every torque depends on every position.
     usable = motion.usable & ~saturated & (marks & int(Flag.REFUSED) == 0) & ~far.any(axis=1)[:, None]
     return flags, usable
-
-
-def _frozen(torque: np.ndarray, velocity: np.ndarray, dead_band: np.ndarray) -> np.ndarray:
-    """Return the axes (n,) whose torque keeps one value though they move both ways."""
-    if len(torque) < FEWEST_FROZEN:
-        return np.zeros(torque.shape[1], dtype=bool)
-    # One value throughout shows in the first samples already: mostly nothing is left to look at.
-    first = torque[:FEWEST_FROZEN]
-    same = ~(np.isfinite(first[0]) & np.isfinite(first) & (first != first[0])).any(axis=0)
-    for j in np.flatnonzero(same):
-        known = torque[np.isfinite(torque[:, j]), j]
-        same[j] = len(known) > 0 and np.ptp(known) == 0
-    both = (velocity > dead_band).sum(axis=0), (velocity < -dead_band).sum(axis=0)
-    return same & (np.minimum(*both) > FEWEST_MOVING)
