@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from monitor_windows import NOISE, residuals, statistics_of
 
-from jointwear.monitor.findings.loud import LOUD, SMOOTH, UNEVEN, loud_findings
+from jointwear.monitor.findings.loud import LOUD, LOUD_PROGRAM, SMOOTH, UNEVEN, loud_findings
 
 #: Windows, and those of a shift; the first three shifts are the baseline.
 WINDOWS, SHIFT = 64, 8
 
 
-def _findings(loud, events=((), (), ())):
+def _findings(loud, events=((), (), ()), **more):
     """Findings where `loud` (w, 3) multiplies the noise."""
     extra = (loud - 1)[:, None] * NOISE * np.random.default_rng(3).standard_normal((WINDOWS, 80, 3))
     statistics = statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), 1, extra))
     shift = np.arange(WINDOWS) // SHIFT
-    return loud_findings(statistics, shift, shift < 3, events)
+    return loud_findings(statistics, shift, shift < 3, events, **more)
 
 
 def _loud(axes, shifts):
@@ -38,6 +38,50 @@ def test_how_large_it_is_says_what_its_loud_hours_are():
     """The median of all hours since was told, which may be as quiet as before: "1 times as large"."""
     (found,) = _findings(_loud([1], [4, 5]))
     assert float(found["words"].split(" is ")[1].split(" times")[0]) > 5
+
+
+@pytest.mark.parametrize(("shifts", "ended"), [([3, 4], True), ([4, 5], False), ([3, 4, 6], False)])
+def test_an_axis_that_is_as_before_for_three_shifts_is_done(shifts, ended):
+    """One day on which two columns were exchanged left the axis unjudged until somebody entered an event."""
+    (found,) = _findings(_loud([1], shifts))
+    assert ("end" in found, "answered" in found) == (ended, ended)
+    assert ("as before again" in found["words"]) == ended
+    if ended:
+        assert (found["time"], found["end"]) == (3 * SHIFT * 3600.0, 5 * SHIFT * 3600.0)
+
+
+def test_logs_that_were_refused_in_part_tell_nothing_of_an_axis():
+    loud = _loud([1], [4, 5])
+    doubtful = loud[:, 1] > 1
+    assert _findings(loud, doubtful=doubtful) == []
+    # In one of two shifts it leaves one, which is not shift after shift.
+    assert _findings(loud, doubtful=doubtful & (np.arange(WINDOWS) < 40)) == []
+    assert _findings(loud, doubtful=np.arange(WINDOWS) < 32)
+
+
+@pytest.mark.parametrize(
+    ("case", "kinds"),
+    [
+        ("only there, from its first window on", [LOUD_PROGRAM]),
+        ("the other program too", [LOUD]),
+        ("quiet there at first", [LOUD]),
+        ("nothing else runs since", [LOUD]),
+    ],
+)
+def test_a_noise_of_a_new_program_alone_is_no_damage(case, kinds):
+    program = np.zeros(WINDOWS, dtype=int)
+    program[(np.arange(WINDOWS) >= 32) & (np.arange(WINDOWS) % SHIFT >= 2)] = 1
+    loud = np.ones((WINDOWS, 3))
+    loud[program == 1, 1] = 8.0
+    if case == "the other program too":
+        loud[40:, 1] = 8.0
+    elif case == "quiet there at first":
+        loud[:40, 1] = 1.0
+    elif case == "nothing else runs since":
+        program[32:], loud[32:, 1] = 1, 8.0
+    found = _findings(loud, program=program)
+    assert [f["kind"] for f in found] == kinds
+    assert all(f["axes"] == [2] for f in found)
 
 
 def test_an_event_answers_it():

@@ -41,6 +41,8 @@ def test_an_axis_whose_torque_grew_uneven_is_not_called_healthy_until_an_event_a
     assert told["status"] == UNJUDGED
     assert "uneven" in told["remark"]
     assert axis_summary(replace(state, findings=[{**found, "answered": True}]), 0)["status"] == HEALTHY
+    over = {**found, "end": float(state.end[43])}
+    assert axis_summary(replace(state, findings=[over]), 0)["status"] == HEALTHY
 
 
 @pytest.mark.parametrize(

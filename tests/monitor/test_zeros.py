@@ -65,6 +65,13 @@ def test_the_same_change_in_two_shifts_is_another_zero(change):
     assert "answered" not in told
 
 
+def test_logs_that_were_refused_in_part_tell_no_other_zero():
+    """Torques of two joints that are exchanged for a day look like one where nothing refuses them."""
+    statistics, program, shift, baseline = month(10.0)
+    doubtful = (shift >= 14) & (shift <= 18)
+    assert changed_zero(statistics, program, shift, baseline, [[]] * 3, doubtful) is None
+
+
 def test_windows_that_scatter_make_no_other_zero_of_a_shift():
     """A part that is found in some windows turns their angles by 11 degrees: in two shifts in half and in most."""
     statistics, program, shift, baseline = month(0.0)

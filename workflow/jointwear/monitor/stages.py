@@ -26,6 +26,7 @@ from jointwear.monitor.made_with import made_with
 from jointwear.monitor.normal.recall import Recall, read_recall, write_recall
 from jointwear.monitor.reading.assembly import Piece, assemble
 from jointwear.monitor.reading.at_rest import without_noise_at_rest
+from jointwear.monitor.reading.logs_of_windows import logs_of_windows
 from jointwear.monitor.reading.piece_files import read_pieces
 from jointwear.monitor.reading.survey import Survey, read_survey
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -98,7 +99,13 @@ def judge_pieces(
     keep_baseline(statistics, baseline, given, kept)
     statistics = without_noise_at_rest(statistics)
     whole = replace(whole, statistics=statistics)
-    judgement = judge(statistics, baseline.mask, settings_of(arm, entry), recall=recall)
+    judgement = judge(
+        statistics,
+        baseline.mask,
+        settings_of(arm, entry),
+        recall=recall,
+        logs=logs_of_windows(whole.pieces, statistics),
+    )
     words = [("baseline", baseline.words)] if baseline.words else []
     begin = float(statistics.start[0])
     first = [{"time": begin, "axes": [], "kind": k, "words": w} for k, w in [*words, *(("robot", w) for w in told)]]

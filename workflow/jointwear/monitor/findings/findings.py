@@ -47,6 +47,8 @@ def findings_of(
     exchanges: Sequence[Exchange],
     changed: np.ndarray,
     shown: np.ndarray | None,
+    program: np.ndarray | None = None,
+    doubtful: np.ndarray | None = None,
 ) -> list[dict[str, Any]]:
     """Return the findings, each with `time` [s], `axes` (1-based), `kind` and `words` for the page.
 
@@ -54,6 +56,7 @@ def findings_of(
     ----------
     steps : changed scales. exchanges : of robots or drives. changed : (w, n) bool, axes with an open alarm of friction.
     shown : (w,) programs that the motion shows, None where the log names them or there is one.
+    program : (w,) of either, None for one. doubtful : as of :func:`.loud_findings`.
     """
     explained = {(s.axis, s.window) for s in steps} | {(j, one.window) for one in exchanges for j in one.axes}
     found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained)
@@ -63,7 +66,7 @@ def findings_of(
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline) + broken(statistics, baseline)
     events = [[s.window for s in starts if not s.proposed] for starts in level.starts]
-    found += loud_findings(statistics, shift, baseline, events)
+    found += loud_findings(statistics, shift, baseline, events, program, doubtful)
     return sorted(found, key=lambda f: f["time"])
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from jointwear.files.wording import name_axes
+from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.findings.findings import FELL, PROGRAM, fell_words
 from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.seen_growth import COARSE
+from jointwear.monitor.normal.products import log_words
 
 #: What findings on products have in common.
 PRODUCTS = "products"
@@ -95,6 +96,8 @@ def _products(found: Sequence[Finding]) -> dict[str, Any]:
         f"that no load of the robot file stands for ({moved}): the normal of each is learnt from its first "
         f"shifts{judged}."
     )
+    if logs := list(dict.fromkeys(name for f in found for name in f.get("logs", ()))):
+        words += f" {log_words(logs)}" if all(f.get("logs") for f in found) else f" Look at {listed(logs)} first."
     return {"time": max(f["time"] for f in found), "words": words}
 
 

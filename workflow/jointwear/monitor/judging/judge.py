@@ -30,6 +30,7 @@ from jointwear.monitor.normal.products import product_findings
 from jointwear.monitor.normal.programs import program_findings
 from jointwear.monitor.normal.recall import Recall
 from jointwear.monitor.normal.series import Series, usual_speed
+from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.reading.zeros import changed_zero, zero_finding
 from jointwear.monitor.watching.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHARE
@@ -93,6 +94,7 @@ def judge(
     settings: JudgeSettings,
     known: dict[str, list[AxisNormal | None]] | None = None,
     recall: Recall | None = None,
+    logs: LogsOfWindows | None = None,
 ) -> Judgement:
     """Judge all windows.
 
@@ -100,7 +102,7 @@ def judge(
     ----------
     baseline : number of windows, from the first, that show the robot healthy, or which ones, (w,) bool.
     known : normal states by name of the series, of a call that differs in the stated rate alone; filled where empty.
-    recall : of what the baseline told before, :mod:`.recall`.
+    recall : of what the baseline told before, :mod:`.recall`. logs : that the windows come from, default unknown.
 
     Raises
     ------
@@ -151,7 +153,7 @@ def judge(
         ),
         reason=teller.reasons(),
         findings=[
-            *_findings(statistics, seen, friction, viscous, teller, limit),
+            *_findings(statistics, seen, friction, viscous, teller, limit, logs),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
             *grown_before_findings(statistics, level),
         ],
@@ -183,23 +185,30 @@ def _without_gains(
 
 
 def _findings(
-    statistics: WindowStatistics, seen: Observed, friction: _Level, viscous: Watch, teller: Teller, limit: float
+    statistics: WindowStatistics,
+    seen: Observed,
+    friction: _Level,
+    viscous: Watch,
+    teller: Teller,
+    limit: float,
+    logs: LogsOfWindows | None,
 ) -> list[dict[str, Any]]:
     """Return what is no alarm but must be told; `limit` of growth, as a share."""
     first, shift, level = seen.baseline, seen.shift, friction.watch
     changes = friction.steps, friction.exchanges
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
     shown = None if seen.conditions.named else seen.regime
-    zero = changed_zero(statistics, seen.regime, shift, first, seen.events)
+    program, doubtful = seen.regime, None if logs is None else logs.doubtful
+    zero = changed_zero(statistics, program, shift, first, seen.events, doubtful)
     return [
-        *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, shown),
+        *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, shown, program, doubtful),
         *greasing_findings(statistics, shift, first, level, viscous, _of_viscous(seen)),
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),
         *missed_findings(statistics, first, viscous),
         *(backlash_findings(seen.hidden, float(statistics.start[0])) if first.any() else []),
         *program_findings(statistics, first, most),
-        *product_findings(statistics, seen.conditions.regime, seen.products, most),
+        *product_findings(statistics, seen.conditions.regime, seen.products, most, logs),
         *override_findings(statistics, path_speed(seen.conditions.features), seen.regime, first, most),
         *reading_findings(statistics, first, shift),
         *zero_finding(statistics, zero),

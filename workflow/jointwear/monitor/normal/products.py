@@ -16,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.files.wording import name_axes
+from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.normal.programs import learnt_in_words
 from jointwear.monitor.normal.series import Series
+from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.regimes import programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.statistics.known import known_median
@@ -142,13 +143,18 @@ def _label_late(
 
 
 def product_findings(
-    statistics: WindowStatistics, program: np.ndarray | None, products: Sequence[Product], judged: np.ndarray
+    statistics: WindowStatistics,
+    program: np.ndarray | None,
+    products: Sequence[Product],
+    judged: np.ndarray,
+    logs: LogsOfWindows | None = None,
 ) -> list[dict[str, Any]]:
     """Return a finding for every product that the baseline lacks.
 
     Parameters
     ----------
     program : (w,) as :func:`with_products` returns it. judged : (w,) bool, in which most axes are judged.
+    logs : that the windows come from, default unknown. Those of a product that few have are named.
     """
     result = []
     for product in products:
@@ -158,9 +164,23 @@ def product_findings(
             "have before and that no load of the robot file stands for: "
         )
         words += learnt_in_words(judged[rows], statistics.length)
+        few = [] if logs is None else logs.few(rows)
+        if few:
+            words = f"{words} {log_words(few, logs.faults(rows))}"
         found = {"time": float(statistics.start[rows[0]]), "axes": [], "kind": "program", "words": words}
-        result.append({**found, "moved": list(product.axes), "judged": bool(judged[rows].any())})
+        told = {"logs": few} if few else {}
+        result.append({**found, "moved": list(product.axes), "judged": bool(judged[rows].any()), **told})
     return result
+
+
+def log_words(logs: Sequence[str], faults: str = "") -> str:
+    """Return in words which few logs something lies in; `faults`: what else is odd about them, in words."""
+    whose = listed(list(logs))
+    why = f", for {faults}" if faults else ""
+    return (
+        f"All of it lies in {whose}: look at that first{why}; columns that are exchanged, another unit, lost rows or a "
+        "torque that stands still do the same as a part."
+    )
 
 
 def _is_new(beyond: np.ndarray, of_one: bool) -> bool:

@@ -182,7 +182,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
     after = judged[judged >= state.baseline]
     level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
-    loud = any(j + 1 in f["axes"] for f in _unanswered(state, LOUD))
+    loud = any(j + 1 in f["axes"] and "end" not in f for f in _unanswered(state, LOUD))
     if level == HEALTHY and (loud or _long_unseen(state, j, int(judged[-1]))):
         level = UNJUDGED
     if level == CHANGED and state.back[j] and open_ones:

@@ -119,6 +119,7 @@ def changed_zero(
     shift: np.ndarray,
     baseline: np.ndarray,
     events: Sequence[Sequence[int]],
+    doubtful: np.ndarray | None = None,
 ) -> ChangedZero | None:
     """Return the first change of a zero after the baseline, None where there is none.
 
@@ -126,13 +127,15 @@ def changed_zero(
     ----------
     regime : (w,) program of each window, -1 unknown, or None for one. shift : (w,) labels. baseline : (w,) bool.
     events : for each axis the windows of the events that a user entered: what follows one is not held against before.
+    doubtful : (w,) bool, windows of logs of which samples were refused, default none: they tell nothing.
     """
     w, n = statistics.count.shape
     program = programs_or_one(regime, w)
     shown = statistics.turned_shown
     # Where a torque is cut off at a limit, what is left of it leans to one side.
     cut = (statistics.flags & int(Flag.SATURATED) != 0).any(axis=1)
-    known = (shown > KNOWN**-2) & ~cut[:, None]
+    left_out = cut if doubtful is None else cut | doubtful
+    known = (shown > KNOWN**-2) & ~left_out[:, None]
     angle = np.divide(statistics.turned, shown, out=np.full((w, n), np.nan), where=known)
     angle[np.abs(np.nan_to_num(angle)) > LARGEST] = np.nan
     change = beyond_usual(angle, program, baseline & known.any(axis=1))
