@@ -28,6 +28,7 @@ from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED,
 from jointwear.monitor.presentation.page import finding_rows
 from jointwear.monitor.presentation.standing import NOTHING, rhythm_hours
 from jointwear.monitor.presentation.words import MAY_BE_REACHED, change_words, outlook_words
+from jointwear.monitor.reading.inspection import ALL_LOGS
 from jointwear.monitor.watching.backlash import BACKLASH
 
 NOW = 1_767_225_600.0
@@ -183,6 +184,22 @@ def test_what_mends_refused_logs_comes_first(tmp_path):
     write_fleet_page([row], tmp_path / "index.html", zone_of(None), NOW)
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert page.index("Write the torque as the first log has it.") < page.index("logs/4.csv")
+
+
+def test_one_log_in_another_unit_is_mended_by_no_key_of_the_robot():
+    """ "State units: {position: deg}." stood on top for one log of 20; obeyed, it refuses the other 19."""
+    why = "they look like degrees; state units: {position: deg}"
+    told = [f"logs/{k}.csv: positions of joint {k} reach 71; {why}{ALL_LOGS}" for k in (3, 5)]
+    swapped = "logs/7.csv: the torques of joints 2 and 3 look swapped against the first log; exchange them"
+    row = as_of(robot("arm", refusals=[*told, f"{swapped}{ALL_LOGS}"], refused_logs=3, logs=20), NOW)
+    then = "Write it as in the others; a key of the robot would hold for these too"
+    assert robot_item(row, zone_of(None), "robots")["mends"] == [
+        f"Mend logs/3.csv and logs/5.csv alone, of 20 logs: positions look like degrees. {then}",
+        f"Mend logs/7.csv alone, of 20 logs: the torques of joints 2 and 3 look swapped. {then}",
+    ]
+    # Of a robot that is refused as a whole a key mends all.
+    whole = robot("arm", result="refused", reason=told[0], refusals=told[:1], refused_logs=20, logs=20, axes=[])
+    assert robot_item(as_of(whole, NOW), zone_of(None), "robots")["mends"][0] == "State units: {position: deg}"
 
 
 @pytest.mark.parametrize(("refused", "told"), [(3, ""), (4, "1 log more refused"), (11, "8 logs more refused")])

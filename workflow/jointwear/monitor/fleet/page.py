@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.files.text_files import replace_text
-from jointwear.files.wording import listed, name_axes
+from jointwear.files.wording import count, listed, name_axes
 from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
@@ -19,6 +19,7 @@ from jointwear.monitor.local_time import duration, local_day, local_time, log_ti
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
 from jointwear.monitor.presentation.to_answer import lasts, to_do
 from jointwear.monitor.presentation.words import todo
+from jointwear.monitor.reading.inspection import ALL_LOGS
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.publishing.report.rendering import render_page
 
@@ -90,10 +91,30 @@ def what_to_do(row: Mapping[str, Any], zone: tzinfo) -> str:
 
 
 def _mends(row: Mapping[str, Any]) -> list[str]:
-    """Return what mends the logs that are refused, as far as the reasons say it, each once."""
-    clauses = [c.strip() for told in (row["reason"], *row["refusals"]) for c in told.split("; ")[1:]]
+    """Return what mends the logs that are refused, as far as the reasons say it, each once; logs that no key may mend,
+    as it would be wrong for the others, come after the rest."""
+    clauses: list[str] = []
+    alone: dict[str, list[str]] = {}
+    for told in (row["reason"], *row["refusals"]):
+        if told != row["reason"] and told.endswith(ALL_LOGS):
+            log, _, what = told.partition(": ")
+            alone.setdefault(_looks(what), []).append(log)
+        else:
+            clauses += [c.strip() for c in told.split("; ")[1:]]
     found = [c.rstrip(".") for c in clauses if c.partition(" ")[0] in MENDS]
-    return [f"{c[:1].upper()}{c[1:]}" for c in dict.fromkeys(found)]
+    more = " and others" if row["refused_logs"] > len(row["refusals"]) else ""
+    of = f"{more} alone, of {count(row['logs'], 'log')}"
+    told = "Write it as in the others; a key of the robot would hold for these too"
+    return [f"{c[:1].upper()}{c[1:]}" for c in dict.fromkeys(found)] + [
+        f"Mend {listed(logs)}{of}: {looks}. {told}" for looks, logs in alone.items()
+    ]
+
+
+def _looks(what: str) -> str:
+    """Return in words what a log looks like, from the reason `what` it is refused for; without numbers of its own."""
+    looks = next((c for c in what.split("; ") if "look" in c), what.partition("; ")[0])
+    whose = next((w for w in ("positions", "the temperature", "the torque") if what.startswith(w)), "its values")
+    return re.sub("^(they|it) ", f"{whose} ", looks).removesuffix(" against the first log")
 
 
 def _refusals(row: Mapping[str, Any]) -> list[tuple[str, str]]:
