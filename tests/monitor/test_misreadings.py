@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
+from jointwear.measurement.checks.torque_scale import WrongScale
+from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import Refused
 from jointwear.monitor.reading import misreadings
 from jointwear.monitor.reading.model import TorqueModel
@@ -20,6 +22,21 @@ CONSTANT, RATED = np.array([25.0, 30.0, 20.0, 5.0, 5.0, 4.0]), np.array([97.0, 1
 ORDER = [0, 2, 1, 3, 4, 5]
 LOG = make_log(40.0, noise=0.01)
 DEGREE = 180 / np.pi
+
+
+_MEASURED = Measured(
+    time=LOG.time,
+    trajectory=np.zeros(len(LOG.time), dtype=int),
+    position=LOG.position,
+    velocity=LOG.velocity,
+    acceleration=LOG.acceleration,
+    torque=LOG.torque,
+    temperature=np.full_like(LOG.torque, np.nan),
+    usable=np.ones(LOG.torque.shape, dtype=bool),
+    cutoff=np.full(6, np.nan),
+    rate=1.0,
+    speed_floor=np.full(6, 0.01),
+)
 
 
 def turned(axis):
@@ -159,3 +176,29 @@ def test_a_torque_constant_of_what_is_no_current_is_to_be_taken_out(tmp_path):
     with pytest.raises(Refused, match="times 'torque_constant'; it looks like N m as it is logged") as refused:
         survey(tmp_path, entry={"torque_constant": CONSTANT.tolist()})
     assert refused.value.suggestion.startswith("take 'torque_constant' out")
+
+
+@pytest.mark.parametrize("what_is_left", ["nothing", "axes exchanged", "another scale"])
+def test_factors_and_axes_that_a_load_explains_are_no_current(monkeypatch, what_is_left):
+    """A gripper and a part on half of the moves of a light arm: three factors, and joints that look exchanged."""
+    scale = WrongScale("it looks like a current", "give 'torque_constant'", 0.05)
+    monkeypatch.setattr(misreadings, "thinned", lambda x: x)
+    monkeypatch.setattr(misreadings, "check_reach", lambda *_: None)
+    monkeypatch.setattr(misreadings, "check_size", lambda *_: None)
+    monkeypatch.setattr(misreadings, "_read_as_rad", lambda *_: None)
+    lighter = replace(_MEASURED, time=_MEASURED.time + 1)
+    monkeypatch.setattr(misreadings, "without_load", lambda *_: lighter)
+    left = scale if what_is_left == "another scale" else None
+    monkeypatch.setattr(misreadings, "wrong_scale", lambda x, *_: left if x is lighter else scale)
+    monkeypatch.setattr(misreadings, "a_load_explains", lambda *_: True)
+
+    def check(samples):
+        if samples is not lighter or what_is_left == "axes exchanged":
+            raise Refused("joints 2 and 3 look swapped", "exchange them")
+
+    if what_is_left == "nothing":
+        misreadings.check_readings(_MEASURED, model().robot, check, "log")
+    else:
+        told = "swapped" if what_is_left == "axes exchanged" else "current"
+        with pytest.raises(Refused, match=told):
+            misreadings.check_readings(_MEASURED, model().robot, check, "log")
