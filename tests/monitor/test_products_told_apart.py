@@ -49,6 +49,17 @@ def test_one_axis_or_a_small_change_is_no_product(axes, factor):
     assert asked(month(axes, factor)) == (None, ())
 
 
+@pytest.mark.parametrize(("windows", "told"), [(1, 0), (3, 1)])
+def test_an_hour_or_two_of_a_new_program_say_not_what_is_usual_in_it(windows, told):
+    """One hour in which a load was found stood for the program, and a shift in which it was not for another part."""
+    s, place = month(), np.arange(WINDOWS)
+    regime = (place >= 40 - windows).astype(int)
+    # Loud in six hours of eight, in another order each shift.
+    loud = (place >= 40) & ((place + SHIFTS) % 4 > 0)
+    s.residual_square[loud] *= 2.0**2
+    assert len(asked(s, regime)[1]) == told
+
+
 @pytest.mark.parametrize(("windows", "told"), [(1, 0), (2, 0), (3, 1)])
 def test_one_or_two_windows_tell_no_product(windows, told):
     """Of two, one in which a load was not found makes half of the median."""

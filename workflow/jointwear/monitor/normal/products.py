@@ -86,8 +86,11 @@ def with_products(
         early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, ~baseline))
         lacked = not early
         if lacked:
-            # The first shift of a program that the baseline lacks stands for the usual product.
-            early, late = late[:1], late[1:]
+            # The first shift of a program that the baseline lacks stands for the usual product; where it holds an hour
+            # or two of it, in which a load may not have been found, with the next.
+            counts = np.cumsum([len(rows) for rows, _ in late])
+            first = int(np.searchsorted(counts, WINDOWS)) + 1
+            early, late = late[:first], late[first:]
         elif len(early) < SHIFTS:
             continue
         known = [middle for _, middle in early]
