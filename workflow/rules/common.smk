@@ -115,13 +115,13 @@ except (InputError, OSError) as error:
     )
 
 
-def checkout_alone(rule, why):
-    """An input of a rule that works on the checkout: none, or the refusal of any other folder before a job starts."""
+def checkout_alone(target, why):
+    """No input where the call works on the checkout itself, else the refusal of the folder, before a job starts."""
 
     def asked(wildcards):
         if not Path.cwd().samefile(LIBRARY.parent):
             sys.exit(
-                f"jointwear: {rule} {why}; run it in {LIBRARY.parent}, without --directory"
+                f"jointwear: {target} {why}; run it in {LIBRARY.parent}, without --directory"
             )
         return []
 
