@@ -59,6 +59,15 @@ def test_a_few_rows_say_the_same_as_all_samples(posed):
     np.testing.assert_allclose(few.fit().gram(short.blocks)[1], gram, rtol=1e-6)
 
 
+def test_an_axis_of_which_no_effect_is_asked_shows_none(posed):
+    """As of one whose samples are too few between reversals."""
+    white, dictionary = posed
+    asked = replace(dictionary, entries={**dictionary.entries, 0: []})
+    shown = {v.axis for v in identifiability(white, asked)}
+    assert 0 not in shown
+    assert shown >= set(white.problem.judged) - {0}
+
+
 def test_the_torque_of_an_effect_has_to_matter_and_its_middle_form_to_be_seen(posed):
     white, dictionary = posed
     settings = white.problem.settings

@@ -241,7 +241,7 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
     told, still = [], {u["axis"] for u in content["unexplained"]}
     for (axis, steps, kept, held_out), names in sorted(models.items(), key=lambda found: found[0][0]):
         put_back = "; ".join(
-            step if k == 0 else f"then, at {number(ratio)} times, {step}" for k, (step, ratio) in enumerate(steps)
+            step if k == 0 else f"then, at {_as_much(ratio)}, {step}" for k, (step, ratio) in enumerate(steps)
         )
         first = steps[0][1]
         times = "as large as" if number(first) == "1" else f"{number(first)} times"
@@ -255,6 +255,10 @@ def put_back_in_words(content: Mapping[str, Any]) -> list[str]:
             f"{put_back}. The file holds: {kept}.{end}"
         )
     return told
+
+
+def _as_much(ratio: float) -> str:
+    return "as much" if number(ratio) == "1" else f"{number(ratio)} times"
 
 
 def _times_given(ratio: float) -> str:

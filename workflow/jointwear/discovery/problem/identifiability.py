@@ -66,6 +66,8 @@ def identifiability(white: White, dictionary: Dictionary) -> list[Visible]:
     fit, usual = white.fit(), white.problem.settings.usual
     found = []
     for axis, matrix in dictionary.matrix.items():
+        if not dictionary.entries[axis]:
+            continue
         families: dict[tuple, list[tuple[float, Candidate, slice, np.ndarray]]] = {}
         products = dictionary.products(axis, matrix)
         turned = products.projected(fit)[1] @ np.linalg.cholesky(fit.covariance)
