@@ -62,11 +62,11 @@ def inline_svg(path: str | Path, prefix: str) -> Markup:
         plain = {name.rpartition("}")[2]: value for name, value in element.attrib.items()}
         element.attrib.clear()
         element.attrib.update({n: _local(n, v, prefix) for n, v in plain.items() if not n.startswith("on")})
-    # A narrow figure stays narrow, so that its text is as large as elsewhere: one point is 1.55 pixels at most. In a
-    # phone a wide one is scrolled: with less than 1.15 its text could not be read.
+    # A narrow figure stays narrow, so that its text is as large as elsewhere: one point is 1.55 pixels at most.
     width = float(box[1])
     for size in ("width", "height", "version"):
         root.attrib.pop(size, None)
-    style = f"--least: {1.15 * width:.0f}px; --widest: {1.55 * width:.0f}px"
-    root.attrib.update({"role": "img", "aria-label": description, "class": "plot", "style": style})
+    root.attrib.update(
+        {"role": "img", "aria-label": description, "class": "plot", "style": f"--widest: {1.55 * width:.0f}px"}
+    )
     return Markup(ElementTree.tostring(root, encoding="unicode", short_empty_elements=True))
