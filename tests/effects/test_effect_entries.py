@@ -12,8 +12,8 @@ from jointwear.effects.effect import correction_torque
 from jointwear.effects.entries.presliding_hysteresis import EFFECT as HYSTERESIS
 from jointwear.effects.needs import ALL as NEEDS
 from jointwear.effects.order import lagged, late_torque
-from jointwear.files.documents import check, read_schema
 from jointwear.files.errors import InputError
+from jointwear.files.schemas import check, read_schema
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import gravity_regressor, inertial_regressor, to_joint_frame
 from jointwear.robots.robot import EffectEntry, load_robot, robot_from_data

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 import yaml
 
-from jointwear.files.documents import check, read_yaml
+from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError, shown
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.numbers import LARGEST
+from jointwear.files.schemas import check
 from jointwear.reproduction.features import histograms
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file

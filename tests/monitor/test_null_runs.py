@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointwear.files.documents import read_schema
+from jointwear.files.schemas import read_schema
 from jointwear.monitor.watching.null_runs import JUDGED, RUNS, Axis, _draws, _maxima, null_thresholds
 
 

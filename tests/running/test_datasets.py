@@ -2,8 +2,8 @@
 
 import pytest
 
-from jointwear.files.documents import check
 from jointwear.files.errors import InputError
+from jointwear.files.schemas import check
 from jointwear.running.configuration import config_schema
 from jointwear.running.datasets import check_datasets, written_for
 

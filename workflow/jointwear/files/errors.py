@@ -40,6 +40,11 @@ def shown(value: Any) -> str:
         return f"a {type(value).__name__} of {value.bit_length()} bits"
 
 
+def quoted(word: Any) -> str:
+    """Return a key between quotation marks, cut like every value that a message repeats."""
+    return f"'{shown(str(word))[1:-1]}'"
+
+
 def _cut(text: str, length: int) -> str:
     return text if len(text) <= length else text[: length - 3] + "..."
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from jointwear.effects import library
-from jointwear.files.documents import read_schema
+from jointwear.files.schemas import read_schema
 from jointwear.files.text_files import replace_text
 from jointwear.reproduction import readings
 from jointwear.running.configuration import config_schema

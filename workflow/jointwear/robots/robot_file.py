@@ -10,10 +10,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
+from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.registered import path_in, will_be_fetched
 from jointwear.files.regular_files import nearest_file
+from jointwear.files.schemas import check, normalise_numbers, read_schema
 from jointwear.files.wording import count as counted
 from jointwear.robots.plausible_drives import check_drives, check_payload, check_ratio
 from jointwear.robots.rigid_body import has_no_negative_moment

@@ -6,8 +6,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.documents import check, normalise_numbers, read_schema, read_yaml
+from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError
+from jointwear.files.schemas import check, normalise_numbers, read_schema
 from jointwear.files.wording import count
 
 HOUR = 3600.0

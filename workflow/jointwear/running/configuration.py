@@ -10,12 +10,13 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.documents import check, normalise_numbers, read_numbers, read_schema, read_yaml
+from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError, nearest
 from jointwear.files.numbers import check_numbers
 from jointwear.files.patterns import matches
 from jointwear.files.registered import is_registered, locate
 from jointwear.files.regular_files import ROOT, check_regular
+from jointwear.files.schemas import check, normalise_numbers, read_numbers, read_schema
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.digests import digest
-from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
+from jointwear.files.schemas import check
 from jointwear.files.wording import count
 from jointwear.measurement.refused import Refused
 from jointwear.monitor.fleet.plan import stamp_of

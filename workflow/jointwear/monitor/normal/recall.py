@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
+from jointwear.files.schemas import check
 
 _ROW = {"type": "array", "items": {"type": ["number", "null"]}}
 #: Layout of the file: entries are lists of rows.

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from jointwear.files.documents import check
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
+from jointwear.files.schemas import check
 from jointwear.monitor.notify.notices import Closure, Notice
 
 #: Lines of a message beyond which the rest is only counted: services refuse long messages.

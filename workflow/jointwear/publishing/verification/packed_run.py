@@ -13,9 +13,9 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
-from jointwear.files.documents import check
 from jointwear.files.errors import InputError, shown
 from jointwear.files.json_documents import read_json
+from jointwear.files.schemas import check
 from jointwear.publishing.crate.layout import CODE, FILES, METADATA, REPORT, STAMP, files_of
 from jointwear.publishing.soundness import checksum
 
