@@ -51,18 +51,24 @@ def few_short(missing: np.ndarray, pieces: list[slice]) -> bool:
 
 
 def curved(values: np.ndarray, missing: np.ndarray, pieces: list[slice]) -> np.ndarray:
-    """Return values (m, n) of a motion with a cubic spline through what is known in place of what is missing (m, n).
-
-    Beside positions to the last digit of an encoder a straight line through a curve is a sample that stands out.
-    """
+    """Return values (m, n) of a motion in even steps with a cubic spline in place of what is missing (m, n) in each
+    piece."""
     result = np.array(values, dtype=float)
     for p in pieces:
-        for j in np.flatnonzero(missing[p].any(axis=0)):
-            lost, x = missing[p, j], result[p, j]
-            if (~lost).sum() >= FEWEST_OF_CURVE:
-                place = np.arange(len(x))
-                x[lost] = CubicSpline(place[~lost], x[~lost])(place[lost])
+        lead_over(np.arange(p.stop - p.start), result[p], missing[p])
     return result
+
+
+def lead_over(time: np.ndarray, values: np.ndarray, missing: np.ndarray) -> None:
+    """Put values (k, n) of a motion where they are `missing` (k, n) onto cubic splines through all others, in place.
+
+    Beside positions to the last digit of an encoder a straight line through a curve is a sample that stands out, and
+    its corner is an acceleration that nobody made.
+    """
+    for j in np.flatnonzero(missing.any(axis=0)):
+        lost = missing[:, j]
+        if (~lost).sum() >= FEWEST_OF_CURVE:
+            values[lost, j] = CubicSpline(time[~lost], values[~lost, j])(time[lost])
 
 
 def reached(missing: np.ndarray, reach: int) -> np.ndarray:

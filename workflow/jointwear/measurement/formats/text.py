@@ -277,9 +277,10 @@ def _first_lines(path: Path) -> tuple[list[str], str]:
     for start, words in _OTHER_FILES.items():
         if whole.startswith(start):
             raise InputError(f"{path}: {words}")
-    if whole.lstrip(b"\xef\xbb\xbf \t\r\n")[:_OF_A_PAGE].lower().startswith(_PAGES):
+    begin = whole.lstrip(b"\xef\xbb\xbf \t\r\n")
+    if begin[:_OF_A_PAGE].lower().startswith(_PAGES):
         raise InputError(f"{path}: is a web page, not CSV, as a server sends in place of a file after a failed login")
-    if whole.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(_JSON):
+    if begin.startswith(_JSON):
         raise InputError(
             f"{path}: holds JSON, not CSV; write one row for each time and one column for each name, as pandas does by "
             "pandas.read_json(..., lines=True).to_csv(..., index=False)"

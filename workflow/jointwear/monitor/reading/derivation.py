@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 
 from jointwear.measurement.derived.even_steps import likelier_time
 from jointwear.measurement.derived.filtering import SAFELY, SHORTEST, low_pass
-from jointwear.measurement.derived.missing_samples import reached
+from jointwear.measurement.derived.missing_samples import lead_over, reached
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.turns import unwrapped
@@ -89,7 +89,7 @@ def derive_motion(chunk: Chunk, stretch: np.ndarray, cutoff: np.ndarray) -> Moti
         limit = np.minimum(cutoff, SAFELY * rate)
         values, measured = (velocity[part], chunk.velocity) if given_v else (position[part], chunk.position)
         clock = likelier_time(time, values)
-        _round_off(clock, values, ~np.isfinite(measured[part]) & ~hole)
+        lead_over(clock, values, ~np.isfinite(measured[part]) & ~hole)
         if given_v:
             out_velocity[part] = values
         due.append(_Derived(part, clock, values, limit, not given_v))
@@ -130,13 +130,6 @@ def _bridge(time: np.ndarray, values: np.ndarray, longest: float = BRIDGE) -> np
         left, right = known[np.clip(after - 1, 0, None)], known[np.clip(after, None, len(known) - 1)]
         hole[missing, j] = ~inside | (time[right] - time[left] > longest * usual)
     return hole
-
-
-def _round_off(time: np.ndarray, values: np.ndarray, bridged: np.ndarray) -> None:
-    """Put values (k, n) where they were `bridged` (k, n) onto cubic splines through all others, in place."""
-    for j in np.flatnonzero(bridged.any(axis=0)):
-        there = bridged[:, j]
-        values[there, j] = CubicSpline(time[~there], values[~there, j])(time[there])
 
 
 def _bridge_given(time: np.ndarray, values: np.ndarray, hole: np.ndarray) -> bool:

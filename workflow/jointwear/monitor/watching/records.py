@@ -210,7 +210,7 @@ class Teller:
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
             # By what alarms its growth may be none: then, as while all axes move together, it may be chance.
-            other_cause = bool(abs(level.shared.common[k]) > FINDING) or values[1] <= 0
+            other_cause = bool(_together(level)[k]) or values[1] <= 0
             sure = honest_probability(statistic[k], threshold[k], other_cause)[j] if level.alarm[k, j] else np.nan
             expected = self._limits.forecast(k, j, name)[1]
             result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
