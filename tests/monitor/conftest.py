@@ -1,13 +1,16 @@
 """Logs and results that several test files look at."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from fleet_rows import FLEET, NOW
 from monitor_logs import ROBOT, START, columns, make_log, survey_once, write_parquet
 from monitor_states import EVIL, HOURS, WORN
 
 from jointwear.monitor.fleet import watch
+from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.presentation.page import write_page
 from jointwear.monitor.reading import reading_stages
@@ -61,3 +64,17 @@ def monitored(tmp_path_factory):
     judge_windows(windows, ROBOT, entry, folder / "state.nc", folder / "alarms.csv", folder / "recall.json", "cell_3")
     write_page(read_state(folder / "state.nc"), folder / "monitor.html", folder / "figures")
     return folder, windows, entry
+
+
+@pytest.fixture(scope="session")
+def built_fleet(tmp_path_factory):
+    """The folder with the page, table, metrics and history of the fleet of `fleet_rows`."""
+    folder = tmp_path_factory.mktemp("fleet")
+    (folder / "batch.json").write_text(json.dumps({"robots": FLEET}))
+    names = ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json")
+    files = (folder / name for name in names)
+    message = {"channel": "shift", "since": NOW, "attempts": 1, "title": "t", "body": "b"}
+    (folder / "outbox.json").write_text(json.dumps({"told": {}, "waiting": [message] * 2}))
+    more = {"time_zone": "America/New_York", "now": NOW, "outbox": folder / "outbox.json"}
+    summarise_fleet([folder / "batch.json"], folder / "robots", *files, **more)
+    return folder

@@ -9,6 +9,7 @@ from typing import Any
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
 from jointwear.monitor.presentation.to_answer import AHEAD, ASKING, lasts
+from jointwear.monitor.presentation.words import growth_now
 
 #: What a robot can be in, the most urgent first, and the words for it.
 REFUSED, STALE, ASKS = "refused", "stale", "needs an entry under events"
@@ -99,7 +100,10 @@ def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_H
 
 
 def ranked(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return rows of :func:`as_of`, the most urgent first: within a kind the soonest limit, then the largest growth."""
+    """Return rows of :func:`as_of`, the most urgent first: within a kind the soonest limit, then the largest growth.
+
+    Growth of before an event that has not been judged since counts as none: it is not that of now.
+    """
 
     def order(row: Mapping[str, Any]) -> tuple[Any, ...]:
         first = row["axes"][0] if row["axes"] else {}
@@ -110,7 +114,7 @@ def ranked(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
             ORDER.index(row["urgency"]),
             soonest[0],
             soonest[1],
-            -(first.get("growth") or 0.0),
+            -((growth_now(first)[0] if first else None) or 0.0),
             -problems,
             row["robot"],
         )

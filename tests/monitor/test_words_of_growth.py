@@ -1,0 +1,68 @@
+"""How growth, forecasts and times are told."""
+
+import pytest
+from fleet_rows import axis
+
+from jointwear.files.errors import InputError
+from jointwear.monitor.local_time import local_time, zone_of
+from jointwear.monitor.presentation.condition import CHANGED
+from jointwear.monitor.presentation.words import MAY_BE_REACHED, change_words, outlook_words
+
+
+def test_a_changed_axis_that_is_not_judged_now_tells_its_newest_alarm():
+    told = {**axis(3, CHANGED), "growth": None, "quantity": "coulomb friction", "change": 91.8, "unit": "N m"}
+    assert change_words(told) == "Coulomb friction +92 N m at its newest alarm, not judged now; limit 20 %"
+
+
+@pytest.mark.parametrize(
+    ("hours", "words"),
+    [
+        (None, ""),
+        ([0.0, 0.0, 7.0], "limit may be reached by now"),
+        ([30.0, 10.0, None], "limit not within 10 h"),
+        ([None, 100.0, None], "limit not within 4 days"),
+        ([None, None, None], "no limit in sight"),
+        ([30.0, 10.0, 100.0], "limit in 30 h (10 h to 4 days)"),
+    ],
+)
+def test_forecasts_in_words(hours, words):
+    axis = {"hours": hours, "reached": False}
+    assert outlook_words({"dated": False, "last_sample": 0.0}, axis, zone_of(None)) == words
+
+
+def test_a_limit_is_reached_where_the_growth_that_is_told_has_reached_it():
+    row = {"dated": False, "last_sample": 0.0}
+    assert outlook_words(row, {"hours": [0.0, 0.0, 0.0], "reached": True}, zone_of(None)) == "limit reached"
+    assert outlook_words(row, {"hours": [9.0, 4.0, 20.0], "reached": True}, zone_of(None)) == "limit reached"
+
+
+@pytest.mark.parametrize(("hours", "words"), [([0.0, 0.0, 0.0], "reached"), ([0.0, 0.0, 9.0], "may be reached by now")])
+def test_the_forecast_of_viscous_friction_says_of_which_limit_it_is(hours, words):
+    axis = {"hours": hours, "reached": False, "quantity": "viscous friction", "limit": 20.0}
+    told = outlook_words({"dated": False, "last_sample": 0.0}, axis, zone_of(None))
+    assert told == f"limit of viscous friction (+20 %) {words}"
+
+
+@pytest.mark.parametrize(("grown", "words"), [(16.7, "may be reached by now"), (19.96, "reached"), (24.0, "reached")])
+def test_a_limit_of_one_quantity_is_reached_where_what_is_told_of_it_is(grown, words):
+    """A page told viscous friction of +16.7 %, a limit of 20 %, and that the limit was reached."""
+    axis = {"hours": [0.0] * 3, "reached": False, "quantity": "viscous friction", "limit": 20.0, "growth": 1.0}
+    told = outlook_words({"dated": False, "last_sample": 0.0}, {**axis, "viscous_growth": grown}, zone_of(None))
+    assert told == f"limit of viscous friction (+20 %) {words}"
+
+
+def test_the_size_of_backlash_is_told_as_the_least_it_is():
+    axis = {"growth": None, "limit": 20.0, "quantity": "backlash", "change": 53.0, "unit": "%"}
+    assert change_words(axis) == "backlash: pulses at reversals by +53 % at least"
+
+
+def test_table_and_outlook_of_an_axis_tell_a_forecast_of_no_hours_in_the_same_words(root):
+    assert f"== 0 %}}{MAY_BE_REACHED}{{% else" in (root / "report/monitor.html.j2").read_text()
+
+
+def test_times_are_local_and_say_so():
+    berlin = zone_of("Europe/Berlin")
+    assert local_time(1_774_746_000.0, berlin) == "2026-03-29 03:00 CEST"
+    assert local_time(1_774_742_400.0, berlin) == "2026-03-29 01:00 CET"
+    with pytest.raises(InputError, match="did you mean 'Europe/Berlin'"):
+        zone_of("Europe/Berln")
