@@ -55,8 +55,8 @@ OTHERS = {
         curvature.LARGEST_SPREAD largest_torque.LEAST_MOTION identifiability.RIDGE linear.FREE whitening.TOLD
     """,
     "half, which is most of something, or no price at all": """
-        decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED shared_drives.UNEXPLAINED
-        building_up.QUIET saturated.TWICE slow_noise.PRICE instruments.FEIGNED
+        changing_size.CHANGING decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED
+        shared_drives.UNEXPLAINED building_up.QUIET saturated.TWICE slow_noise.PRICE instruments.FEIGNED
     """,
     "of a fit that is stored with its source": "calibration.COARSE calibration.LEAST_LEFT",
     "which rivals are told as tied with a name, and asked where it is not likely": """

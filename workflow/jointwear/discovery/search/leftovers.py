@@ -17,6 +17,7 @@ from jointwear.discovery.problem.instruments import torque_noise
 from jointwear.discovery.problem.unresolved_steps import at_unresolved_steps
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.acceptance import of_timing, predictive
+from jointwear.discovery.search.changing_size import changing
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.explained import explained, explained_elsewhere
 from jointwear.discovery.search.in_its_place import better_in_its_place
@@ -249,7 +250,8 @@ def _where(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float]:
 def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
-    A name in whose place structure without a name explains more is a suspect on any axis.
+    A name in whose place structure without a name explains more is a suspect on any axis, and so is one whose size
+    changes over time (:func:`.changing_size.changing`).
     An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
     axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
     axes in the model, and no other joint lacks the same; one of timing has to be most of it too.
@@ -260,6 +262,11 @@ def stand_alone(outcome: Outcome) -> None:
         elsewhere = acts_elsewhere(outcome, one)
         if elsewhere is not None:
             outcome.suspects.append((one, f"joint {elsewhere + 1} lacks the same torque, and this effect acts on one"))
+            continue
+        spread = changing(outcome, one)
+        if spread is not None:
+            words = f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
+            outcome.suspects.append((one, words))
             continue
         instead = better_in_its_place(outcome, one)
         if instead is not None:
