@@ -34,23 +34,30 @@ def spikes(time: np.ndarray, trajectory: np.ndarray, torque: np.ndarray) -> np.n
     time : (m,) [s]. trajectory : (m,) labels. torque : (m, n) [N m]; NaN where it is missing.
     """
     found = np.zeros(torque.shape, bool)
-    pieces: list[slice] = []
+    pieces = pieces_of(time, trajectory)
+    label = np.repeat(np.arange(len(pieces)), [piece.stop - piece.start for piece in pieces])
     for j, values in enumerate(torque.T):
-        if not _may_hold_any(values[np.isfinite(values)]):
+        known = np.isfinite(values)
+        if not _may_hold_any(values[known], label[known]):
             continue
-        pieces = pieces or pieces_of(time, trajectory)
         apart = np.zeros(len(values))
         for piece in pieces:
-            rows = piece.start + np.flatnonzero(np.isfinite(values[piece]))
+            rows = piece.start + np.flatnonzero(known[piece])
             apart[rows] = _from_neighbours(time[rows], values[rows])
         found[:, j] = _beyond_all_others(apart, values)
     return found
 
 
-def _may_hold_any(values: np.ndarray) -> bool:
-    """Return whether finite values (k,) have a step as large as a spike has on its way out."""
-    # A spike is more than half of the whole range, and out there in at most as many steps as it has samples.
-    return len(values) > 2 * SAMPLES and 2 * SAMPLES * float(np.abs(np.diff(values)).max()) > float(np.ptp(values))
+def _may_hold_any(values: np.ndarray, label: np.ndarray) -> bool:
+    """Return whether finite values (k,) have a step as large as a spike has on its way out; `label` (k,) of pieces."""
+    few = int(FEW * len(values))
+    if len(values) <= 2 * SAMPLES or not few:
+        return False
+    # A spike differs from the median of its neighbours by at most as many steps as it has samples, and by more than the
+    # range of all others, which is no less than what is left of it without so many at either end as may be spikes.
+    low, high = np.partition(values, [few, len(values) - 1 - few])[[few, len(values) - 1 - few]]
+    steps = np.abs(np.diff(values))
+    return SAMPLES * float(steps.max(where=label[1:] == label[:-1], initial=0.0)) > float(high - low)
 
 
 def _from_neighbours(time: np.ndarray, values: np.ndarray) -> np.ndarray:
