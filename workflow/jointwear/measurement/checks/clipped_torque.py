@@ -38,8 +38,9 @@ def at_limit(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> tup
     """
     there, limits = np.zeros(torque.shape, dtype=bool), []
     for j, (values, places) in enumerate(zip(torque.T, position.T, strict=True)):
-        limits.append(_limits(values, places, label))
-        there[:, j] = np.isin(values, limits[-1])
+        limits.append(_limits(np.ascontiguousarray(values), places, label))
+        if limits[-1]:
+            there[:, j] = np.isin(values, limits[-1])
     return there, limits
 
 

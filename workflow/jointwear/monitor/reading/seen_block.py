@@ -102,8 +102,12 @@ class SeenBlock:
         np.add.at(statistics.turned_shown, row, shown)
 
     def _moved(self, usable: np.ndarray) -> np.ndarray:
+        return usable & self._moving
+
+    @cached_property
+    def _moving(self) -> np.ndarray:
         settings = self.settings
-        return usable & moving(self.motion.velocity, self.around.stretch, settings.dead_band, settings.guard)
+        return moving(self.motion.velocity, self.around.stretch, settings.dead_band, settings.guard)
 
     @cached_property
     def _pieces(self) -> list[slice]:
