@@ -17,6 +17,7 @@ from jointwear.measurement.checks.axis_readings import (
     units_of_one,
 )
 from jointwear.measurement.checks.turned_signs import (
+    Nats,
     in_doubt,
     likeliest_signs,
     nats_of_signs,
@@ -223,7 +224,16 @@ def _spoils(left: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.any((left < RIGHT) & (other > SAME_WRIST)))
 
 
-def check_axes(name: str, robot: Robot, measured: Measured, stated: Stated | None = None) -> bool:
+def signs_of(robot: Robot, measured: Measured) -> Nats:
+    """Return :func:`~.turned_signs.nats_of_signs` of a recording, which :func:`check_axes` and :func:`signs_in_doubt`
+    both ask."""
+    parts, _, usable = _features(measured)
+    return nats_of_signs(Dynamics(robot), parts, usable)
+
+
+def check_axes(
+    name: str, robot: Robot, measured: Measured, stated: Stated | None = None, signs: Nats | None = None
+) -> bool:
     """Check order, signs and zeros of the axes, and the side of their torques, against the nominal model.
 
     Another reading must explain the data far better with the parameters of the nominal model as they are, and be the
@@ -233,6 +243,7 @@ def check_axes(name: str, robot: Robot, measured: Measured, stated: Stated | Non
     Parameters
     ----------
     name : of the data set or the log, for messages. stated : what its configuration says already, default nothing.
+    signs : of :func:`signs_of` of the same arguments, default they are worked out.
 
     Raises
     ------
@@ -245,7 +256,8 @@ def check_axes(name: str, robot: Robot, measured: Measured, stated: Stated | Non
     left = explained(dynamics, parts, usable)
     if not np.isfinite(left).any():
         return False
-    if believed := _believed(dynamics, parts, usable, left):
+    signs = signs or nats_of_signs(dynamics, parts, usable)
+    if believed := _believed(dynamics, parts, usable, left, signs):
         raise _refusal(name, dynamics, parts, usable, left, believed, stated or Stated())
     return True
 
@@ -254,9 +266,11 @@ def check_axes(name: str, robot: Robot, measured: Measured, stated: Stated | Non
 _Reading = tuple[float, Reading, np.ndarray]
 
 
-def _believed(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: np.ndarray) -> list[_Reading]:
+def _believed(
+    dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: np.ndarray, signs: Nats
+) -> list[_Reading]:
     """Return the other readings of the axes that explain the data far better; the arguments are those of
-    :func:`explained`, and `left` (n,) is what it returns."""
+    :func:`explained`, `left` (n,) is what it returns, and `signs` are those of :func:`signs_of`."""
     robot, likelihood = dynamics.robot, Likelihood(dynamics, FEWEST)
     as_read: float | None = None
     believed: list[_Reading] = []
@@ -274,7 +288,7 @@ def _believed(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: n
         return worse or not np.nanmax(concerned, initial=0.0) < WRONG
 
     def several() -> Iterator[tuple[Reading, np.ndarray]]:
-        for reading in _turned_together(dynamics, parts, usable, left):
+        for reading in _turned_together(dynamics, parts, usable, left, signs):
             yield reading, explained(dynamics, *reading.read(parts, usable, robot))
 
     for reading, other in chain(explained_otherwise(dynamics, parts, usable, refuted), several()):
@@ -291,10 +305,12 @@ def _believed(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: n
     return believed
 
 
-def _turned_together(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: np.ndarray) -> Iterator[Reading]:
-    """Yield the readings that turn several joints around, or the torques of several; `left` as of :func:`_believed`."""
-    nats = nats_of_signs(dynamics, parts, usable)
-    needed = needed_signs(nats, likeliest_signs(nats, parts.shape[2]), FAVOURS["flip"])
+def _turned_together(
+    dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, left: np.ndarray, signs: Nats
+) -> Iterator[Reading]:
+    """Yield the readings that turn several joints around, or the torques of several; `left` and `signs` as of
+    :func:`_believed`."""
+    needed = needed_signs(signs, likeliest_signs(signs, parts.shape[2]), FAVOURS["flip"])
     if len(needed) > 1:
         yield turned_around(needed)
     # The torque of a joint says nothing of that of another: each that fits far better turned around is.
@@ -306,19 +322,18 @@ def _turned_together(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, 
         yield Reading("torque", tuple(np.flatnonzero(better).tolist()))
 
 
-def signs_in_doubt(robot: Robot, measured: Measured, stated: Stated | None = None) -> list[str]:
+def signs_in_doubt(robot: Robot, measured: Measured, signs: Nats, stated: Stated | None = None) -> list[str]:
     """Return in words the signs of joints that would fit better, though by too little to refuse a recording.
 
     Parameters
     ----------
-    measured, stated : as of :func:`check_axes`, which did not refuse them.
+    measured, signs, stated : as of :func:`check_axes`, which did not refuse them.
     """
     parts, time, usable = _features(measured)
     if len(time) < FEWEST:
         return []
     dynamics = Dynamics(robot)
-    nats = nats_of_signs(dynamics, parts, usable)
-    return list(in_doubt(lambda turned: explained(dynamics, turned, usable), nats, parts, stated or Stated()))
+    return list(in_doubt(lambda turned: explained(dynamics, turned, usable), signs, parts, stated or Stated()))
 
 
 def _refusal(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jointwear.measurement.checks.axes_check import check_axes, signs_in_doubt
+from jointwear.measurement.checks.axes_check import check_axes, signs_in_doubt, signs_of
 from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import clipped_torques
 from jointwear.measurement.checks.copied_columns import check_columns_differ
@@ -56,9 +56,10 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     stated = Stated(recording.units, recording.factors)
     check_mounting(name, robot, thin.parts, thin.usable, stated)
     check_time_scale(name, robot, thin.parts, thin.usable)
-    if not check_axes(name, robot, measured, stated):
+    signs = signs_of(robot, measured)
+    if not check_axes(name, robot, measured, stated, signs):
         restrictions.append(UNASKED)
-    restrictions += signs_in_doubt(robot, measured, stated)
+    restrictions += signs_in_doubt(robot, measured, signs, stated)
     check_scale_of_one(factors)
     check_model_size(measured, robot, name, behind_gears=recording.torque_kind == "link_sensor")
     check_follows(measured, robot, name)
