@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from jointwear.discovery.noise.noise import estimate
@@ -68,12 +70,14 @@ def gear_orders(
         for height in heights:
             power = np.abs(np.fft.rfft(np.bincount(place, (left * height)[used], size))[: len(waves)]) ** 2
             starts.append((float(waves[np.argmax(np.where(asked, power / around(power), 0.0))]), height))
-        gained, many, height, without = _largest(left, take_off, position, starts)
-        if 0.5 * gained <= needed * np.mean(left[used] ** 2):
+        again = take_off.again(left)
+        best = _largest(again, take_off, position, starts)
+        if 0.5 * best.gained <= needed * np.mean(left[used] ** 2):
             break
         for step in line * NEARER:
-            nearby = [(many + k * step, height) for k in range(-4, 5)]
-            _, many, height, without = _largest(left, take_off, position, nearby)
+            nearby = [(best.many + k * step, best.height) for k in range(-4, 5)]
+            best = _largest(again, take_off, position, nearby)
+        many, without = best.many, left - take_off(best.columns) @ best.size
         noise = noise or estimate(left, used, label)
         quieter = estimate(without, used, label)
         if len(quieter.rows) * np.log(noise.sigma / quieter.sigma) <= needed:
@@ -98,10 +102,22 @@ def _from_steps(many: float, step: float) -> float:
     return min(abs(many - max(round(many / each), 1) * each) for each in once)
 
 
+@dataclass(frozen=True)
+class _Wave:
+    """A wave by its number in a radian, its `height` and `columns` (N, 2), their coefficients `size` (2,), and what it
+    takes off the squares of a residual."""
+
+    gained: float
+    many: float
+    height: np.ndarray
+    columns: np.ndarray
+    size: np.ndarray
+
+
 def _largest(
-    left: np.ndarray, take_off: RidgeFit, position: np.ndarray, asked: list[tuple[float, np.ndarray]]
-) -> tuple[float, float, np.ndarray, np.ndarray]:
-    """Return what the wave takes off the squares of a residual (N,) that takes most, the wave, and what it leaves.
+    again: np.ndarray, take_off: RidgeFit, position: np.ndarray, asked: list[tuple[float, np.ndarray]]
+) -> _Wave:
+    """Return the wave that takes most off the squares of a residual of which `again` (N,) is :meth:`.RidgeFit.again`.
 
     Parameters
     ----------
@@ -110,7 +126,7 @@ def _largest(
     columns = [
         np.stack([np.sin(many * position), np.cos(many * position)], axis=1) * height[:, None] for many, height in asked
     ]
-    found = take_off.gained(columns, take_off.squares(columns), left)
+    found = take_off.gained_of(columns, take_off.squares(columns), again)
     best = max(range(len(asked)), key=lambda k: found[k][0])
     gained, size = found[best]
-    return gained, *asked[best], left - take_off(columns[best]) @ size
+    return _Wave(gained, *asked[best], columns[best], size)

@@ -67,8 +67,18 @@ class RidgeFit:
     ) -> list[tuple[float, np.ndarray]]:
         """Return for each of groups (N, s) what it takes off the squares of what a fit that knows no noise left of a
         series (N,), and its coefficients (s,); `squares` are those of :meth:`squares`."""
+        return self.gained_of(groups, squares, self.again(left))
+
+    def again(self, left: np.ndarray) -> np.ndarray:
+        """Return what the fit leaves of what it left of a series (N,), 0 where it is not used."""
+        return np.where(self._used, self(left), 0.0)
+
+    @staticmethod
+    def gained_of(
+        groups: Sequence[np.ndarray], squares: Sequence[np.ndarray], again: np.ndarray
+    ) -> list[tuple[float, np.ndarray]]:
+        """Return :meth:`gained` of a series of which :meth:`again` is known."""
         # What the fit leaves of columns has the products with a residual that these have with what it leaves of that.
-        again = np.where(self._used, self(left), 0.0)
         return [solved(columns.T @ again, gram) for columns, gram in zip(groups, squares, strict=True)]
 
     def _seen(self, series: np.ndarray) -> np.ndarray:
